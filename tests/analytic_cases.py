@@ -36,9 +36,9 @@ class Analytic(Case):
             raise RuntimeError("mesh is tangled")
         if self.fault == "dies" and level == 1:
             os._exit(3)
-        if self.fault == "sleeps" and level == 1:
+        if self.fault == "sleeps" and level == 1 and outer == "fixed":
             time.sleep(60.0)
-        if self.fault == "eats" and level == 1:
+        if self.fault == "eats" and level == 1 and outer == "fixed":
             held = np.ones((60_000_000,))  # 480 MB
             time.sleep(0.3 + 0.0 * held[0])
         if self.fault == "shape":

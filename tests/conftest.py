@@ -8,6 +8,7 @@ import shutil
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from textwrap import dedent
@@ -39,6 +40,16 @@ def pytest_runtest_setup(item):
 
 #: Test file and rough number of modules at the last search for garbage.
 _searched = []
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give all tests of a file to one process, which makes once what they share, unless the call says otherwise."""
+    if config.getoption("dist") != "load":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log)
 
 
 @pytest.fixture(scope="session")
@@ -84,6 +95,26 @@ def only_process(lock):
         else:
             fcntl.flock(file, fcntl.LOCK_EX)
         yield
+
+
+@pytest.fixture(scope="module")
+def small_pictures():
+    """Store small empty pictures from here on to the end of the test file, where their contents do not matter."""
+    from eigencontact.viz import figures, style
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "save", partial(save_small, save=style.save))
+        patch.setattr(figures, "save", style.save)
+        yield
+
+
+def save_small(_figure, path, _dpi=None, caption="", *, save):
+    """Store an empty picture as `save` stores a figure."""
+    from eigencontact.viz.style import new_figure
+
+    figure = new_figure(1.0, 1.0)
+    figure.add_subplot().set_axis_off()
+    save(figure, path, 20, caption)
 
 
 @dataclass(frozen=True)

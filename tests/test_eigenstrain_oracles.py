@@ -1,5 +1,7 @@
 """The oracles of eigenstrain against each other, against equilibrium and against published numbers."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -115,11 +117,24 @@ def test_faces_have_converged(point):
         assert worst(usual, finer) <= 2e-13
 
 
+@cache
+def face_gradients(name, *points, space="half"):
+    """Moments of all ratios of Poisson at once: gradients at points of a cuboid."""
+    return cuboid_quadrature.gradient_moments(points, *CUBOIDS[name], space)
+
+
+@cache
+def spheroid_gradients(center, aspect, *points, space="half"):
+    """Moments of all ratios of Poisson at once: gradients at points of a spheroid about x, radius 1."""
+    rule = volume_quadrature.ellipsoid_boundary(center, (aspect, 1, 1), None, 48)
+    return volume_quadrature.boundary_moments(points, rule, space, gradient=True)
+
+
 @pytest.mark.parametrize("nu", POISSON)
 def test_flush_cube_has_no_traction_on_the_surface(nu):
     center, edges = CUBOIDS["flush"]
     points = [(0.1, 0.2, 0.0), (0.3, -0.45, 0.0), (0.7, 0.2, 0.0), (2.0, 2.0, 0.0)]
-    gradients = cuboid_quadrature.gradient_moments(points, center, edges)
+    gradients = face_gradients("flush", *points)
     share = cuboid_quadrature.inside(points, center, edges)
     assert share.tolist() == [1, 1, 0, 0]
     for eigenstrain in UNITS:
@@ -134,7 +149,7 @@ def test_stress_jumps_across_a_face_as_equilibrium_demands(nu):
     center, edges = CUBOIDS["shallow"]
     x = center[0] + edges[0] / 2
     points = [(x - 1e-12, 0.1, 0.4), (x, 0.1, 0.4), (x + 1e-12, 0.1, 0.4)]
-    gradients = cuboid_quadrature.gradient_moments(points, center, edges)
+    gradients = face_gradients("shallow", *points)
     share = cuboid_quadrature.inside([(x - 1e-3, 0.1, 0.4), (x, 0.1, 0.4), (x + 1e-3, 0.1, 0.4)], center, edges)
     assert share.tolist() == [1, 0.5, 0]
     for eigenstrain in UNITS:
@@ -148,9 +163,7 @@ def test_stress_jumps_across_a_face_as_equilibrium_demands(nu):
 @pytest.mark.parametrize("nu", POISSON)
 @pytest.mark.parametrize("aspect", [1.0, 3.0, 0.6])
 def test_spheroids_in_full_space(aspect, nu):
-    points = [(0.0, 0.0, 0.0), (0.1, 0.05, -0.1)]
-    rule = volume_quadrature.ellipsoid_boundary((0, 0, 0), (aspect, 1, 1), None, 48)
-    gradients = volume_quadrature.boundary_moments(points, rule, "full", gradient=True)
+    gradients = spheroid_gradients((0, 0, 0), aspect, (0.0, 0.0, 0.0), (0.1, 0.05, -0.1), space="full")
     tensor = eshelby.sphere_tensor(nu) if aspect == 1 else eshelby.spheroid_tensor(aspect, nu)
     for eigenstrain in UNITS:
         found = mindlin.strain(gradients, eigenstrain, nu)
@@ -187,12 +200,17 @@ def test_boundary_against_volume(shape, space):
     assert worst(found, volume_quadrature.volume_moments(points, volume, space)) <= 1e-12
 
 
+@cache
+def ball_moments(center, *points):
+    """Moments of all ratios of Poisson at once: displacement at points of a ball of radius 1."""
+    return volume_quadrature.boundary_moments(points, volume_quadrature.ellipsoid_boundary(center, (1, 1, 1), None, 48))
+
+
 @pytest.mark.parametrize("nu", POISSON)
 def test_dilatational_ball_in_the_half_space(nu):
     center, points = (0.0, 0.0, 1.2), [(0.0, 0.1, 1.3), (2.0, 1.0, 0.0), (1.5, 0.2, 2.6)]
-    boundary = volume_quadrature.ellipsoid_boundary(center, (1, 1, 1), None, 48)
-    moments = volume_quadrature.boundary_moments(points, boundary)
-    gradients = volume_quadrature.boundary_moments(points, boundary, gradient=True)
+    moments = ball_moments(center, *points)
+    gradients = spheroid_gradients(center, 1, *points)
     displacement = mindlin.displacement(moments, np.eye(3), nu)
     closed = eshelby.dilatational_ball_displacement(points, center, 1.0, 1.0, nu)
     assert worst(closed, displacement) <= 2e-11

@@ -11,8 +11,8 @@ from eigencontact.scene.loader import bundled_names
 
 #: Changes that make a scene quick where that matters; regions keep a point where they are compared.
 CHANGES = {
-    "sphere-near-surface": ["grid.cells=65", "grid.size=[32.5e-6, 32.5e-6]", "stress.0.depth-cells=40"],
-    "buried-cuboid": ["grid.cells=41", "stress.0.depth-cells=16"],
+    "sphere-near-surface": ["grid.cells=33", "grid.size=[33e-6, 33e-6]", "stress.0.depth-cells=16"],
+    "buried-cuboid": ["grid.cells=21", "stress.0.depth-cells=8"],
     "prestressed-bars": [
         "grid={cells=[48, 96], spacing=['5 mm', '1 mm']}",
         "stress.0.position='2.5 mm'",
@@ -80,7 +80,7 @@ def test_vtk_files_open(finished):
 
     folder = finished("sphere-near-surface")
     surface = pyvista.read(folder / "surface_0001.vti")
-    assert surface["residual_displacement"].shape == (65 * 65, 3)
+    assert surface["residual_displacement"].shape == (33 * 33, 3)
     assert -surface["residual_displacement"][:, 2].min() == close(read(folder)["max_uplift"], rel=1e-6, abs=0)
     section = pyvista.read(folder / "section_0001.vti")
     assert section["strain"].shape == section["stress"].shape == (section.n_points, 6)

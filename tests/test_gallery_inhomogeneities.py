@@ -17,7 +17,7 @@ A, P0, _ = hertz.hertz_sphere(0.65, 105 * UM, 210e9 / 0.91)
 COARSER = {
     "ellipsoid-under-contact": (["grid.cells=30", "grid.spacing=['2.4 um', '2.4 um']"], {}),
     "inclusion-cluster": (
-        ["grid.cells=42", "grid.spacing=['0.4 um', '0.4 um']", "numerics.inclusion-pitch='0.4 um'"], {}
+        ["grid.cells=32", "grid.spacing=['0.44 um', '0.44 um']", "numerics.inclusion-pitch='0.44 um'"], {}
     ),
     "inclusion-under-contact": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [1.0, 3.0267]}),
     "prestressed-concrete": (
@@ -26,7 +26,7 @@ COARSER = {
     "rolling-over-inclusion": (
         ["grid.cells=[91, 37]", "grid.spacing=['0.45 um', '0.45 um']", "steps.1.increments=8"], {1: None}
     ),
-    "two-inclusions": (["grid.cells-per-contact-radius=24", "grid.margin=1.25"], {}),
+    "two-inclusions": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {}),
     "void-near-surface": (
         ["grid.cells-per-contact-radius=20", "grid.margin=1.25", "stress.0.position='0.154 um'"], {0: [0.1, 1.665, 4.0]}
     ),

@@ -6,7 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
-from eigencontact.viz.coverage import impacts, strikes
+from eigencontact.viz.rolling import impacts, strikes
 
 #: Elastic contact radius of the sphere of 200 um under 12.307 N.
 A = 20e-6
@@ -275,9 +275,9 @@ def test_refined_it_meets_the_finite_elements():
 @pytest.mark.slow
 def test_trends_of_friction_beyond_yield():
     """EP-3, at six cells a radius: what friction does to depth, print, wall and zone (the stick radius takes more)."""
-    from eigencontact_verification.studies.catalogue import find
+    from eigencontact_verification.studies.catalogue import STUDIES
 
-    study = find("plastic-friction")
+    study = STUDIES.find("plastic-friction")
 
     def row(mu):
         values = {"mu": mu, "rate": 2.0}

@@ -5,8 +5,8 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.figures import draw_all
+from eigencontact.viz.surface import exposed_map, several_exposed
 
 LOAD, THICKNESS = 12.307, 1e-6
 

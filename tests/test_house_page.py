@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from eigencontact.plugin import KINDS
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "docs/about/house.md").read_text(encoding="utf-8")
 ROOTS = {"eigencontact": "framework", "eigencontact_plugins": "plugins", "eigencontact_verification": "verification"}
@@ -68,8 +70,8 @@ def test_an_earlier_file_of_a_walk_imports_each_file(title):
         assert number == 0 or file in reached, f"no earlier file imports {file.relative_to(ROOT)}"
 
 
-def test_the_page_follows_three_scenes_and_counts_their_files():
-    assert len(WALKS) == 3
+def test_the_page_has_four_walks_and_counts_their_files():
+    assert len(WALKS) == 4
     stated = {title: int(count) for title, count in COUNT.findall(PAGE)}
     assert stated == {title: len(walk) for title, walk in WALKS.items()}
 
@@ -88,3 +90,17 @@ def test_the_map_has_one_line_for_each_room(folder):
     table = re.search(rf"^### .*{title}.*?\n(.*?)(?=^##|\Z)", PAGE, re.DOTALL | re.MULTILINE)[1]
     rooms = re.findall(r"^\| `(\w+)/` \|", table, re.MULTILINE)
     assert sorted(rooms) == sorted(path.parent.name for path in (ROOT / folder).glob("*/__init__.py"))
+
+
+def test_a_new_kind_of_plugin_changes_at_most_eight_files():
+    section = PAGE.split("## Add a kind of plugin")[1]
+    places = [ROOT / name for name in re.findall(r"^\| `(.+?)` \|", section, re.MULTILINE)]
+    assert len(places) <= 8
+    assert all(place.is_file() for place in places)
+    # Nothing else in the program lists the kinds.
+    names = [rf"[\"'`]{kind}[\"'`]|\b{cls.__name__}\b" for kind, cls in KINDS.items()]
+    for folder in ("framework", "plugins", "verification", "docs/_ext"):
+        for file in (ROOT / folder).rglob("*.py"):
+            text = file.read_text(encoding="utf-8")
+            listed = sum(bool(re.search(name, text)) for name in names)
+            assert listed <= len(KINDS) - 3 or file in places, f"{file.relative_to(ROOT)} names {listed} kinds"

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 import eigencontact
 from close import close
+from eigencontact.core.tensors import to_matrix
+from eigencontact.halfspace.points import unit_fields_at_points
 from eigencontact_verification.oracles import cuboid_quadrature, eshelby, mindlin, volume_quadrature
 
 POISSON = (0.0, 0.3, 0.49, 0.4999999, 0.5)
@@ -37,8 +39,11 @@ UNITS = [unit(*pair) for pair in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)
 
 
 def fields(shape, points, nu, quantity, space="half"):
-    """Six unit eigenstrains; stress in units of the shear modulus."""
-    return np.array([field(shape, e, points, nu, quantity, space) for e in UNITS])
+    """Fields of the six unit eigenstrains, with the potentials evaluated once; stress in units of the shear modulus."""
+    columns = tuple(np.asarray(points, dtype=float).T)
+    found = unit_fields_at_points(shape, columns, poisson_ratio=nu, quantity=quantity, space=space)
+    tensors = found.swapaxes(1, 2) if quantity == "displacement" else to_matrix(found.swapaxes(0, 1))
+    return tensors * np.array([1.0, 1.0, 1.0, *[np.sqrt(2.0)] * 3]).reshape(6, *[1] * (tensors.ndim - 1))
 
 
 def field(shape, eigenstrain, points, nu, quantity="displacement", space="half"):
@@ -441,6 +446,17 @@ def test_the_surface_is_free(name, nu):
     stress = fields(shape, points, nu, "stress")
     traction = np.abs(stress[:, :60, :, 2]).max(axis=(1, 2))
     assert (traction <= 1e-12 * np.abs(stress).max(axis=(1, 2, 3))).all()
+
+
+@pytest.mark.parametrize(("name", "space"), [*((name, "half") for name in SHAPES), ("flush", "full"), ("ball", "full")])
+def test_fields_of_unit_eigenstrains_add_up_to_that_of_the_call(name, space):
+    low, high = np.array(SHAPES[name].bounds)
+    points = (low + high) / 2 + (high - low) / 2 * np.array([(0.2, 0.3, 0.1), (1.0, 0.2, 0.3), (3.0, 2.0, 0.9)])
+    factors = np.array([1.0, -0.5, 0.7, 0.3, -0.9, 0.4])
+    for quantity in ("displacement", "strain", "stress"):
+        parts = fields(SHAPES[name], points, 0.3, quantity, space)
+        whole = field(SHAPES[name], np.tensordot(factors, UNITS, axes=1), points, 0.3, quantity, space)
+        assert np.abs(whole - np.tensordot(factors, parts, axes=1)).max() <= 1e-12 * np.abs(parts).max()
 
 
 # --------------------------------------------------------------------------------------- what holds for every field

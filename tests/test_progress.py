@@ -66,10 +66,11 @@ def test_a_load_step_that_takes_long_says_how_far_it_is():
     assert stream.getvalue().splitlines() == ["load step 1 of 2: contact, residual 1.0e-03, to fall to 1.0e-06"] * 3
 
 
-SMALL = ["grid.cells-per-contact-radius=8", "output.vtk=false"]
+SMALL = ["grid.cells-per-contact-radius=8", "output.vtk=false", "numerics.threads=1"]
 BARE = [*SMALL, "stress=[]", "output.pictures=false"]
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_summary_and_console_say_where_the_time_went(command, tmp_path):
     outcome = command("run", "hertz", "-o", str(tmp_path), *(word for text in SMALL for word in ("--set", text)))
     last = outcome.out.splitlines()[-1]

@@ -41,7 +41,11 @@ SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", SCENES)
+#: Scenes beside another one of the same sort.
+SLOW = {"void", "inhomogeneity"}
+
+
+@pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES])
 def test_fields_are_those_that_the_run_would_have_stored(case, tmp_path, monkeypatch):
     scene = SCENES[case]
     region = {**PLANE, "fields": ["stress"] if case == "layers" else ["stress", "strain"]}
@@ -89,7 +93,7 @@ def test_an_earlier_step_needs_a_run_that_keeps_all(history):
     assert largest[0] < largest[1] < largest[2]
 
 
-@pytest.mark.parametrize("every", [False, True])
+@pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_run_continues_from_what_is_stored_alone(tmp_path, every, history):
     """Stopped before each step, with no state but the folder: the same to the last bit."""
     kept = "all" if every else "last"
@@ -151,6 +155,7 @@ def test_a_changed_window_is_noticed(history, tmp_path, monkeypatch):
         ec.region(history["last"], PLANE)
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_the_command_draws_and_stores_the_region_and_nothing_else(history, tmp_path):
     before = sorted(path.name for path in history["last"].iterdir())
     words = ["plot", str(history["last"]), "--region", '{name = "cut", shape = "plane", depth-max = "9 um"}']

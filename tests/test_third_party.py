@@ -97,6 +97,23 @@ vtk = false
 """
 
 
+COMMANDS = """
+import contextlib, io, json
+from eigencontact.cli import app
+outcomes = []
+for line in LINES:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            app(args=line, prog_name="eigencontact")
+            code = 0
+        except SystemExit as leaving:
+            code = leaving.code or 0
+    outcomes.append((code, out.getvalue(), err.getvalue()))
+print(json.dumps(outcomes))
+"""
+
+
 def run(*arguments, **more):
     """Run a process that must succeed or not, as its caller says."""
     return subprocess.run(
@@ -116,6 +133,10 @@ class Stranger:
     def __call__(self, *arguments):
         """Call the command line."""
         return run(self.python, "-m", "eigencontact.cli", *arguments, cwd=self.folder)
+
+    def commands(self, *lines):
+        """Call the command line several times in one process: code, standard output and error of each."""
+        return [tuple(outcome) for outcome in self.script(f"LINES = {[list(line) for line in lines]!r}\n{COMMANDS}")]
 
     def script(self, code):
         """Run Python; the last line printed is JSON."""
@@ -169,101 +190,113 @@ LISTED = {
 }
 
 
-def test_all_are_listed_with_their_package(stranger):
-    listed = stranger("plugins")
-    assert listed.returncode == 0, listed.stderr
+#: Command lines; one process calls all of them.
+ASKED = {
+    "plugins": ["plugins"],
+    "plugin": ["plugins", "spheroid"],
+    "broken": ["explain", "scene.toml", "--set", "inclusions=[{type='fibre', eigenstrain=1e-3}]"],
+    "thick tube": ["explain", "scene.toml", "--set", "inclusions.0.tube-radius='4 um'"],
+    "misspelt": ["explain", "scene.toml", "--set", "inclusions.1.polar-radios='4 um'"],
+    "scene": ["explain", "scene.toml"],
+    "low cap": ["explain", "friction.toml", "--set", "friction.cap=1 MPa"],
+    "run": ["run", "scene.toml", "-o", "out", "--json"],
+    "run with a file": ["run", "deeper/patch.toml", "-o", "peened", "--json"],
+    "run with friction": ["run", "friction.toml", "-o", "slid", "--json"],
+}
+
+
+#: A patch of eigenstrain from a file of two columns.
+PATCH = '[[eigenstrain]]\ntype = "measured"\nmeasurement = "peened.txt"\ndepth = "4 um"\nlayers = 4\n'
+
+
+@pytest.fixture(scope="module")
+def answers(stranger):
+    """Code, standard output and error of each command line."""
+    place = stranger.folder / "deeper"
+    place.mkdir()
+    (place / "peened.txt").write_text("0.0 1e-3\n5e-6 0.0\n")
+    head = INCLUSIONS[: INCLUSIONS.index("[[inclusions]]")] + INCLUSIONS[INCLUSIONS.index("[grid]") :]
+    (place / "patch.toml").write_text(head + PATCH, encoding="utf-8")
+    return dict(zip(ASKED, stranger.commands(*ASKED.values()), strict=True))
+
+
+def test_all_are_listed_with_their_package(answers):
+    code, listed, err = answers["plugins"]
+    assert code == 0, err
     for key, words in LISTED.items():
-        (line,) = (line for line in listed.stdout.splitlines() if line.split()[:1] == [key])
+        (line,) = (line for line in listed.splitlines() if line.split()[:1] == [key])
         assert words in line
         assert line.endswith(f"({ORIGIN})")
-    detailed = stranger("plugins", "spheroid").stdout
+    detailed = answers["plugin"][1]
     assert "polar-radius: a length [m]; required" in detailed
     assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in detailed
 
 
-def test_the_broken_package_is_reported_and_stops_nothing(stranger):
-    listed = stranger("plugins")
-    assert "cuboid" in listed.stdout
+def test_the_broken_package_is_reported_and_stops_nothing(answers):
+    listed = answers["plugins"][1]
+    assert "cuboid" in listed
     reason = "ModuleNotFoundError: No module named 'a_module_that_is_nowhere'"
-    assert f"fibre of eigencontact-broken-shapes 0.0.1: {reason}" in listed.stdout
-    asked = stranger("explain", "scene.toml", "--set", "inclusions=[{type='fibre', eigenstrain=1e-3}]")
-    assert asked.returncode == 2
-    assert asked.stderr.count("\n") == 1
-    assert "plugin 'fibre' of eigencontact-broken-shapes 0.0.1 is broken: " in asked.stderr
+    assert f"fibre of eigencontact-broken-shapes 0.0.1: {reason}" in listed
+    code, _, err = answers["broken"]
+    assert code == 2
+    assert err.count("\n") == 1
+    assert "plugin 'fibre' of eigencontact-broken-shapes 0.0.1 is broken: " in err
 
 
-def test_refusals_of_its_shapes_read_like_ours(stranger):
-    done = stranger("explain", "scene.toml", "--set", "inclusions.0.tube-radius='4 um'")
-    assert done.returncode == 2
-    assert "torus.tube_radius must be positive and below ring_radius, 3e-06 [m] (got 4e-06)" in done.stderr
-    done = stranger("explain", "scene.toml", "--set", "inclusions.1.polar-radios='4 um'")
-    assert done.returncode == 2
-    assert "did you mean 'polar-radius'?" in done.stderr
+@pytest.mark.parametrize(
+    ("question", "words"),
+    [
+        ("thick tube", "torus.tube_radius must be positive and below ring_radius, 3e-06 [m] (got 4e-06)"),
+        ("misspelt", "did you mean 'polar-radius'?"),
+        ("low cap", "adhesive.cap must be finite and at least tau0, 50000000.0 [Pa] (got 1000000.0)"),
+    ],
+)
+def test_refusals_of_its_components_read_like_ours(answers, question, words):
+    code, _, err = answers[question]
+    assert code == 2
+    assert words in err
 
 
-def test_explain_says_how_each_is_computed(stranger):
-    told = stranger("explain", "scene.toml")
-    assert told.returncode == 0, told.stderr
-    (ring,) = (line for line in told.stdout.splitlines() if line.startswith("  ring (plugin 'torus'"))
-    (lens,) = (line for line in told.stdout.splitlines() if line.startswith("  lens (plugin 'spheroid'"))
+def test_explain_says_how_each_is_computed(answers):
+    code, out, err = answers["scene"]
+    assert code == 0, err
+    (ring,) = (line for line in out.splitlines() if line.startswith("  ring (plugin 'torus'"))
+    (lens,) = (line for line in out.splitlines() if line.startswith("  lens (plugin 'spheroid'"))
     assert "cells" in ring
     assert "cells" not in lens
 
 
-def test_a_scene_with_both_runs_and_cites(stranger):
-    done = stranger("run", "scene.toml", "-o", "out", "--json")
-    assert done.returncode == 0, done.stderr
-    summary = json.loads(done.stdout)
+def summary_of(answer):
+    """Summary that a run printed."""
+    code, out, err = answer
+    assert code == 0, err
+    return json.loads(out)
+
+
+def test_a_scene_with_both_runs_and_cites(answers):
+    summary = summary_of(answers["run"])
     assert summary["versions"]["plugin inclusion-shape torus"] == ORIGIN
     assert summary["versions"]["plugin inclusion-shape spheroid"] == ORIGIN
     assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in summary["references"]
 
 
-def test_a_file_of_theirs_counts_from_the_scene_and_in_its_hash(stranger):
-    place = stranger.folder / "deeper"
-    place.mkdir()
-    (place / "peened.txt").write_text("0.0 1e-3\n5e-6 0.0\n")
-    patch = '[[eigenstrain]]\ntype = "measured"\nmeasurement = "peened.txt"\ndepth = "4 um"\nlayers = 4\n'
-    head = INCLUSIONS[: INCLUSIONS.index("[[inclusions]]")] + INCLUSIONS[INCLUSIONS.index("[grid]") :]
-    (place / "patch.toml").write_text(head + patch, encoding="utf-8")
-    done = stranger("run", "deeper/patch.toml", "-o", "peened", "--json")
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["versions"]["plugin eigenstrain-field measured"] == ORIGIN
-    (place / "peened.txt").write_text("0.0 2e-3\n5e-6 0.0\n")
+def test_a_file_of_theirs_counts_from_the_scene_and_in_its_hash(stranger, answers):
+    summary = summary_of(answers["run with a file"])
+    assert summary["versions"]["plugin eigenstrain-field measured"] == ORIGIN
+    (stranger.folder / "deeper" / "peened.txt").write_text("0.0 2e-3\n5e-6 0.0\n")
     again = stranger("run", "deeper/patch.toml", "-o", "peened", "--resume")
     assert again.returncode == 5
     assert "--resume continues the same scene only" in again.stderr
 
 
 SLIDING = """
-import json
-import numpy as np
-import eigencontact as ec
-
 fields = ec.open_results("slid").isel(step=-1)
 pressure = fields["pressure"].values
 bound = np.where(pressure > 0, np.minimum(50e6 + 0.1 * pressure, 500e6), 0.0)
-print(json.dumps({"error": float(np.abs(fields["shear_x"].values - bound).max() / bound.max()),
+found = {"error": float(np.abs(fields["shear_x"].values - bound).max() / bound.max()),
                   "load": float(fields["tangential_load_x"]) / (bound.sum() * (16e-6 / 24) ** 2),
-                  "capped": int(np.sum(bound == 500e6)), "below": int(np.sum((bound > 0) & (bound < 500e6)))}))
+                  "capped": int(np.sum(bound == 500e6)), "below": int(np.sum((bound > 0) & (bound < 500e6)))}
 """
-
-
-def test_a_contact_slips_by_their_law(stranger):
-    """Far behind the shift all of it slips: the shear is min(tau0 + coefficient p, cap), where there is contact."""
-    done = stranger("run", "friction.toml", "-o", "slid", "--json")
-    assert done.returncode == 0, done.stderr
-    summary = json.loads(done.stdout)
-    assert summary["versions"]["plugin friction-law adhesive"] == ORIGIN
-    assert "B. J. Briscoe and D. Tabor 1975, Wear 34, 29" in summary["references"]
-    found = stranger.script(SLIDING)
-    assert found["error"] < 1e-9
-    assert abs(found["load"] - 1) < 1e-9
-    assert found["capped"] > 0
-    assert found["below"] > 0
-    refused = stranger("explain", "friction.toml", "--set", "friction.cap=1 MPa")
-    assert refused.returncode == 2
-    assert "adhesive.cap must be finite and at least tau0, 50000000.0 [Pa] (got 1000000.0)" in refused.stderr
 
 
 MATERIAL = """
@@ -334,10 +367,6 @@ def test_their_material_observer_and_prestrain_in_one_scene(stranger):
 
 
 FIELDS = """
-import json
-import numpy as np
-import eigencontact as ec
-
 steel = dict(young_modulus=210e9, poisson_ratio=0.3)
 strain = np.array([[1.0, 0.2, -0.3], [0.2, 0.5, 0.1], [-0.3, 0.1, -0.8]])
 points = np.random.default_rng(1).uniform((-3, -3, 0), (3, 3, 5), (40, 3))
@@ -353,15 +382,32 @@ r, angle = 0.15 * (t + 1)[:, None], 2 * np.pi * np.arange(64) / 64
 rho, z = 1 + r * np.cos(angle), 2 + r * np.sin(angle)
 volumes = 0.15 * w[:, None] * r * (2 * np.pi / 64) * (2 * np.pi * rho)
 exact = -1e-3 * 1.3 / np.pi * np.sum(volumes * z / np.hypot(rho, z) ** 3)
-print(json.dumps({"lens": np.max(np.abs(theirs - ours)) / np.max(np.abs(ours)), "ring": lift / exact - 1}))
+found |= {"lens": np.max(np.abs(theirs - ours)) / np.max(np.abs(ours)), "ring": lift / exact - 1}
 """
 
 
-def test_their_fields_are_right(stranger):
+@pytest.fixture(scope="module")
+def found(stranger, answers):
+    """Numbers of a stored run of theirs, and of fields in Python."""
+    head = "import json\nimport numpy as np\nimport eigencontact as ec\n"
+    return stranger.script(f"{head}{SLIDING}{FIELDS}print(json.dumps(found))")
+
+
+def test_a_contact_slips_by_their_law(answers, found):
+    """Far behind the shift all of it slips: the shear is min(tau0 + coefficient p, cap), where there is contact."""
+    summary = summary_of(answers["run with friction"])
+    assert summary["versions"]["plugin friction-law adhesive"] == ORIGIN
+    assert "B. J. Briscoe and D. Tabor 1975, Wear 34, 29" in summary["references"]
+    assert found["error"] < 1e-9
+    assert abs(found["load"] - 1) < 1e-9
+    assert found["capped"] > 0
+    assert found["below"] > 0
+
+
+def test_their_fields_are_right(found):
     """The spheroid is our ellipsoid to round-off; the torus of 32 cells lifts the surface as it should."""
-    errors = stranger.script(FIELDS)
-    assert errors["lens"] < 1e-10
-    assert abs(errors["ring"]) < 1e-3
+    assert found["lens"] < 1e-10
+    assert abs(found["ring"]) < 1e-3
 
 
 @pytest.mark.slow

@@ -95,7 +95,9 @@ def coated(young):
     return {"body1": {"medium": {"type": "bonded-layers", "layers": [layer], "substrate": base}}}
 
 
-@pytest.mark.parametrize("young", [None, 105e9, 420e9], ids=["none", "soft", "hard"])
+@pytest.mark.parametrize(
+    "young", [None, pytest.param(105e9, marks=pytest.mark.slow), 420e9], ids=["none", "soft", "hard"]
+)
 def test_wear_by_energy_asks_for_load_and_path_alone(young):
     """WR-1 and WR-2: 3.0768 µm³ for a metre of sliding, whatever the coating, and V = α E."""
     tables = coated(young) if young else {}

@@ -9,25 +9,24 @@ from functools import cache
 from typing import Any
 
 from eigencontact.listing import plugin_data
+from eigencontact.reference.forms import kinds_within
+from eigencontact.reference.keys import keys_of
+from eigencontact.reference.tables import all_tables
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.loader import bundled_names, bundled_text
 
-#: Key of a scene whose table names a plugin by `type`, and the kind of that plugin.
-KINDS = {
-    "geometry": "geometry",
-    "friction": "friction-law",
-    "wear": "wear-law",
-    "inclusions": "inclusion-shape",
-    "eigenstrain": "eigenstrain-field",
-    "material": "constitutive-law",
-    "law": "constitutive-law",
-    "laws": "constitutive-law",
-    "hardening": "hardening-law",
-    "back-stresses": "hardening-law",
-    "damage": "damage-law",
-    "medium": "layered-medium",
-    "observers": "observer",
-}
+
+@cache
+def kinds_by_key() -> dict[str, set[str]]:
+    """Kinds of plugin that the table of a key may name by `type`, in scenes and in tables of plugins."""
+    kinds: dict[str, set[str]] = defaultdict(set)
+    for place, table in all_tables(installed_plugins()).items():
+        if table.kind is not None:
+            kinds[place.rpartition(".")[2]].add(table.kind)
+    for entry in installed_plugins():
+        for key in keys_of(entry.component):
+            kinds[key.name].update(kinds_within(key.form))
+    return kinds
 
 
 def plugin_target(kind: str, key: str) -> str:
@@ -38,7 +37,12 @@ def plugin_target(kind: str, key: str) -> str:
 def plugins_of(scene: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Kind and key of the plugins of a scene, in the order of its tables."""
     installed = {(entry["kind"], entry["type"]) for entry in plugin_data(installed_plugins())["plugins"]}
-    named = ((KINDS[key], table["type"]) for key, table in _tables(scene) if key in KINDS and "type" in table)
+    named = (
+        (kind, table["type"])
+        for key, table in _tables(scene)
+        if "type" in table
+        for kind in sorted(kinds_by_key().get(key, ()))
+    )
     return list(dict.fromkeys(pair for pair in named if pair in installed))
 
 

@@ -9,9 +9,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall, SceneError, shown
 from eigencontact.hooks.registry import Registry
@@ -36,8 +33,6 @@ __all__ = [
     "plan",
     "run",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable[str] = ()) -> Scene:
@@ -111,7 +106,7 @@ def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
 
 def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
     """Warnings of a run in one text."""
-    return "; ".join(str(one["words"]) for one in warnings)
+    return "; ".join(str(warning["words"]) for warning in warnings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,91 +219,70 @@ def run(
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
+    if resume and target is None:
+        raise SceneError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
     stopwatch = Stopwatch()
     stopwatch.add("set-up", perf_counter() - began)
-    if target is not None:
-        return _run_in(
-            planned,
-            target,
-            began,
-            stopwatch,
-            resume=resume,
-            overwrite=overwrite,
-            watcher=watcher,
-            painter=painter,
-        )
-    if resume:
-        raise SceneError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
     from eigencontact.planning.memory import run_bytes
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
 
-    predicted = run_bytes(planned, stored=False)
-    store = MemoryStore(run_info(planned))
-    solved = _solve(planned, store, watcher, stopwatch, {})
-    noted = _noted(planned, store, solved.last)
-    summary = _summary(planned, store, solved, noted, {}, stopwatch, began, predicted)
-    return RunResult(summary=summary, folder=None, seconds=perf_counter() - began, _store=store)
+    store: Store
+    stored: ResultStore | None = None
+    if target is None:
+        predicted, store = run_bytes(planned, stored=False), MemoryStore(run_info(planned))
+    else:
+        from eigencontact.results.store import ResultStore
 
-
-def _run_in(
-    planned: Plan,
-    folder: Path,
-    began: float,
-    stopwatch: Stopwatch,
-    *,
-    resume: bool,
-    overwrite: bool,
-    watcher: Watcher | None,
-    painter: Painter | None,
-) -> RunResult:
-    from eigencontact.planning.memory import run_bytes
-    from eigencontact.planning.provenance import run_info
-    from eigencontact.results.ownership import refuse_foreign
-    from eigencontact.results.store import ResultStore
-    from eigencontact.results.summary import write_summary
-
-    # A finished run of the very same scene may be made again; anything else in the folder is protected.
-    wanted = planned.scene.output
-    regions = [request.label for request in planned.scene.stress]
-    if wanted.animation:
-        from eigencontact.viz.movie import refuse_animation
-
-        planes = any(request.shape == "plane" for request in planned.scene.stress)
-        refuse_animation(wanted.animation, planned.steps, shows=bool(planned.geometries) or planes)
-    refuse_foreign(
-        folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk, animation=bool(wanted.animation)
-    )
-    predicted = run_bytes(planned, painter=painter is not None)
-    store = ResultStore.create(folder, run_info(planned), resume=resume, overwrite=overwrite)
-    accepted = store.accepted() if resume else []
-    done = {index: partial(store.load_step, index) for index in accepted}
+        _refuse_folder(planned, target)
+        predicted = run_bytes(planned, painter=painter is not None)
+        store = stored = ResultStore.create(target, run_info(planned), resume=resume, overwrite=overwrite)
+    done = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
     try:
         solved = _solve(planned, store, watcher, stopwatch, done)
     except BaseException:
-        store.abandon()
+        if stored is not None:
+            stored.abandon()
         raise
-    with stopwatch.on("storing"):
-        results = store.finish()
-    files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
+    files: dict[str, str] = {}
+    if stored is not None:
+        with stopwatch.on("storing"):
+            results = stored.finish()
+        files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
     noted = _noted(planned, store, solved.last)
-    solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
-    files |= _draw(planned, results, folder, stopwatch, painter)
-    files["summary.json"] = "the numbers of this run, in SI units"
+    if stored is not None and target is not None:
+        solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
+        files |= _draw(planned, results, target, stopwatch, painter)
+        files["summary.json"] = "the numbers of this run, in SI units"
     summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
-    write_summary(folder, summary)
-    return RunResult(
-        summary=summary,
-        folder=folder,
-        files=files,
-        problems=tuple(store.problems),
-        seconds=perf_counter() - began,
-        _store=store,
-    )
+    if target is not None:
+        from eigencontact.results.summary import write_summary
+
+        write_summary(target, summary)
+    problems, seconds = () if stored is None else tuple(stored.problems), perf_counter() - began
+    return RunResult(summary=summary, folder=target, files=files, problems=problems, seconds=seconds, _store=store)
+
+
+def _refuse_folder(planned: Plan, folder: Path) -> None:
+    """Refuse an animation without steps, and a folder with files of others.
+
+    A finished run of the very same scene may be made again; anything else in the folder is protected.
+    """
+    from eigencontact.results.ownership import refuse_foreign
+
+    output, requests = planned.scene.output, planned.scene.stress
+    if output.animation:
+        from eigencontact.viz.movie import refuse_animation
+
+        planes = any(request.shape == "plane" for request in requests)
+        refuse_animation(output.animation, planned.steps, shows=bool(planned.scene.geometry) or planes)
+    labels = [request.label for request in requests]
+    animated = bool(output.animation)
+    refuse_foreign(folder, labels, summary=True, pictures=output.pictures, vtk=output.vtk, animation=animated)
 
 
 class _Solved(NamedTuple):
-    """The last step, the time of solving [s], and the memory that it was predicted to take and took [byte]."""
+    """The last step, and the time of solving [s]."""
 
     last: StepRecord
     seconds: float
@@ -335,7 +309,7 @@ def _solve(
     except DomainTooSmall as problem:
         from eigencontact.planning.room import with_room
 
-        raise with_room(problem, planned, problem.step) from problem
+        raise with_room(problem, planned.model, problem.step) from problem
     assert last is not None
     return _Solved(last, solving)
 
@@ -345,7 +319,8 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     from eigencontact.warnings_.after import noticed
 
     history = store.history(last)
-    return {"history": history, "warnings": [caution.to_dict() for caution in noticed(planned, last, history)]}
+    cautions = noticed(planned.model, planned.blocks, last, history)
+    return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
 
 
 def _summary(
@@ -357,7 +332,7 @@ def _summary(
     stopwatch: Stopwatch,
     began: float,
     predicted: float,
-    painter: Painter | None = None,
+    painter: Painter | None,
 ) -> dict[str, Any]:
     from eigencontact.core.memory import peak_bytes
     from eigencontact.results.summary import summary_of
@@ -377,32 +352,32 @@ def _summary(
 
 
 def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch, painter: Painter | None) -> dict[str, str]:
-    """Pictures, animation and VTK files of a finished run, as far as the scene wants them."""
+    """Draw pictures, animation and VTK files of a finished run."""
     files: dict[str, str] = {}
-    wanted = planned.scene.output
-    if not (wanted.pictures or wanted.vtk or wanted.animation):
+    output = planned.scene.output
+    if not (output.pictures or output.vtk or output.animation):
         return files
     from eigencontact.results.stored import open_stored
 
-    if painter is not None and wanted.pictures:
-        painter.begin(results, folder, solid=wanted.vtk)
+    if painter is not None and output.pictures:
+        painter.begin(results, folder, solid=output.vtk)
     with open_stored(results) as dataset:
-        if wanted.vtk:
+        if output.vtk:
             with stopwatch.on("files for ParaView"):
                 from eigencontact.viz.vtk import write_vtk
 
                 files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
-        if wanted.animation:
+        if output.animation:
             with stopwatch.on("animation"):
                 from eigencontact.viz.animation import animate, subject_of
 
-                files = (animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}) | files
-        if wanted.pictures:
+                files = (animate(dataset, folder, output.animation) if subject_of(dataset) else {}) | files
+        if output.pictures:
             with stopwatch.on("pictures"):
                 drawn = None if painter is None else painter.finish()
                 if drawn is None:
                     from eigencontact.viz.figures import draw_all
 
-                    drawn = draw_all(dataset, folder, solid=wanted.vtk)
+                    drawn = draw_all(dataset, folder, solid=output.vtk)
                 files = drawn | files
     return files

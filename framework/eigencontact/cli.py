@@ -11,13 +11,21 @@ import json
 import sys
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import typer
 
 from eigencontact import completion
-from eigencontact.command_help import PANELS, HelpfulCommand, HelpfulGroup, panel_of
-from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.command_help import (
+    PANELS,
+    HelpfulCommand,
+    HelpfulGroup,
+    JsonOption,
+    QuietOption,
+    panel_of,
+    refusals,
+)
+from eigencontact.errors import PluginError
 from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.postprocess.command import plot
 from eigencontact.skeleton import TEMPLATES
@@ -31,15 +39,15 @@ class _Commands(HelpfulGroup):
     """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        own = super().list_commands(ctx)
-        names = [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        built_in = super().list_commands(ctx)
+        names = [*built_in, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(built_in))]
         order = [name for panel in PANELS.values() for name in panel]
         return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        own = super().get_command(ctx, cmd_name)
-        points = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
-        command: Any = _loaded(points[0]) if points else own
+        command: Any = super().get_command(ctx, cmd_name)
+        points = list(entry_points(group=COMMANDS, name=cmd_name)) if command is None else []
+        command = _loaded(points[0]) if points else command
         if command is not None:
             command.rich_help_panel = panel_of(cmd_name)
         return command
@@ -92,13 +100,6 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value: `--set body1.poisson-ratio=0.4`; repeatable."),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-
-
-def _fail(problem: EigencontactError) -> NoReturn:
-    words = "; ".join(line.strip() for line in str(problem).splitlines() if line.strip())
-    typer.echo(f"eigencontact: {words}", err=True)
-    raise typer.Exit(problem.exit_code)
 
 
 @app.callback(invoke_without_command=True)
@@ -120,7 +121,7 @@ def run(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print a line for each load step: iterations, residuals, times.")
     ] = False,
@@ -135,7 +136,7 @@ def run(
     from eigencontact.viz.painter import painter_of
 
     here = Path.cwd()  # before a plugin can change it
-    try:
+    with refusals(interrupted="accepted steps are kept, continue with --resume"):
         loaded = calls.load_scene(scene, changes or [])
         with painter_of(loaded.numerics.threads, pictures=loaded.output.pictures) as painter:
             planned = calls.plan(loaded)
@@ -144,13 +145,8 @@ def run(
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter
                 )
-    except EigencontactError as problem:
-        _fail(problem)
-    except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; accepted steps are kept, continue with --resume", err=True)
-        raise typer.Exit(130) from None
-    for problem_found in result.problems:
-        typer.echo(f"eigencontact: {problem_found}", err=True)
+    for problem in result.problems:
+        typer.echo(f"eigencontact: {problem}", err=True)
     if as_json:
         typer.echo(json.dumps(result.summary, indent=2))
     elif not quiet:
@@ -208,11 +204,9 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
     """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons."""
     from eigencontact import app as calls
 
-    try:
+    with refusals():
         planned = calls.plan(calls.load_scene(scene, changes or []))
         typer.echo(json.dumps(planned.to_dict(), indent=2) if as_json else planned.explain())
-    except EigencontactError as problem:
-        _fail(problem)
 
 
 @app.command(cls=HelpfulCommand)
@@ -233,12 +227,10 @@ def plugins(
     from eigencontact.listing import file_data, plugin_data, plugin_text
     from eigencontact.scene.installed import installed_plugins
 
-    try:
+    with refusals():
         of_file = key is not None and key.endswith(".py")
         data = file_data(installed_plugins(), Path(str(key))) if of_file else plugin_data(installed_plugins(), key)
         typer.echo(json.dumps(data, indent=2) if as_json else plugin_text(data, detailed=key is not None))
-    except EigencontactError as problem:
-        _fail(problem)
 
 
 @app.command(cls=HelpfulCommand)
@@ -264,10 +256,8 @@ def schema(
     from eigencontact.reference.command import schema_text
     from eigencontact.scene.installed import installed_plugins
 
-    try:
+    with refusals():
         typer.echo(schema_text(with_files(installed_plugins(), plugin or []), table, as_json=as_json))
-    except EigencontactError as problem:
-        _fail(problem)
 
 
 gallery = typer.Typer(
@@ -299,10 +289,8 @@ def _show(
     """Print the TOML text of a bundled scene."""
     from eigencontact.scene.loader import bundled_text
 
-    try:
+    with refusals():
         typer.echo(bundled_text(name), nl=False)
-    except EigencontactError as problem:
-        _fail(problem)
 
 
 @gallery.command("run", hidden=True, context_settings={"ignore_unknown_options": True})
@@ -331,10 +319,8 @@ def _cache(
     """
     from eigencontact.listing import cache_data, cache_text
 
-    try:
+    with refusals():
         data = cache_data(clear=clear, limit=limit)
-    except EigencontactError as problem:
-        _fail(problem)
     typer.echo(json.dumps(data, indent=2) if as_json else cache_text(data))
 
 
@@ -365,14 +351,12 @@ def new_plugin(
     """
     from eigencontact.skeleton import write_file, write_package
 
-    try:
+    with refusals():
         if file:
             path = write_file(name, kind=kind, path=output)
             typer.echo(f'{path}: one {kind}; run `eigencontact check {path}`, name it in a scene: plugins = ["{path}"]')
             return
         typer.echo(write_package(name, kind=kind, folder=output).next_steps())
-    except EigencontactError as problem:
-        _fail(problem)
 
 
 def main() -> None:

@@ -1,12 +1,28 @@
-"""Help of the command line: groups of commands by purpose, flags without a value, options that exist."""
+"""Common parts of commands: help by purpose, flags without a value, options of several commands, refusals."""
 
 from __future__ import annotations
 
-from typing import Any
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 
-__all__ = ["PANELS", "HelpfulCommand", "HelpfulGroup", "panel_of"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = [
+    "PANELS",
+    "HelpfulCommand",
+    "HelpfulGroup",
+    "JsonOption",
+    "QuietOption",
+    "panel_of",
+    "refusals",
+]
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
 #: Commands by purpose, in the order of the help; commands that other packages add come last.
 PANELS = {
@@ -69,3 +85,24 @@ class HelpfulCommand(_Helpful, TyperCommand):
 
 class HelpfulGroup(_Helpful, TyperGroup):
     """A group of commands."""
+
+
+@contextmanager
+def refusals(joint: str = "; ", interrupted: str = "") -> Iterator[None]:
+    """Print an error of the package as one line, its own lines joined, and leave with its exit code.
+
+    With a sentence for it an interrupt is reported too.
+    """
+    from eigencontact.errors import EigencontactError
+
+    try:
+        yield
+    except EigencontactError as problem:
+        lines = str(problem).split() if joint.isspace() else str(problem).splitlines()
+        typer.echo(f"eigencontact: {joint.join(filter(None, map(str.strip, lines)))}", err=True)
+        raise typer.Exit(problem.exit_code) from None
+    except KeyboardInterrupt:
+        if not interrupted:
+            raise
+        typer.echo(f"eigencontact: interrupted; {interrupted}", err=True)
+        raise typer.Exit(130) from None

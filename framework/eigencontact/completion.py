@@ -1,13 +1,13 @@
 """What a shell completes: scenes, plugins, tables, kinds. Nothing is imported for it: a key press waits for the answer.
 
-Keys of plugins are read from the text of their modules, names of tables stand here; a test compares both with what is
+Keys of plugins and tables of a scene are read from the text of their modules; a test compares both with what is
 installed.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import files
 from importlib.util import find_spec
@@ -17,14 +17,13 @@ from eigencontact.skeleton import TEMPLATES
 
 __all__ = ["bundled", "kinds", "plugin_keys", "results", "scenes", "tables"]
 
-#: Tables of a scene, as `eigencontact schema` lists them.
-TABLES = (
-    "body1", "body1.initial", "body1.law", "body1.medium", "body2", "body2.initial", "body2.law", "body2.medium",
-    "eigenstrain", "friction", "geometry", "grid", "inclusions", "inclusions.eigenstrain", "inclusions.material",
-    "numerics", "observers", "output", "steps", "steps.impacts", "stress", "wear", "wear.shares",
-)  # fmt: skip
 _GALLERY = files("eigencontact") / "gallery"
 _KEY = re.compile(r"""^    key(?:: ClassVar\[str\])? = ["']([^"'\n]+)["']""", re.MULTILINE)
+
+
+#: Class with its base, and a field of it with its annotation, in the modules of the scene.
+_CLASS = re.compile(r"^class (\w+)\((\w+)\):(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
+_FIELD = re.compile(r"^    (\w+): (.+)", re.MULTILINE)
 
 
 def bundled(incomplete: str) -> list[str]:
@@ -45,7 +44,24 @@ def results(incomplete: str) -> list[str]:
 
 def tables(incomplete: str) -> list[str]:
     """Tables of a scene that begin so."""
-    return _beginning(TABLES, incomplete)
+    modules = sorted((files("eigencontact") / "scene").iterdir(), key=lambda item: item.name)
+    texts = "\n".join(item.read_text(encoding="utf-8") for item in modules if item.name.endswith(".py"))
+    classes = {name: _FIELD.findall(body) for name, _, body in _CLASS.findall(texts)}
+    return _beginning(_tables_of("Scene", "", classes, frozenset()), incomplete)
+
+
+def _tables_of(
+    name: str, place: str, classes: Mapping[str, list[tuple[str, str]]], above: frozenset[str]
+) -> Iterator[str]:
+    """Places of the tables in a table: fields that hold one of the classes, or a plugin (`OfKind`)."""
+    for field, annotation in classes[name]:
+        inner = f"{place}.{field.replace('_', '-')}".strip(".")
+        held = next((word for word in re.findall(r"\w+", annotation) if word in classes and word != "OfKind"), None)
+        if "OfKind(" in annotation:
+            yield inner
+        elif held is not None and held not in above | {name}:
+            yield inner
+            yield from _tables_of(held, inner, classes, above | {name})
 
 
 def kinds(incomplete: str) -> list[str]:
@@ -55,10 +71,10 @@ def kinds(incomplete: str) -> list[str]:
 
 def plugin_keys(incomplete: str) -> list[str]:
     """Keys of installed plugins that begin so, as far as their modules give them as plain text."""
-    found = set[str]()
+    keys = set[str]()
     for point in entry_points(group="eigencontact"):
-        found.update(_KEY.findall(_text(point)))
-    return _beginning(found, incomplete)
+        keys.update(_KEY.findall(_text(point)))
+    return _beginning(keys, incomplete)
 
 
 def _text(point: EntryPoint) -> str:

@@ -24,14 +24,7 @@ def gallery_data() -> dict[str, str]:
 
 
 def cache_data(*, clear: bool = False, limit: str | None = None) -> dict[str, Any]:
-    """Tables on disk, after what is to be done with them.
-
-    Parameters
-    ----------
-    clear : bool
-        Remove them all.
-    limit : str, optional
-        Size to bound them by: ``"2 GB"``.
+    """Tables on disk, after all are removed (`clear`), or bounded by a size from now on (`limit`, as ``"2 GB"``).
 
     Raises
     ------
@@ -96,9 +89,9 @@ def file_data(registry: Registry, path: Path) -> dict[str, Any]:
     """
     from eigencontact.hooks.files import with_files
 
-    known = {(entry.full_key, entry.kind) for entry in registry}
+    installed = {(entry.full_key, entry.kind) for entry in registry}
     wider = with_files(registry, [path])
-    return _data(wider, [entry for entry in wider if (entry.full_key, entry.kind) not in known])
+    return _data(wider, [entry for entry in wider if (entry.full_key, entry.kind) not in installed])
 
 
 def _data(registry: Registry, entries: Iterable[Entry]) -> dict[str, Any]:

@@ -42,12 +42,7 @@ _NOTHING = 1e-12
 def progress(*, enabled: bool, verbose: bool = False) -> Iterator[Watcher | None]:
     """Watcher of a run that shows its course on the standard error stream; None where not enabled.
 
-    Parameters
-    ----------
-    enabled : bool
-        Whether anything is shown.
-    verbose : bool
-        Whether each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`.
+    If `verbose`, each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`.
     """
     if not enabled:
         yield None
@@ -109,14 +104,9 @@ class _ProgressBars:
 
 
 class ProgressLines:
-    """Watcher that writes lines, at most one a second and one for the last load step; none of a run within a second.
+    """Watcher that writes lines to a stream, at most one a second and one for the last load step; none within a second.
 
-    Parameters
-    ----------
-    stream : text stream
-        Where to.
-    clock : callable
-        Time [s] from any moment on.
+    The clock gives the time [s] from any moment on.
     """
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = monotonic) -> None:
@@ -143,13 +133,10 @@ class ProgressLines:
             return
         text = f"load step {record.index} of {total} done after {time_in_words(self._ends[-1] - self._ends[0])}"
         if record.index < total:
-            text += f", about {time_in_words((total - record.index) * self._pace())} left"
+            ends = self._ends[1:] if len(self._ends) > 2 else self._ends  # the first step builds what all need
+            pace = (ends[-1] - ends[0]) / (len(ends) - 1)
+            text += f", about {time_in_words((total - record.index) * pace)} left"
         self._say(text)
-
-    def _pace(self) -> float:
-        """Time of a step; without the first, which builds what all need, where there are others."""
-        ends = self._ends[1:] if len(self._ends) > 2 else self._ends
-        return (ends[-1] - ends[0]) / (len(ends) - 1)
 
     def _say(self, text: str) -> None:
         print(text, file=self._stream, flush=True)
@@ -170,7 +157,7 @@ class VerboseLines(ProgressLines):
     def step_finished(self, record: StepRecord, total: int) -> None:
         """Say all that is known of the step."""
         numbers = record.scalars
-        said = [
+        reached = [
             f"{text} {readable(numbers[name], unit)}"
             for name, text, unit in _REACHED
             if abs(numbers.get(name, 0.0)) > _NOTHING * (numbers.get("normal_load", 0.0) if unit == "N" else 1e-6)
@@ -182,6 +169,6 @@ class VerboseLines(ProgressLines):
             if name.endswith("_residual") and value > 0.0
         ]
         times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
-        parts = [", ".join([*said, *counts]), "", ", ".join(times)]
+        parts = [", ".join([*reached, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
         self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require, unit_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Length, Observer, SceneError, StepView, hook_for, require, unit_of
 
 __all__ = ["Probe"]
 
@@ -77,7 +75,4 @@ class Probe(Observer):
         return {f"{self.field}_{number}": float(value) for number, value in enumerate(values, start=1)}
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the probe."""
-    return [Probe]
+eigencontact_register = hook_for(Probe)

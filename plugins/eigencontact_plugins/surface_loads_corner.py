@@ -26,13 +26,11 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import SQRT2
+from eigencontact.plugin import SQRT2, FloatArray, Material
 
-__all__ = ["SWAPPED", "corner_displacement", "corner_stress", "mandel_factor", "surface_lift"]
+__all__ = ["SWAPPED", "corner_field", "mandel_factor", "per_traction", "surface_lift"]
 
-FloatArray = NDArray[np.float64]
 
 #: Smallest distance in a logarithm or a quotient, in the unit of length of the coordinates.
 FLOOR = 1e-30
@@ -149,38 +147,32 @@ def _ratio(c: Corner) -> FloatArray:
     return c.x * c.x / (np.maximum(c.xz2, FLOOR**2) * c.R_safe)
 
 
-def _evaluate(
-    direction: str, components: Sequence[str], x: FloatArray, y: FloatArray, z: FloatArray | float, nu: float
+def corner_field(
+    direction: str,
+    quantity: str,
+    components: Sequence[str],
+    points: tuple[FloatArray, FloatArray, FloatArray | float],
+    material: Material,
 ) -> FloatArray:
+    """Corner function of ``"displacement"`` [m/Pa] or Mandel ``"stress"`` [-] at offsets (x, y, z), ``(n, ...)``.
+
+    It is that of a unit traction along `direction` (x, y or z).
+    """
+    x, y, z = points
     names = [SWAPPED[name] for name in components] if direction == "y" else list(components)
     corner = Corner(y, x, z) if direction == "y" else Corner(x, y, z)
     table = PRESSURE if direction == "z" else SHEAR_X
     out = np.empty((len(names), *np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))))
     for row, name in enumerate(names):
-        out[row] = table[name](corner, nu)
-    return out
+        out[row] = table[name](corner, material.poisson_ratio)
+    return per_traction(quantity, components, out, material)
 
 
-def corner_displacement(
-    direction: str,
-    components: Sequence[str],
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray | float,
-    shear_modulus: float,
-    nu: float,
-) -> FloatArray:
-    """Corner function of the displacement per unit traction along `direction` (x, y or z), ``(n, ...)`` [m/Pa]."""
-    values = _evaluate(direction, components, x, y, z, nu)
-    values /= 4 * np.pi * shear_modulus
-    return values
-
-
-def corner_stress(
-    direction: str, components: Sequence[str], x: FloatArray, y: FloatArray, z: FloatArray | float, nu: float
-) -> FloatArray:
-    """Corner function of the Mandel stress per unit traction along `direction` (x, y or z), ``(n, ...)`` [-]."""
-    values = _evaluate(direction, components, x, y, z, nu)
+def per_traction(quantity: str, components: Sequence[str], values: FloatArray, material: Material) -> FloatArray:
+    """Displacement or Mandel stress, in place, from 4πG times the one or 2π times the plain components of the other."""
+    if quantity == "displacement":
+        values /= 4 * np.pi * material.shear_modulus
+        return values
     for row, name in enumerate(components):
         values[row] *= mandel_factor(name) / (2 * np.pi)
     return values

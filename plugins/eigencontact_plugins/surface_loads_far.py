@@ -19,11 +19,11 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_plugins.surface_loads_corner import SWAPPED, mandel_factor
+from eigencontact.plugin import FloatArray, Material
+from eigencontact_plugins.surface_loads_corner import SWAPPED, per_traction
 
-__all__ = ["gauss_displacement", "gauss_stress", "is_far"]
+__all__ = ["gauss_field", "is_far"]
 
-FloatArray = NDArray[np.float64]
 HalfWidths = tuple[float, float]
 
 #: Inner radii of the shells that share one Gauss rule, as distances from the rectangle in longest edges.
@@ -111,16 +111,18 @@ def _rule(half_width: float, distance: float) -> list[tuple[float, float]]:
     return list(zip((half_width * nodes).tolist(), (half_width * weights).tolist(), strict=True))
 
 
-def _integrate(
+def gauss_field(
     direction: str,
+    quantity: str,
     components: Sequence[str],
     points: tuple[FloatArray, FloatArray, FloatArray],
     half_widths: HalfWidths,
-    nu: float,
+    material: Material,
 ) -> FloatArray:
+    """Displacement [m/Pa] or Mandel stress [-] per unit traction at flat arrays of far points, ``(n, points)``."""
     names = [SWAPPED[name] for name in components] if direction == "y" else list(components)
     table = FORCE_Z if direction == "z" else FORCE_X
-    edge = 2 * max(half_widths)
+    edge, nu = 2 * max(half_widths), material.poisson_ratio
     x, y, z = points
     distance = _distance(points, half_widths)
     out = np.zeros((len(names), x.size))
@@ -137,32 +139,4 @@ def _integrate(
                 for row, name in enumerate(names):
                     values[row] += (weight_x * weight_y) * table[name](force, 1 - 2 * nu)
         out[:, shell] = values
-    return out
-
-
-def gauss_displacement(
-    direction: str,
-    components: Sequence[str],
-    points: tuple[FloatArray, FloatArray, FloatArray],
-    half_widths: HalfWidths,
-    shear_modulus: float,
-    nu: float,
-) -> FloatArray:
-    """Displacement per unit traction at flat arrays of points that are far (`is_far`), ``(n, points)`` [m/Pa]."""
-    values = _integrate(direction, components, points, half_widths, nu)
-    values /= 4 * np.pi * shear_modulus
-    return values
-
-
-def gauss_stress(
-    direction: str,
-    components: Sequence[str],
-    points: tuple[FloatArray, FloatArray, FloatArray],
-    half_widths: HalfWidths,
-    nu: float,
-) -> FloatArray:
-    """Mandel stress per unit traction at flat arrays of points that are far (`is_far`), ``(n, points)`` [-]."""
-    values = _integrate(direction, components, points, half_widths, nu)
-    for row, name in enumerate(components):
-        values[row] *= mandel_factor(name) / (2 * np.pi)
-    return values
+    return per_traction(quantity, components, out, material)

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray, Material
 from eigencontact_plugins.surface_loads_corner import SWAPPED, mandel_factor
 
 __all__ = ["wave_response"]
 
-FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Formula = Callable[["Wave", float], NDArray[Any]]
 
@@ -70,8 +70,7 @@ def wave_response(
     kx: FloatArray,
     ky: FloatArray,
     z: float,
-    shear_modulus: float,
-    nu: float,
+    material: Material,
 ) -> ComplexArray:
     """Amplitudes per unit traction along `direction` (x, y or z), ``(len(components), ...)`` [m/Pa] or Mandel [-].
 
@@ -82,9 +81,9 @@ def wave_response(
     table = PRESSURE if direction == "z" else SHEAR_X
     out = np.zeros((len(components), *wave.k.shape), dtype=complex)
     for row, name in enumerate(components):
-        values = table[SWAPPED[name] if direction == "y" else name](wave, nu) * wave.decay
+        values = table[SWAPPED[name] if direction == "y" else name](wave, material.poisson_ratio) * wave.decay
         if quantity == "displacement":
-            out[row] = np.where(wave.zero, 0.0, values / (2 * shear_modulus * wave.k))
+            out[row] = np.where(wave.zero, 0.0, values / (2 * material.shear_modulus * wave.k))
         else:
             out[row] = np.where(wave.zero, UNIFORM.get((direction, name), 0.0), values) * mandel_factor(name)
     return out

@@ -62,8 +62,9 @@ def test_wrong_usage_is_refused(arguments, command, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_run_says_what_it_found_and_where(command, tmp_path):
-    changes = ["grid.cells-per-contact-radius=12", "stress.0.depth-cells=12", "output.vtk=false"]
+    changes = ["grid.cells-per-contact-radius=12", "stress.0.depth-cells=12", "output.vtk=false", "numerics.threads=1"]
     arguments = [part for change in changes for part in ("--set", change)]
     outcome = command("run", "hertz", *arguments, "-o", tmp_path / "out")
     assert outcome.code == 0
@@ -199,6 +200,7 @@ def test_gallery_show_refuses_unknown_names(command):
     assert outcome.err.count("\n") == 1
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_plot_draws_stored_results(command, tmp_path):
     folder = tmp_path / "out"
     changes = ["stress.0.depth-cells=12", "grid.cells-per-contact-radius=12"]

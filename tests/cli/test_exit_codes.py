@@ -57,6 +57,7 @@ def test_a_wrong_option_ends_with_2(arguments, results, command, tmp_path, monke
     assert sorted(path.name for path in results.iterdir()) == ["results.nc", "summary.json"]
 
 
+@pytest.mark.usefixtures("small_pictures")
 @pytest.mark.parametrize(
     ("name", "text"), [("scene", "[[["), ("scene", ""), ("scene", "title = 3"), ("versions", "{"), ("regions", "{")]
 )

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from close import close
 from eigencontact.convolution import Convolver, Layout, convolver
-from eigencontact.convolution.backends import backend, in_parallel
+from eigencontact.convolution.backends import backend
 from eigencontact.convolution.layout import fast_even
+from eigencontact.core.parallel import in_parallel
 from eigencontact.errors import SceneError
 
 BOUND = {"double": 8e-15, "single": 2e-6}
@@ -53,7 +54,7 @@ def influence(parity):
 
 
 def sample(layout, function):
-    return function(layout.lattice_y[:, None], layout.lattice_x[None, :])
+    return function(layout.y.lattice[:, None], layout.x.lattice[None, :])
 
 
 def offsets(source, target, origin, axis):
@@ -276,17 +277,13 @@ class Counting:
 
         return execute
 
-    def real_forward(self, source, target):
-        return self._counted(self.inner.real_forward, "rows forward", source, target)
-
-    def real_inverse(self, source, target):
-        return self._counted(self.inner.real_inverse, "rows inverse", source, target)
-
     def forward(self, source, target):
-        return self._counted(self.inner.forward, "columns forward", source, target)
+        axis = "columns" if np.iscomplexobj(source) else "rows"
+        return self._counted(self.inner.forward, f"{axis} forward", source, target)
 
     def inverse(self, source, target):
-        return self._counted(self.inner.inverse, "columns inverse", source, target)
+        axis = "columns" if np.iscomplexobj(target) else "rows"
+        return self._counted(self.inner.inverse, f"{axis} inverse", source, target)
 
 
 @pytest.fixture(params=LIBRARIES)
@@ -408,7 +405,7 @@ def test_reciprocity_of_two_boxes(source, target, origin, parity):
 # --- refusals ----------------------------------------------------------------------------------------------------
 
 SQUARE = Layout((4, 6), (4, 6))
-EVEN = SQUARE.spectrum(np.ones((len(SQUARE.lattice_y), len(SQUARE.lattice_x))), (1, 1))
+EVEN = SQUARE.spectrum(np.ones((len(SQUARE.y.lattice), len(SQUARE.x.lattice))), (1, 1))
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 Relative to the largest value, at worst 8e-16 in double precision and 2.9e-7 in single were measured on these tables.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -70,8 +72,8 @@ class Problem:
         self.eigen = rng.standard_normal((len(SOURCES), *self.layout.source))
 
     def sample(self, function, *, correlation):
-        z = self.layout.lattice_sum + MIRROR if correlation else self.layout.lattice_z
-        return function(z, self.layout.lattice_y[:, None], self.layout.lattice_x[:, None, None])
+        z = self.layout.lattice_sum + MIRROR if correlation else self.layout.z.lattice
+        return function(z, self.layout.y.lattice[:, None], self.layout.x.lattice[:, None, None])
 
     def sums(self):
         return WeightedSums(self.kernels, self.table, sources=SOURCES, outputs=OUTPUTS)
@@ -96,16 +98,22 @@ def error(found, expected):
     return np.abs(found - expected).max() / np.abs(expected).max()
 
 
+@cache
+def direct_sum(name):
+    """Sum of a layout, which depends neither on the precision nor on the loops."""
+    return Problem(LAYOUTS[name]).direct()
+
+
 @pytest.mark.parametrize("loops", LOOPS)
 @pytest.mark.parametrize("precision", ["double", "single"])
-@pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
-def test_equals_the_direct_sum(layout, precision, loops):
-    problem = Problem(layout, precision)
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_equals_the_direct_sum(name, precision, loops):
+    problem = Problem(LAYOUTS[name], precision)
     found = VolumeConvolver(problem.sums(), problem.depths, loops=loops).apply(problem.eigen)
     assert found.dtype == (np.float64 if precision == "double" else np.float32)
-    assert error(found, problem.direct()) < BOUND[precision]
+    assert error(found, direct_sum(name)) < BOUND[precision]
     if precision == "single":
-        assert error(found, problem.direct()) > 1e-9
+        assert error(found, direct_sum(name)) > 1e-9
 
 
 @pytest.mark.parametrize("layout", ["odd", "off along every axis"])

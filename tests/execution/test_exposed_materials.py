@@ -67,10 +67,10 @@ def test_one_law_for_all_is_the_law():
 
 def test_layers_have_names_or_numbers():
     made = ec.plan(scene(body1=COATED, friction={"type": "by-material", "coefficients": {"coating": 0.2}}))
-    assert made.exposed.names == ("substrate", "coating", "layer 2")
+    assert made.model.exposed.names == ("substrate", "coating", "layer 2")
     depth = np.full(made.grid.shape, 19e-6)
     depth[0, :4] = 20e-6, 21e-6, 22e-6, 30e-6
-    assert made.exposed.at(depth)[0, :5].tolist() == [2, 2, 0, 0, 1]
+    assert made.model.exposed.at(depth)[0, :5].tolist() == [2, 2, 0, 0, 1]
 
 
 SLIDES = [{"normal-load": "12.307 N"}, {"normal-load": "12.307 N", "sliding-distance": "10 um"}]
@@ -163,7 +163,9 @@ def test_a_layer_that_opens_on_the_way_is_seen(steps):
 
 def test_what_lies_below_what_is_exposed():
     """Half of the columns lose a depth of which a quarter lies below the coating, the others none of it."""
-    exposed = ec.plan(scene(body1=COATED, friction={"type": "by-material", "coefficients": {"coating": 0.2}})).exposed
+    exposed = ec.plan(
+        scene(body1=COATED, friction={"type": "by-material", "coefficients": {"coating": 0.2}})
+    ).model.exposed
     worn = np.full(exposed.grid.shape, 17e-6)
     worn[:, ::2] = 10e-6
     found = exposed.beyond(worn, np.full(worn.shape, 4e-6))

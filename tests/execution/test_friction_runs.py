@@ -225,7 +225,10 @@ def test_full_slip_peaks_where_hamilton_says():
 SPOT = {"type": "sphere", "center": [4e-6, 0, 9e-6], "radius": 5e-6}
 
 
-@pytest.mark.parametrize(("coupling", "stop"), [("none", 4), ("full", 2), ("full", 4)])
+@pytest.mark.parametrize(
+    ("coupling", "stop"),
+    [pytest.param("none", 4, marks=pytest.mark.slow), ("full", 2), pytest.param("full", 4, marks=pytest.mark.slow)],
+)
 def test_a_resumed_run_repeats_an_uninterrupted_one_to_the_last_bit(tmp_path, coupling, stop, uninterrupted):
     planned, whole = uninterrupted(coupling)
     with pytest.raises(Stop):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL, perfect, pressed
 from close import close
 from stopping import Stop, Stopper
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 PRAGER = [{"type": "linear", "yield-stress": "2 GPa", "modulus": "20 GPa"}, {"type": "prager", "modulus": "10 GPa"}]
 LAW = {"type": "j2", "hardening": PRAGER}
-PERFECT = {"type": "j2", "hardening": {"type": "perfect", "yield-stress": "3 GPa"}}
+PERFECT = perfect("3 GPa")
 PRESS, FREE, AGAIN = {"normal_load": "0.65 N"}, {"normal_load": 0.0}, {"normal_load": "0.4 N"}
 NAMES = ("plastic_strain_1", "equivalent_plastic_strain_1", "back_stress_1_1", "equivalent_eigenstrain_1")
 
@@ -19,10 +19,8 @@ def scene(steps, law=LAW, cells=10, initial=None, **more):
     body = {**STEEL, **({"law": law} if law else {}), **({"initial": initial} if initial else {})}
     return ec.Scene(
         **{
+            **pressed(law, steps, cells),
             "body1": body,
-            "geometry": {"type": "sphere", "radius": "105 um"},
-            "grid": {"cells": [cells, cells], "size": ["22 um", "22 um"]},
-            "steps": list(steps),
             "numerics": {"allow_coarse": True},
             "output": {"pictures": False, "history": "all"},
             **more,
@@ -65,7 +63,7 @@ def test_a_resumed_run_knows_its_beginning(earlier, tmp_path):
     np.testing.assert_array_equal(continued["residual_displacement_z"], whole["residual_displacement_z"][2:])
 
 
-@pytest.mark.parametrize("coupling", ["none", "full"])
+@pytest.mark.parametrize("coupling", [pytest.param("none", marks=pytest.mark.slow), "full"])
 def test_friction_does_not_feel_what_was_before(earlier, coupling):
     """The surface is already displaced along itself when contact begins: nothing slips by that."""
     folder, whole = earlier

@@ -4,22 +4,18 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import pressed
 from close import close
 from eigencontact.core.peaks import peak_of_means
 
 LOADS = [{"normal_load": "0.65 N", "increments": 8}, {"normal_load": "0 N", "increments": 8}]
+ONCE = [{"normal_load": "0.65 N"}, {"normal_load": "0 N"}]
 PERFECT = {"type": "perfect", "yield-stress": "3 GPa"}
 BOTH = [{"type": "linear", "yield-stress": "2 GPa", "modulus": "20 GPa"}, {"type": "prager", "modulus": "40 GPa"}]
 
 
-def scene(hardening, **more):
-    return ec.Scene(
-        body1={"young_modulus": "210 GPa", "poisson_ratio": 0.3, "law": {"type": "j2", "hardening": hardening, **more}},
-        geometry={"type": "sphere", "radius": "105 um"},
-        grid={"cells": [12, 12], "size": ["22 um", "22 um"]},
-        steps=LOADS,
-        output={"pictures": False},
-    )
+def scene(hardening, steps=LOADS, **more):
+    return ec.Scene(**pressed({"type": "j2", "hardening": hardening, **more}, steps, 12))
 
 
 @pytest.fixture(scope="module", params=[PERFECT, BOTH], ids=["perfect", "both kinds"])
@@ -76,7 +72,7 @@ def test_every_step_has_the_certificate_of_its_law(run):
 
 
 def test_numbers_are_zero_where_nothing_yields():
-    summary = ec.run(scene({"type": "perfect", "yield-stress": "9 GPa"})).summary
+    summary = ec.run(scene({"type": "perfect", "yield-stress": "9 GPa"}, ONCE)).summary
     names = ("max_plastic_strain", "plastic_volume", "plastic_work", "print_depth", "pile_up")
     assert [summary[name] for name in names] == [0.0] * 5
     assert "law_residual" not in summary
@@ -84,5 +80,5 @@ def test_numbers_are_zero_where_nothing_yields():
 
 def test_damage_has_its_largest_value():
     damage = {"type": "exponential", "saturation": 0.6, "strain": 0.02}
-    run = ec.run(scene(PERFECT, damage=damage))
+    run = ec.run(scene(PERFECT, ONCE, damage=damage))
     assert run.summary["max_damage"] == float(run.dataset["damage_1"][-1].max()) > 0.0

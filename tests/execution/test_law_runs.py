@@ -199,7 +199,7 @@ LOADED = {
 }
 
 
-@pytest.mark.parametrize("case", LOADED)
+@pytest.mark.parametrize("case", [pytest.param("normal", marks=pytest.mark.slow), *list(LOADED)[1:]])
 def test_a_law_that_happens_to_be_linear_gives_what_the_linear_law_gives(laws, case):
     """Hooke's law with ν = 0, asked point by point, and by its factors; whole cells, as the block fills them."""
     laws()

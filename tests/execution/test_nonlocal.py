@@ -91,7 +91,7 @@ def test_two_laws_side_by_side_average_each_its_own_cells():
     np.testing.assert_allclose(fields[:, halves], known["other"], rtol=1e-13)
     assert not fields[:, ~halves].any()
     point = LawStep(x=np.zeros(12), y=np.zeros(12), z=np.zeros(12), time=1.0, duration=1.0)
-    first, second = found.told([point, point], fields)
+    first, second = found.with_means([point, point], fields)
     np.testing.assert_allclose(first.means["other"], known["other"], rtol=1e-13)
     assert second.means == {}
     assert found.width == (2, 2, 2)

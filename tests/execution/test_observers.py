@@ -37,11 +37,10 @@ class Spy(Observer):
 
 def watched(monkeypatch, scene, spy):
     """Steps that an observer saw, and the result; it takes the place of the probe."""
-    from eigencontact.model import model
+    from eigencontact.model import observing
 
     spy.seen.clear()
-    build = model._components
-    monkeypatch.setattr(model, "_components", lambda *given: [spy()] if given[1] == "observer" else build(*given))
+    monkeypatch.setattr(observing, "build_components", lambda *_: [spy()])
     result = ec.run({**scene, "observers": {"type": "probe", "points": [[0, 0]]}})
     return list(spy.seen), result
 

@@ -8,7 +8,7 @@ import pytest
 from eigencontact import app
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.precision import plane_round_off, settled, volume_round_off
-from eigencontact.execution.routes.route import HalfSpace
+from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.sources import Lattice
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.cells import Cells
@@ -102,7 +102,7 @@ def test_other_words_are_refused_with_the_choices():
 @pytest.mark.parametrize(("first", "layers"), [(0, 6), (0, 16), (12, 8)])
 def test_round_off_that_is_measured_is_that_of_the_operator(first, layers):
     """On a stand-in of few columns, against boxes of more of them and another eigenstrain."""
-    half_space = HalfSpace.of(planned("void-near-surface", VOID, "double", 1e-6), 1)
+    half_space = Subsurface.of(planned("void-near-surface", VOID, "double", 1e-6).model, 1).half_space
     options, grid = half_space.options("stress"), half_space.grid
     lattice = Lattice(first=(first, 3, 4), shape=(layers, 20, 24), edges=(grid.dx, grid.dy, grid.dx))
     measured = volume_round_off(half_space, "stress", (grid.dx, grid.dy), lattice)

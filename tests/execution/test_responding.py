@@ -10,8 +10,8 @@ from close import close
 from eigencontact.core.tensors import to_mandel
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.surface import Surface
-from eigencontact.execution.interiors.responding import places_solved
 from eigencontact.execution.interiors.uniform_inclusions import Wholes
+from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.model import build_model
 from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, sphere_in_body
@@ -45,8 +45,9 @@ def interior(tensor, body=1, **ball):
         numerics={"inclusion_resolution": "whole", "tolerance": 1e-10, "threads": 1},
     )  # fmt: skip
     model = build_model(scene, installed_plugins())
-    assert places_solved(model, body) == {}
-    block = Loaded(model, body, "xyz")
+    subsurface = Subsurface.of(model, body)
+    assert subsurface.coords == {}
+    block = Loaded(subsurface, "xyz")
     block.start()
     return block, model.grid
 

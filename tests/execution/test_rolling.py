@@ -5,6 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.viz.style import save
 
 BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 BALL = {"type": "sphere", "radius": "105 um"}
@@ -67,7 +68,12 @@ def test_travel_is_refused_where_it_has_no_meaning(more, words):
         scene({"normal_load": LOAD, "travel_x": "1 um"}, **more)
 
 
-def test_picture_of_the_passing(tmp_path):
+def test_picture_of_the_passing(tmp_path, monkeypatch):
+    def save_passing(figure, path, *options):
+        if path.name == "passing.png":
+            save(figure, path, *options)
+
+    monkeypatch.setattr("eigencontact.viz.figures.save", save_passing)
     points = {"shape": "points", "points": [[0, 0, "3 um"], ["4 um", 0, "3 um"]]}
     ramp = {"normal_load": LOAD, "travel_x": "8 um", "increments": 4}
     case = scene({"normal_load": LOAD, "travel_x": "-8 um"}, ramp, stress=[points])

@@ -59,7 +59,7 @@ def test_fretting_mode_2_has_its_largest_stress_below_the_surface(friction, size
     np.testing.assert_allclose(largest, largest_on_the_axis(run), rtol=0.03)
 
 
-@pytest.fixture(scope="module", params=[32, 33])
+@pytest.fixture(scope="module", params=[32, pytest.param(33, marks=pytest.mark.slow)])
 def sliding(request, tmp_path_factory):
     """A sphere that slides along x: Hertz pressure, and half of it as shear; regions in the surface, both bodies."""
     folder = tmp_path_factory.mktemp("sliding")

@@ -50,16 +50,16 @@ def test_the_contact_follows_the_bodies_of_a_surface():
         mechanics.pressed(surface, control, {}, None, None)
         for mechanics, surface in (
             (running, new),
-            (running, replace(new, bodies=thick.bodies)),
-            (running, replace(new, bodies=thin.bodies)),
+            (running, replace(new, solids=thick.model.bodies.solids)),
+            (running, replace(new, solids=thin.model.bodies.solids)),
             (started(thin), new),
         )
     ]
     np.testing.assert_array_equal(pressures[0], pressures[1])
     np.testing.assert_array_equal(pressures[2], pressures[3])
     assert np.abs(pressures[0] - pressures[2]).max() > 1e-3 * pressures[0].max()
-    assert running.softness(thin.bodies) == close(started(thin).softness(None))
-    assert running.softness(thick.bodies) == close(started(thick).softness(None))
+    assert running.softness(thin.model.bodies.solids) == close(started(thin).softness(None))
+    assert running.softness(thick.model.bodies.solids) == close(started(thick).softness(None))
 
 
 def test_the_driver_asks_blocks_how_many_cycles_a_step_stands_for(monkeypatch):

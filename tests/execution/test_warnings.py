@@ -61,7 +61,7 @@ def test_the_edge_of_a_contact_with_friction_is_told_where_the_largest_stress_li
     row = {"step": 1.0, "slip_fraction": 1.0, "normal_load": 1.0, "tangential_load": 0.5, "torsion_moment": 0.0}
     row["contact_area_counted"] = np.count_nonzero(pressure) * grid.cell_area
     last = StepRecord(index=1, time=1.0, fields={"pressure": pressure}, scalars=row, regions={"few": stress})
-    found = noticed(planned, last, [row])
+    found = noticed(planned.model, planned.blocks, last, [row])
     assert codes([one.to_dict() for one in found]) == (["slow-place"] if told else [])
     assert not told or "lies at the edge of a contact with friction" in found[0].words
 
@@ -101,11 +101,13 @@ def test_few_increments_of_a_contact_that_yields_with_friction_are_told_by_numbe
     }  # fmt: skip
     rows = [{**row, "step": n + 1.0, "time": (n + 1) / increments, "substeps": 1.0} for n in range(increments)]
     last = StepRecord(index=increments, time=1.0, scalars=row, fields={}, regions={}, observed={})
-    found = [caution for caution in noticed(planned, last, rows) if caution.code == "plastic-steps"]
+    found = [
+        caution for caution in noticed(planned.model, planned.blocks, last, rows) if caution.code == "plastic-steps"
+    ]
     assert [caution.error for caution in found] == ([] if told is None else [close(told, rel=1e-12)])
     assert all(f"grows in {increments} increments" in caution.words for caution in found)
     elastic = [{**row, "max_plastic_strain": 0.0} for row in rows]
-    assert "plastic-steps" not in [caution.code for caution in noticed(planned, last, elastic)]
+    assert "plastic-steps" not in [caution.code for caution in noticed(planned.model, planned.blocks, last, elastic)]
 
 
 def test_the_command_prints_warnings_and_stores_them(tmp_path, capsys):

@@ -98,9 +98,9 @@ def test_a_contact_that_is_lifted_in_each_cycle_wears():
 
 
 def test_mirrored_and_turned_scenes_agree():
-    change = {"cycles": 6, "numerics": {"coupling": "partial", "tolerance": 1e-10}}
+    change = {"cycles": 4, "numerics": {"coupling": "partial", "tolerance": 1e-10}}
     cycle = [{"shift-x": -5e-7, "increments": 2}, {"shift-x": 5e-7, "increments": 4}, {"shift-x": 0.0, "increments": 2}]
-    mirrored = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 6}]
+    mirrored = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 4}]
     one, other = ec.run(fretting(**change)), ec.run(fretting(along="y", **change))
     third = ec.run(fretting(**change, steps=mirrored))
     depth = one.dataset["worn_depth"].values[-1]

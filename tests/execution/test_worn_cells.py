@@ -51,7 +51,9 @@ def records(made):
 
 def contents(inclusion, pitch=H / 8):
     made = ec.plan(scene(inclusions=inclusion, numerics={"threads": 1, "inclusion-pitch": pitch}))
-    return MaterialCells(box_of_inhomogeneities(made.inhomogeneities), made.inhomogeneities, made.grid), made.grid
+    return MaterialCells(
+        box_of_inhomogeneities(made.model.cells.inhomogeneities), made.model.cells.inhomogeneities, made.grid
+    ), made.grid
 
 
 @pytest.mark.parametrize("lost", [0.1, 0.25, 0.4])
@@ -116,7 +118,7 @@ def test_a_run_goes_on_from_its_records_to_the_bit():
 
 
 def test_what_lies_deep_is_refused_where_its_cells_would_have_to_rise():
-    with pytest.raises(SceneError, match=r"wear of body 1 must stay below 0.5 of the height of cells"):
+    with pytest.raises(SceneError, match=r"depth lost by body 1 must stay below 0.5 of the height of cells"):
         records(scene((10,), (3,), inclusions=coating(thickness=H / 4, top=H / 4), cells=24))
 
 
@@ -125,23 +127,23 @@ def test_a_run_warns_of_what_does_not_rise():
     strained = {"type": "uniform", "value": 1e-6, "depth": 2e-6, "layers": 2}
     made = ec.plan(scene((10,), (2,), inclusions=[], eigenstrain=strained))
     *_, end = drive(made)
-    (caution,) = [one for one in noticed(made, end, [end.scalars]) if one.code == "worn-regions"]
+    (caution,) = [one for one in noticed(made.model, made.blocks, end, [end.scalars]) if one.code == "worn-regions"]
     assert caution.error == close(end.scalars["max_worn_depth"] / 2e-6, rel=1e-12)
     assert "stays where it was" in caution.words
     plain = ec.plan(scene((10,), (2,)))
-    assert "worn-regions" not in [one.code for one in noticed(plain, list(drive(plain))[-1], [])]
+    assert "worn-regions" not in [one.code for one in noticed(plain.model, plain.blocks, list(drive(plain))[-1], [])]
 
 
 def test_a_run_warns_of_slides_on_which_the_coating_answers_too_late():
     """WR-17 at 8 cells: with a lag of 0.05 the peak pressure is 29 % off, with 0.01 it is right to 0.1 %."""
     made = ec.plan(scene((3,), (2,)))
     *_, end = drive(made)
-    (caution,) = [one for one in noticed(made, end, [end.scalars]) if one.code == "worn-increments"]
+    (caution,) = [one for one in noticed(made.model, made.blocks, end, [end.scalars]) if one.code == "worn-increments"]
     assert caution.error == end.scalars["wear_lag"] > 0.03
     bare = ec.plan(scene((3,), (2,), inclusions=[]))
     *_, end = drive(bare)
     assert end.scalars["wear_lag"] < 1e-3
-    assert "worn-increments" not in [one.code for one in noticed(bare, end, [end.scalars])]
+    assert "worn-increments" not in [one.code for one in noticed(bare.model, bare.blocks, end, [end.scalars])]
 
 
 @pytest.mark.slow

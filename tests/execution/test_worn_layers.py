@@ -150,5 +150,5 @@ def test_thinned_layers_are_thinner_layers():
 def test_like_layers_stay_alike_where_both_wear_alike(who, alike):
     """Where one of two like bodies gets thinner, pressure moves the surfaces along themselves."""
     made = ec.plan(scene(coated(), body2=coated(), friction={"type": "coulomb", "coefficient": 0.3}, wear=who))
-    assert made.coupling.alike == alike
-    assert (("x", "z") in made.coupling.pairs) != alike
+    assert made.model.interface.coupling.alike == alike
+    assert (("x", "z") in made.model.interface.coupling.pairs) != alike

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL, perfect
 from close import close
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 ELASTIC = {"type": "elastic"}
 #: Hertz, HZ-2 of the case catalogue: load [N], contact radius [m], peak pressure [Pa].
 LOAD, A, P0 = 12.307, 20e-6, 14.691e9
@@ -18,10 +18,6 @@ HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.3}
 
 #: Middles of cells beside the axis: laws hold for means over cells, which differ the more at corners.
 CENTRES = {"name": "cut", "shape": "points", "points": [[2.5e-6, 2.5e-6, z * 1e-6] for z in range(2, 42, 4)]}
-
-
-def perfect(stress="7344 MPa", **more):
-    return {"type": "j2", "hardening": {"type": "perfect", "yield-stress": stress}, **more}
 
 
 def by_depth(*laws, interfaces=("20 um",)):
@@ -84,7 +80,7 @@ def test_a_layer_that_holds_all_of_the_plastic_zone_is_the_whole_body(plain):
         (None, [layer(perfect(), "24 um")]),
         (perfect(), [layer(perfect())]),
         (perfect(), [{**BALL, "center": [0, 0, "36 um"], "material": ELASTIC}]),
-        (perfect("6.5 GPa"), [layer(perfect(), "24 um")]),
+        pytest.param(perfect("6.5 GPa"), [layer(perfect(), "24 um")], marks=pytest.mark.slow),
     ],
     ids=["coating alone", "coating and ground", "elastic ball below", "coating on a ground that never gets there"],
 )
@@ -120,7 +116,9 @@ def test_a_hard_coating_that_yields_on_a_ground_that_yields():
     assert np.all(parts[1:8] > 0.9)
 
 
-@pytest.mark.parametrize("law", [None, perfect("6 GPa")], ids=["elastic around", "yields around"])
+@pytest.mark.parametrize(
+    "law", [pytest.param(None, marks=pytest.mark.slow), perfect("6 GPa")], ids=["elastic around", "yields around"]
+)
 def test_an_inclusion_that_yields(law):
     """Soft limit in a ball: it flows and stays at its limit; around it the stress goes beyond that."""
     ball = {**BALL, "material": perfect("2 GPa", **HARD)}

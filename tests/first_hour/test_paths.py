@@ -2,12 +2,15 @@
 
 import csv
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
 import eigencontact as ec
 from close import close
+from conftest import save_small
+from eigencontact.viz.style import save
 
 FRETTING = """
 title = "Fretting wear of DLC on titanium"
@@ -129,8 +132,9 @@ def succeeded(outcome):
     return outcome.out
 
 
-def test_own_fretting_scene(command, desk):
-    """Explain, run, look at one field, read the numbers, write the report."""
+def test_own_fretting_scene(command, desk, monkeypatch):
+    """Explain, run, look at one field, read the numbers, write the report (with small pictures)."""
+    monkeypatch.setattr("eigencontact.viz.figures.save", partial(save_small, save=save))
     (desk / "dlc.toml").write_text(FRETTING, encoding="utf-8")
     assert "shift-x" in succeeded(command("schema", "steps"))
     plan = succeeded(command("explain", "dlc.toml"))

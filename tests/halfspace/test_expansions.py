@@ -92,7 +92,7 @@ def _cloud(count, points):
 def test_large_clouds_are_summed_to_the_tolerance(monkeypatch, space, quantity, tolerance, worth):
     """By expansions, and by regions of few sources alone."""
     monkeypatch.setattr(cloud, "_WORTH", worth)
-    shapes, strains, points = _cloud(60, 40_000)
+    shapes, strains, points = _cloud(60, 34_000)
     given = {"poisson_ratio": 0.3, "quantity": quantity, "space": space}
     found = field_of_cloud(shapes, strains, points, tolerance=tolerance, **given)
     some = np.random.default_rng(5).choice(points[0].size, 300, replace=False)
@@ -103,7 +103,7 @@ def test_large_clouds_are_summed_to_the_tolerance(monkeypatch, space, quantity, 
 
 
 def test_a_sum_that_is_not_good_enough_is_taken_again(monkeypatch):
-    shapes, strains, points = _cloud(60, 40_000)
+    shapes, strains, points = _cloud(60, 34_000)
     degrees = []
     monkeypatch.setattr(cloud, "_WORTH", 0)
 

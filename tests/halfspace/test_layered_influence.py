@@ -206,7 +206,8 @@ def test_bound_covers_another_grid(modulus, count):
     """The same half-widths at two reaches and depths of the grids: the smaller window is part of the larger."""
     layers = [(10 ** (-3 + 4 * i / 30), modulus if i % 2 == 0 else 1.0, 0.01 * (i + 20)) for i in range(count)]
     body, x = medium(layers, (1.0, 0.3)), np.arange(200) * 1.0
-    wide, bound = LAYERED["p"].sample_with_bound("displacement", ["z"], x, x, 0.0, (0.5, 0.5), body)
+    field = LAYERED["p"].at_depths("displacement", ["z"], np.zeros(1), (0.5, 0.5), x.max(), body)
+    wide, bound = field.on_lattice(0, x, x), field.bounds[0]
     narrow = LAYERED["p"].sample("displacement", ["z"], x[:7], x[:7], 0.0, (0.5, 0.5), body)
     assert bound < 1e-6
     assert np.abs(wide[:, :7, :7] - narrow).max() <= bound * np.abs(wide).max()

@@ -6,9 +6,9 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.execution.run.loading import LoadHistory
-from eigencontact.model.contact_estimate import ContactEstimate
-from eigencontact.model.contact_growth import contact_growth
 from eigencontact.scene.steps import Step
+from eigencontact.solvers.contact_estimate import ContactEstimate
+from eigencontact.solvers.contact_growth import contact_growth
 from eigencontact.solvers.control import Control
 
 A = 10e-6

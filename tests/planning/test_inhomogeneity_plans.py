@@ -1,8 +1,5 @@
 """Plans with inhomogeneities: one box of cells for each body, solved with the contact; nothing where there are none."""
 
-import json
-import subprocess
-import sys
 import tracemalloc
 
 import numpy as np
@@ -49,7 +46,7 @@ def boxes(*inclusions, grid=GRID, **numerics):
     planned = ec.plan({"body1": STEEL, "body2": STEEL, "inclusions": inclusions, "grid": grid, "numerics": numerics})
     found = {}
     for body in (1, 2):
-        sources = [source for source in planned.inhomogeneities if source.body == body]
+        sources = [source for source in planned.model.cells.inhomogeneities if source.body == body]
         if sources:
             lattice = box_of_inhomogeneities(sources).lattice
             found[body] = (lattice.first, lattice.shape, lattice.edges)
@@ -117,30 +114,9 @@ def test_the_prediction_covers_what_is_held():
     assert 0.5 < cells.cost.peak / peak < 2.0
 
 
-SCRIPT = """
-import json, sys
-import eigencontact as ec
-scene = {"body1": {"young-modulus": 2e11, "poisson-ratio": 0.3}, "grid": {"cells": 8, "size": [8e-6, 8e-6]},
-         "inclusions": [{"type": "sphere", "center": [0, 0, 2e-6], "radius": 1e-6, MORE}]}
-ec.run(scene)
-print(json.dumps([name for name in sys.modules if name.startswith("eigencontact")]))
-"""
-
-
-@pytest.mark.parametrize(("more", "loaded"), [('"eigenstrain": 1e-3', False), ('"material": {"void": True}', True)])
-def test_work_follows_the_scene(more, loaded):
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT.replace("MORE", more)], capture_output=True, text=True, check=True, timeout=120
-    )
-    modules = set(json.loads(done.stdout.splitlines()[-1]))
-    new = {"execution.interiors.cells", "execution.interiors.material_cells", "solvers.equivalent_inclusions"}
-    assert {name for name in new if f"eigencontact.{name}" in modules} == (new if loaded else set())
-    assert "eigencontact.solvers.normal" not in modules
-
-
 def test_outlines_are_drawn():
     from eigencontact.model.outlines import outlines
 
-    found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}))
+    found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}).model)
     assert set(found) == {"", "cut"}
     np.testing.assert_allclose(np.hypot(*found[""][:, 0].T), 1e-6, rtol=0.02)

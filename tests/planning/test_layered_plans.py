@@ -1,8 +1,5 @@
 """Plans with layered bodies: said in words, nothing of layers loaded without them, a broken medium named at once."""
 
-import json
-import subprocess
-import sys
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -83,31 +80,6 @@ def test_a_layered_body_couples_unless_the_other_is_like_it(body2, level, alike)
     responses = [(kernel.response, kernel.traction) for kernel in planned.kernels]
     assert (("displacement z", "shear q_x") in responses) == (level == "full" and not alike)
     assert any("both bodies move alike" in item.why for item in planned.left_out) == alike
-
-
-LAYERS = ("eigencontact.halfspace.layered", "eigencontact.execution.blocks.layered")
-RUN = """
-import json, sys
-import eigencontact as ec
-changes = ["grid.cells-per-contact-radius=8", "output.vtk=false", "output.pictures=false"]
-ec.run(ec.load_scene("{name}", changes + {more}))
-print(json.dumps(sorted(sys.modules)))
-"""
-
-
-@pytest.mark.parametrize(("name", "loaded"), [("hertz", False), ("coated-sphere", True)])
-def test_a_homogeneous_scene_loads_nothing_about_layers(name, loaded):
-    more = ["stress=[{name='cut', shape='plane', normal='z', position=1e-6, fields=['strain']}]"]
-    done = subprocess.run(
-        [sys.executable, "-c", RUN.format(name=name, more=more)],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=120,
-    )
-    modules = json.loads(done.stdout.splitlines()[-1])
-    for layer in LAYERS:
-        assert any(module.startswith(layer) for module in modules) == loaded, layer
 
 
 STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)

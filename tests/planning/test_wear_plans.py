@@ -118,10 +118,10 @@ def test_a_contact_that_wears_towards_the_edge_of_the_window_is_said():
 
 def test_jumps_of_a_given_size_that_are_too_large_are_said():
     wear = {"type": "dissipated-energy", "coefficient": "1e-2 mm^3/J"}
-    told = warnings(wear | {"cycles-per-update": 30}, cycles(100))
+    told = warnings(wear | {"cycles-per-update": 30}, cycles(70))
     assert "surfaces that move once in one cycle or many make the worn volume wrong by " in told["wear-jumps"]
     assert "; set wear.cycles-per-update smaller, or wear.jump-error" in told["wear-jumps"]
-    assert "wear-jumps" not in warnings(wear | {"jump-error": 0.1}, cycles(100))
+    assert "wear-jumps" not in warnings(wear | {"jump-error": 0.1}, cycles(70))
 
 
 def test_explain_of_a_step_that_slides_along_a_direction():
@@ -145,7 +145,7 @@ def test_a_shift_that_is_not_small_beside_the_contact_is_told_by_number(along, s
     planned = shifted(**{f"shift-{along}": shift, "increments": 4})
     found = [caution for caution in planned.cautions if caution.code == "shift"]
     assert len(found) == told
-    ratio = abs(shift) / (0.5 * planned.expected.extent[0])
+    ratio = abs(shift) / (0.5 * planned.model.window.expected.extent[0])
     if told:
         assert found[0].error == close(ratio / (1 + ratio), rel=1e-12)
         assert "the scar is 13 % shorter along the shift than that of a moving contact" in found[0].words

@@ -53,7 +53,7 @@ def test_an_automatic_grid_is_never_that_coarse():
 def test_a_contact_far_from_the_middle_of_a_wide_window_is_seen_as_small():
     """The coarse look over the window sees one of 48 cells; a close look tells the radius."""
     away = "geometry.center=[3e-4, -1e-4]"
-    expected = ec.plan(hertz(400, 1e-3, away, COARSE)).expected
+    expected = ec.plan(hertz(400, 1e-3, away, COARSE)).model.window.expected
     assert 0.5 * expected.extent[0] == close(A, rel=0.02)
     assert expected.peak == close(P0, rel=0.02)
     with pytest.raises(SceneError, match="at least 2 cells"):
@@ -159,7 +159,10 @@ def test_a_ball_that_yields_by_its_own_law_in_a_body_that_yields_is_told_by_numb
     assert len(found) == told
     if told:
         assert "'ball' yields by a law of its own in a body that yields" in found[0].words
-        radius, edge = 0.25 * sum(planned.expected.extent), max(planned.inhomogeneities[0].lattice.edges)
+        radius, edge = (
+            0.25 * sum(planned.model.window.expected.extent),
+            max(planned.model.cells.inhomogeneities[0].lattice.edges),
+        )
         assert 4.5 < radius / edge < 5.5
         assert found[0].error == close(1.8 * edge / radius, rel=1e-12)
 
@@ -189,7 +192,7 @@ def test_a_load_that_turns_within_one_increment_is_told():
 )
 def test_bundled_scenes_are_free_of_warnings(name):
     assert ec.plan(name).cautions == ()
-    assert np.isfinite(ec.plan(name).expected.peak)
+    assert np.isfinite(ec.plan(name).model.window.expected.peak)
 
 
 def test_the_void_of_the_gallery_has_two_cells_above_it_and_says_so():

@@ -50,7 +50,8 @@ def tensor(shape, potential, order, points):
 
 @cache
 def moments(name, gradient):
-    return volume_quadrature.volume_moments(POINTS, nodes(name), gradient=gradient)
+    count = 9 if name == "any" else 8  # within 2e-10 of the moments with 10 nodes an edge
+    return volume_quadrature.volume_moments(POINTS, nodes(name, count), gradient=gradient)
 
 
 @pytest.mark.parametrize("name", TURNED)

@@ -1,5 +1,6 @@
 """Analytic geometries: shape, symmetry, junctions, closed forms, refusals."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -218,6 +219,7 @@ REVOLUTION = [
 REVOLUTION_IDS = [f"{geometry.key}-{load}" for geometry, load, _ in REVOLUTION]
 
 
+@cache
 def radius_of_contact(geometry, load):
     """Where the closed form ends, by bisection."""
     low, high = 0.0, 100.0

@@ -151,7 +151,9 @@ EXTREMES = {
 }
 
 
-@pytest.mark.parametrize("name", EXTREMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n.startswith("thirty") else n for n in EXTREMES]
+)
 def test_extreme_layers_agree_with_many_digits(name):
     layers, substrate = EXTREMES[name]
     body = medium(layers, substrate)

@@ -107,12 +107,12 @@ def test_fields_agree_with_quadrature(widths, nu):
 
     Measured: 6e-15 (u) and 7e-13 (stress) for moderate shapes, 2e-13 and 7e-13 for edges 1:1000.
     """
-    for point in NEAR + FAR:
-        ours = np.array([field(load, *point, widths, nu) for load in LOADS])
-        oracle = np.array([rectangle(load.traction, point, widths, nu) for load in LOADS])
-        for part in (slice(0, 3), slice(3, 9)):
-            error = np.abs(ours[:, part] - oracle[:, part]).max() / np.abs(oracle[:, part]).max()
-            assert error < 5e-12, (point, part)
+    points = NEAR + FAR
+    ours = np.array([field(load, *np.transpose(points), widths, nu) for load in LOADS])
+    oracle = np.transpose([[rectangle(load.traction, p, widths, nu) for p in points] for load in LOADS], (0, 2, 1))
+    for part in (slice(0, 3), slice(3, 9)):
+        error = np.abs(ours[:, part] - oracle[:, part]).max(axis=(0, 1)) / np.abs(oracle[:, part]).max(axis=(0, 1))
+        assert error.max() < 5e-12, (points[error.argmax()], part)
 
 
 @pytest.mark.parametrize("point", [(1, 0, 0), (1, 0.5, 0), (0.2, -1, 0), (1, 1, 0), (-1, 1, 0)], ids=str)
@@ -209,25 +209,25 @@ def test_length_scaling(load, unit):
         assert np.abs(scaled[:3] - reference[:3]).max() < 1e-12
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(
     x=st.floats(-20, 20),
     y=st.floats(-20, 20),
-    z=st.sampled_from([0.0, 1e-8, 0.3, 4.0]),
     a=st.floats(0.05, 3),
     b=st.floats(0.05, 3),
     nu=st.floats(-0.9, 0.5),
 )
-def test_mirrors_and_quarter_turn(x, y, z, a, b, nu):
+def test_mirrors_and_quarter_turn(x, y, a, b, nu):
     """Mirrored or turned with its load, the field is the mirrored or turned field, to round-off."""
+    x, y, z = np.broadcast_arrays(x, y, [0.0, 1e-8, 0.3, 4.0])
     original = {load.traction: field(load, x, y, z, (a, b), nu) for load in LOADS}
     names = ("x", "y", "z", *COMPONENTS)
-    scale = max(np.abs(values).max() for values in original.values())
+    scale = np.abs(list(original.values())).max(axis=(0, 1))
     for load in LOADS:
         signs = np.array([parity(name, AXIS[load.traction]) for name in names]).T
         for sign, mirrored in zip(signs, ((x, -y), (-x, y)), strict=True):
-            error = field(load, *mirrored, z, (a, b), nu) - sign * original[load.traction]
-            assert np.abs(error).max() <= 1e-13 * scale
+            error = field(load, *mirrored, z, (a, b), nu) - sign[:, None] * original[load.traction]
+            assert np.all(np.abs(error) <= 1e-13 * scale)
     # turn by 90 degrees: e_x -> e_y, e_y -> -e_x; the traction q_x becomes q_y
     turned = (-y, x, z, (b, a), nu)
     index = {name: i for i, name in enumerate(names)}
@@ -236,7 +236,7 @@ def test_mirrors_and_quarter_turn(x, y, z, a, b, nu):
     for load, partner in ((LOADS[0], "p"), (LOADS[2], "q_x")):
         values = field(load, *turned)
         for name, (sign, target) in image.items():
-            assert abs(values[index[target]] - sign * original[partner][index[name]]) <= 1e-12 * scale
+            assert np.all(np.abs(values[index[target]] - sign * original[partner][index[name]]) <= 1e-12 * scale)
 
 
 @pytest.mark.parametrize("z", [0.0, 0.35])
@@ -333,27 +333,28 @@ def test_true_singularities_are_large_and_of_the_right_sign():
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.3, 0.5])
-@pytest.mark.parametrize("point", [(0.0, 0.0, 0.7), (0.3, -0.2, 0.7), (-1.5, 0.8, 1.0)], ids=str)
-def test_waves_add_up_to_the_rectangle(point, nu):
+@pytest.mark.parametrize(("z", "places"), [(0.7, [(0.0, 0.0), (0.3, -0.2)]), (1.0, [(-1.5, 0.8)])])
+def test_waves_add_up_to_the_rectangle(z, places, nu):
     """Inverse transform of (transform of the rectangle x response) in polar coordinates of the wave vector."""
-    a, b = 0.6, 0.4
-    x, y, z = point
+    a, b, count = 0.6, 0.4, 192
     nodes, weights = np.polynomial.legendre.leggauss(20)
     panels = 2.0 * np.arange(29)  # up to k = 58: exp(-kz) < 1e-17
     k = (panels[:, None] + 1 + nodes).ravel()[:, None]
-    weight = np.tile(weights, panels.size)[:, None] * 2 * np.pi / 320
-    theta = 2 * np.pi * (np.arange(320) + 0.5) / 320
+    weight = np.tile(weights, panels.size)[:, None] * 2 * np.pi / count
+    theta = 2 * np.pi * (np.arange(count) + 0.5) / count
     kx, ky = k * np.cos(theta), k * np.sin(theta)
-    traction = 4 * a * b * np.sinc(kx * a / np.pi) * np.sinc(ky * b / np.pi) * np.exp(1j * (kx * x + ky * y))
+    transform = 4 * a * b * np.sinc(kx * a / np.pi) * np.sinc(ky * b / np.pi) * k * weight / (4 * np.pi**2)
+    shifts = [transform * np.exp(1j * (kx * x + ky * y)) for x, y in places]
     for load in LOADS:
         assert isinstance(load, HasWavenumberResponse)
         u = load.wavenumber_response("displacement", "xyz", kx, ky, z, material(nu))
         s = load.wavenumber_response("stress", COMPONENTS, kx, ky, z, material(nu))
         values = np.concatenate([u, from_mandel_complex(s)])
-        total = (values * (traction * k * weight)).sum(axis=(1, 2)) / (4 * np.pi**2)
-        expected = field(load, x, y, z, (a, b), nu)
-        assert np.abs(total.imag).max() < 1e-13
-        assert np.abs(total.real - expected).max() < 1e-12 * np.abs(expected).max()
+        for shift, (x, y) in zip(shifts, places, strict=True):
+            total = np.einsum("ckt,kt->c", values, shift)
+            expected = field(load, x, y, z, (a, b), nu)
+            assert np.abs(total.imag).max() < 1e-13
+            assert np.abs(total.real - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 def from_mandel_complex(mandel):

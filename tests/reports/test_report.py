@@ -14,8 +14,9 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.numbers import Number
 from eigencontact.reference.numbers import known_numbers
-from eigencontact.reports.answer import answer, cards
-from eigencontact.reports.columns import Column
+from eigencontact.reports.columns import Column, answer, cards
+
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 SECTIONS = (
     *("top", "pictures", "surface", "numbers", "certificates", "scene"),
@@ -81,7 +82,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def fretting(tmp_path_factory):
+def fretting(tmp_path_factory, small_pictures):
     """A run with friction in two steps, whose texts are hostile, and its report."""
     folder = tmp_path_factory.mktemp("fretting")
     ec.run(ec.load_scene("fretting-mode-1", FRETTING), folder)
@@ -89,7 +90,7 @@ def fretting(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def hertz(tmp_path_factory):
+def hertz(tmp_path_factory, small_pictures):
     """A run of one step that drew nothing, and its report."""
     folder = tmp_path_factory.mktemp("hertz")
     ec.run(ec.load_scene("hertz", QUICK), folder)

@@ -7,6 +7,7 @@ import numpy as np
 from eigencontact.core.grid import Grid
 from eigencontact.core.tensors import hydrostatic, principal, to_mandel, von_mises
 from eigencontact.reference.numbers import known_numbers
+from eigencontact.results.memory import MemoryStore
 from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
 RADIUS, E_STAR, LOAD = 105e-6, 230.77e9, 0.65
@@ -107,3 +108,11 @@ def step(info, index=1, load=LOAD, regions=("plane",), reference=True, observed=
         regions=made,
         observed={"probe_pressure": float(index)} if observed else {},
     )
+
+
+def opened(run, records):
+    """Dataset of made-up steps, as that of a stored run."""
+    store = MemoryStore(run)
+    for record in records:
+        store.write_step(record)
+    return store.dataset()

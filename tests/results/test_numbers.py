@@ -12,9 +12,12 @@ from eigencontact.execution.blocks.block import Stateless
 from eigencontact.execution.mechanics import separation
 from eigencontact.reference.numbers import known_numbers, numbers_as_markdown
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
+
 SCENE = {
     "geometry": {"type": "sphere", "radius": "105 um"}, "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
     "grid": {"cells": [12, 12], "size": ["22 um", "22 um"]}, "steps": [{"normal-load": "0.65 N"}],
+    "numerics": {"threads": 1},
 }  # fmt: skip
 STRANGER = '''
 from dataclasses import dataclass

@@ -10,6 +10,8 @@ from close import close
 from eigencontact.postprocess.stored_run import draw
 from eigencontact.results.ownership import is_ours
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
+
 COARSE = [
     "stress=[{shape='line', name='axis', start=[0,0,0], end=[0,0,1e-5], count=4}]",
     "grid.cells-per-contact-radius=6",
@@ -25,7 +27,7 @@ def contents(folder):
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
+def finished(tmp_path_factory, small_pictures):
     """A run with pictures and VTK files, as this version writes it."""
     folder = tmp_path_factory.mktemp("finished")
     ec.run(scene("output.vtk=true"), folder)

@@ -35,7 +35,7 @@ def ball(**changes):
     ],
 )
 def test_spellings_of_an_eigenstrain(value, mandel):
-    (source,) = plan(scene(inclusions=ball(eigenstrain=value))).sources
+    (source,) = plan(scene(inclusions=ball(eigenstrain=value))).model.sources
     np.testing.assert_allclose(source.uniform_eigenstrain(1.0), mandel, rtol=1e-15)
     assert source.exact
 
@@ -43,14 +43,14 @@ def test_spellings_of_an_eigenstrain(value, mandel):
 def test_python_objects_and_arrays_are_tables_too():
     sphere = make("sphere", kind="inclusion-shape", center=(0.0, 0.0, 2e-6), radius=1e-6)
     field = make("uniform", value=1e-3)
-    expected = plan(scene()).sources[0]
+    expected = plan(scene()).model.sources[0]
     for item in (
         {"type": sphere, "eigenstrain": 1e-3},
         ball(eigenstrain=field),
         ball(eigenstrain=np.full(3, 1e-3), center=np.array([0, 0, 2e-6])),
         ball(eigenstrain=1e-3 * np.eye(3)),
     ):
-        (source,) = plan(scene(inclusions=[item])).sources
+        (source,) = plan(scene(inclusions=[item])).model.sources
         assert source.shape == expected.shape
         np.testing.assert_array_equal(source.uniform_eigenstrain(1.0), expected.uniform_eigenstrain(1.0))
 
@@ -68,15 +68,15 @@ def test_a_scene_without_contact_has_one_step_unless_told():
 
 def test_many_of_a_kind_at_centers():
     planned = plan(scene(inclusions=ball(center=None, centers=[[0.0, 0.0, "2 um"], ["3 um", 0.0, "4 um"]])))
-    assert [source.shape.center for source in planned.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
-    assert [source.name for source in planned.sources] == ["sphere 1, 1", "sphere 1, 2"]
+    assert [source.shape.center for source in planned.model.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
+    assert [source.name for source in planned.model.sources] == ["sphere 1, 1", "sphere 1, 2"]
 
 
 def test_centers_are_places_whatever_a_shape_calls_them():
     wedge = str(Path(__file__).parents[1] / "plugins" / "wedge.off")
     shape = {"type": "polyhedron", "file": wedge, "scale": "1 um", "eigenstrain": 1e-3}
     planned = plan(scene(inclusions={**shape, "centers": [[0.0, 0.0, "2 um"], ["3 um", 0.0, "4 um"]]}))
-    assert [source.shape.offset for source in planned.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
+    assert [source.shape.offset for source in planned.model.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
     with pytest.raises(EigencontactError, match=r"inclusions must be at its offset, or at centers \(got both\)"):
         plan(scene(inclusions={**shape, "offset": [0, 0, 1e-6], "centers": [[0.0, 0.0, "2 um"]]}))
 
@@ -107,7 +107,7 @@ def test_automatic_grids_follow_the_inclusions():
 @pytest.mark.parametrize(("depth", "space"), [("1 um", "exact"), ("0.2 um", "full-space"), ("-3 um", "full-space")])
 def test_shapes_may_touch_the_surface_and_cross_it_in_full_space(depth, space):
     inclusion = ball(center=[0, 0, depth])
-    assert plan(scene(inclusions=inclusion, numerics={"half-space": space})).sources
+    assert plan(scene(inclusions=inclusion, numerics={"half-space": space})).model.sources
 
 
 PATCH = {"type": "peened-layer", "peak": 1e-3, "peak-depth": "1 um", "width": "1 um", "depth": "3 um"}

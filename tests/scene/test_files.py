@@ -92,10 +92,10 @@ def charted(install, tmp_path, monkeypatch):
 def test_files_are_found_by_annotation_wherever_they_stand(charted):
     home = charted.parent
     planned = ec.plan(ec.load_scene(charted))
-    assert list(planned.files) == [
+    assert list(planned.model.files) == [
         home / f"{name}.txt" for name in ("one", "two", "three", "four", "five", "sub/six", "seven")
     ]
-    observer = planned.observers[0].observer
+    observer = planned.model.observers[0].observer
     assert observer.first_map == str(home / "one.txt")
     assert observer.many == (str(home / "three.txt"), str(home / "one.txt"))
     assert observer.pair == ("three.txt", str(home / "four.txt"))  # a plain text beside a file
@@ -113,7 +113,7 @@ def test_copies_and_changes_keep_the_folder(charted):
         ec.Scene(**scene.resolved()),
         ec.load_scene(charted, ["observers.0.first-map=two.txt"]),
     ):
-        assert {path.parent for path in ec.plan(copy).files} == {charted.parent, charted.parent / "sub"}
+        assert {path.parent for path in ec.plan(copy).model.files} == {charted.parent, charted.parent / "sub"}
     assert ec.load_scene({**ec.load_scene("hertz").resolved(), "stress": []}).folder is None
 
 
@@ -198,7 +198,7 @@ def test_every_bundled_component_with_a_file_says_so(case, tmp_path, monkeypatch
     monkeypatch.chdir("/")
     path = written({"body1": STEEL, "grid": GRID, "output": QUIET} | tables, tmp_path)
     before = ec.plan(ec.load_scene(path))
-    assert before.files == (data,)
+    assert before.model.files == (data,)
     first = ec.run(before, tmp_path / "out").summary["scene_hash"]
     write(data, 0.5)
     with pytest.raises(ec.EigencontactError, match=r"got results of another scene"):
@@ -235,8 +235,8 @@ def _marks(hint):
 def test_files_of_the_gallery_keep_their_name():
     planned = ec.plan(ec.load_scene("rough-surface"))
     assert any(str(table.get("file")).startswith("gallery:") for table in planned.scene.geometry)
-    assert [path.name for path in planned.files] == ["rough_surface.npz"]
-    assert planned.files[0].is_file()
+    assert [path.name for path in planned.model.files] == ["rough_surface.npz"]
+    assert planned.model.files[0].is_file()
 
 
 def test_what_is_not_installed_is_refused_as_before(scene_file):

@@ -97,11 +97,11 @@ def test_without_friction_each_step_says_how_it_is_controlled():
 
 def test_the_law_is_a_table_a_component_or_a_change(command, scene_file):
     law = make("coulomb-map", coefficient=0.1, regions=[{"radius": 2e-6, "coefficient": 0.5}])
-    assert plan(scene(friction=law)).friction == law
-    assert plan(scene()).friction == make("coulomb", coefficient=0.3)
-    assert plan(scene(friction=None)).friction is None
+    assert plan(scene(friction=law)).model.friction == law
+    assert plan(scene()).model.friction == make("coulomb", coefficient=0.3)
+    assert plan(scene(friction=None)).model.friction is None
     path = scene_file('[friction]\ntype = "shear-cap"\ncoefficient = 0.2\ncap = "1 GPa"\n')
-    changed = plan(load_scene(path, ["friction.coefficient=0.4"])).friction
+    changed = plan(load_scene(path, ["friction.coefficient=0.4"])).model.friction
     assert changed == make("shear-cap", coefficient=0.4, cap=1e9)
     listed = command("plugins").out
     for key in ("coulomb", "coulomb-map", "shear-cap"):
@@ -121,7 +121,7 @@ def test_the_resolved_scene_loads_as_the_same_scene(law):
     first = load_scene(scene(friction=law, steps=PULLED))
     again = load_scene(tomllib.loads(tomli_w.dumps(first.resolved())))
     assert again.resolved() == first.resolved()
-    assert plan(again).friction == plan(first).friction
+    assert plan(again).model.friction == plan(first).model.friction
 
 
 def test_the_map_of_a_scene_counts_from_its_folder(tmp_path, monkeypatch):
@@ -132,7 +132,7 @@ def test_the_map_of_a_scene_counts_from_its_folder(tmp_path, monkeypatch):
     monkeypatch.chdir("/")
     loaded = load_scene(tmp_path / "my.toml")
     assert loaded.resolved()["friction"]["file"] == str(tmp_path / "mu.npz")
-    assert plan(loaded).friction.coefficients(np.zeros((1, 1)), np.zeros((1, 1))) == 0.2
+    assert plan(loaded).model.friction.coefficients(np.zeros((1, 1)), np.zeros((1, 1))) == 0.2
 
 
 # changes to the scene, words of the refusal

@@ -52,9 +52,9 @@ def test_materials(case):
 def test_a_law_may_be_given_as_a_component():
     law = ec.make("cubic", c11="300 GPa", c12="100 GPa", c44="100 GPa")
     planned = ec.plan(scene(law))
-    assert planned.inhomogeneities[0].law == law
-    assert ec.plan(planned.scene.resolved()).inhomogeneities[0].law == law
-    assert law in planned.components
+    assert planned.model.cells.inhomogeneities[0].law == law
+    assert ec.plan(planned.scene.resolved()).model.cells.inhomogeneities[0].law == law
+    assert law in planned.model.components
 
 
 LOPSIDED = (np.eye(6) + np.eye(6, k=1)).tolist()

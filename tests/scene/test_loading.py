@@ -38,8 +38,8 @@ def test_a_python_scene_equals_the_file(scene_file):
     assert (scene.numerics, scene.stress, scene.output) == (loaded.numerics, loaded.stress, loaded.output)
     from eigencontact import plan
 
-    assert plan(scene).geometries == plan(loaded).geometries
-    assert plan(scene).observers == plan(loaded).observers
+    assert plan(scene).model.interface.geometries == plan(loaded).model.interface.geometries
+    assert plan(scene).model.observers == plan(loaded).model.observers
     assert plan(scene).grid == plan(loaded).grid
 
 

@@ -39,11 +39,11 @@ def within(step):
 
 def test_the_law_is_a_table_a_component_or_a_change():
     law = make("archard", coefficient=1e-4, hardness="2 GPa")
-    assert plan(load_scene(scene(wear=law))).wear == law
-    assert plan(load_scene(scene())).wear == make("dissipated-energy", kind="wear-law", coefficient=1e-12)
+    assert plan(load_scene(scene(wear=law))).model.wear.law == law
+    assert plan(load_scene(scene())).model.wear.law == make("dissipated-energy", kind="wear-law", coefficient=1e-12)
     changed = load_scene(scene(), ["wear.coefficient='2e-3 mm^3/J'"])
-    assert plan(changed).wear.coefficient == close(2e-12, rel=1e-15)
-    assert plan(load_scene(scene(wear=None))).wear is None
+    assert plan(changed).model.wear.law.coefficient == close(2e-12, rel=1e-15)
+    assert plan(load_scene(scene(wear=None))).model.wear is None
 
 
 def test_laws_of_wear_are_listed(command):

@@ -6,7 +6,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.model.kernels import PairCoefficients
 from eigencontact.solvers.control import Control
-from eigencontact.solvers.normal import NormalOptions, solve_normal
+from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact_plugins.surface_loads import PressureLoad
 
 STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)
@@ -33,7 +33,7 @@ def rounded_punch(grid, flat=0.5, radius=1.0):
 def solve(grid, separation, coefficients=None, *, start=None, tolerance=1e-9, options=None, **control):
     """Solve with the control given by name."""
     chosen = NormalOptions(tolerance=tolerance, **(options or {}))
-    return solve_normal(grid, separation, coefficients or halfspace(), Control(**control), chosen, start=start)
+    return NormalSolver(grid, coefficients or halfspace(), chosen).solve(separation, Control(**control), start=start)
 
 
 def square_grid(cells, half_width=1.3, offset=(0.0, 0.0)):

@@ -12,6 +12,7 @@ from eigencontact.model.kernels import PairCoefficients
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.solvers.control import Control, mode_field
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact.solvers.tangential.compliance import MatrixOperator
 from eigencontact.solvers.tangential.contact import FrictionalContact, FrictionalSolution, Sliding
 from eigencontact.solvers.tangential.control import MODES, TangentialControl, mode_fields
@@ -286,9 +287,7 @@ def errors(scene, course):
     not oppose the shear, over the largest tangential displacement; shear beyond its bound over the largest bound.
     """
     last, grid = course.last, scene.grid
-    operator = MatrixOperator(
-        grid, kernels(scene.bodies, scene.coupling), "xyz", "xyz", periodic=False, precision="double", threads=1
-    )
+    operator = MatrixOperator(grid, kernels(scene.bodies, scene.coupling), "xyz", "xyz", SolverOptions(threads=1))
     whole, p, q = Box(0, grid.ny, 0, grid.nx), last.normal.pressure, last.tangential.shear
     moved = operator.apply(np.stack([*q, p]), whole, whole)
     tilts = (last.normal.approach, last.normal.tilt_x, last.normal.tilt_y)

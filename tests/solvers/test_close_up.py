@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from direct_sums import sum_of_cells
 from eigencontact.errors import SceneError
-from eigencontact.halfspace.points import field_at_points
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.close_up import close_up
 from eigencontact_plugins.shapes.cuboid import Cuboid
@@ -17,12 +17,7 @@ BOUND = 1e-6
 
 def direct(source, points, strain, **options):
     z, y, x = np.meshgrid(points.centres(2), points.centres(1), points.centres(0), indexing="ij")
-    total = 0.0
-    for k, j, i in np.argwhere(strain.any(axis=0)):
-        center = (source.centres(0)[i], source.centres(1)[j], source.centres(2)[k])
-        cell = Cuboid(center=center, edges=source.pitch)
-        total = total + field_at_points(cell, strain[:, k, j, i], (x.ravel(), y.ravel(), z.ravel()), **options)
-    return total.reshape(-1, *points.shape)
+    return sum_of_cells(source, (x.ravel(), y.ravel(), z.ravel()), strain, **options).reshape(-1, *points.shape)
 
 
 def cells(first, pitch, shape):

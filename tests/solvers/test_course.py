@@ -244,9 +244,9 @@ def test_progress_is_told_and_inputs_are_left_alone():
     told = []
     h = BALL.copy()
     h.setflags(write=False)
-    from eigencontact.solvers.normal import solve_normal
+    from eigencontact.solvers.normal import NormalSolver
 
-    s = solve_normal(GRID, h, halfspace(), Control(normal_load=1.0), progress=lambda *args: told.append(args))
+    s = NormalSolver(GRID, halfspace()).solve(h, Control(normal_load=1.0), progress=lambda *args: told.append(args))
     assert len(told) == s.report.iterations
     assert told[-1][0] == "42 x 42 cells"
     assert told[-1][1] <= told[-1][2]

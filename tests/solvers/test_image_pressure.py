@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from eigencontact.halfspace.points import field_at_points
 from eigencontact.model.installed import installed_cell, installed_influence
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.solvers.cells import Cells
-from eigencontact.solvers.image_pressure import ImagePressure, ImagePressureVolume
+from eigencontact.solvers.image_pressure import ImagePressure, ImagePressureVolume, reflected
 
 MATERIAL = Material(young_modulus=1.0, poisson_ratio=0.3)
 DIRECTIONS = {
@@ -54,6 +56,29 @@ class Case:
         y, x = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
         return x, y, np.full(x.size, float(depth))
 
+    def pair(self, quantity, points):
+        """Source and image in the infinite body."""
+        x, y, z = points
+        return self.field(quantity, points) + reflected(quantity, self.field(quantity, (x, y, -z)))
+
+    @cached_property
+    def pressure(self):
+        """Twice the normal traction of the source at the middles of the cells."""
+        return 2.0 * self.field("stress", self.points(0.0, self.grid.shape, (0.0, 0.0)))[2].reshape(self.grid.shape)
+
+    def at_points(self, quantity, points):
+        """Field by the scheme at scattered points."""
+        out = self.pair(quantity, points)
+        self.scheme.add_pressure_at(out, quantity, self.pressure, points)
+        return out
+
+    def on_lattice(self, quantity, *, target, origin, depths):
+        """Field by the scheme on planes of points of the grid's pitch."""
+        planes = [self.pair(quantity, self.points(depth, target, origin)).reshape(-1, *target) for depth in depths]
+        out = np.stack(planes, axis=1)
+        self.scheme.add_pressure(out, quantity, self.pressure, origin, depths)
+        return out
+
 
 # Largest error over the largest exact value in the window, in percent: u_z of the surface, and the largest stress
 # component at a depth of 0.25, 0.5 and 1 edges. Found by a program that
@@ -76,12 +101,11 @@ KNOWN = [
 )
 def test_error_of_the_scheme_is_the_known_one(direction, z0, percent):
     case = Case(direction, z0)
-    pressure = case.scheme.pressure(case.field)
-    surface = case.scheme.on_lattice(case.field, "displacement", depths=np.zeros(1), pressure=pressure, **WINDOW)
+    surface = case.on_lattice("displacement", depths=np.zeros(1), **WINDOW)
     exact = case.exact("displacement", case.points(0.0, **WINDOW))[2]
     errors = [np.abs(surface[2].ravel() - exact).max() / np.abs(exact).max()]
     depths = np.array([0.25, 0.5, 1.0])
-    stress = from_mandel(case.scheme.on_lattice(case.field, "stress", depths=depths, pressure=pressure, **WINDOW))
+    stress = from_mandel(case.on_lattice("stress", depths=depths, **WINDOW))
     for k, depth in enumerate(depths):
         exact = from_mandel(case.exact("stress", case.points(depth, **WINDOW)))
         errors.append(np.abs(stress[:, k].reshape(6, -1) - exact).max() / np.abs(exact).max())
@@ -93,7 +117,7 @@ def test_error_of_the_scheme_is_the_known_one(direction, z0, percent):
 def test_cell_middles_are_free_of_traction():
     case = Case("general", 0.75, n=15)
     points = case.points(0.0, case.grid.shape, (0.0, 0.0))
-    stress = case.scheme.at_points(case.field, "stress", points)
+    stress = case.at_points("stress", points)
     largest = np.abs(case.field("stress", points)).max()
     assert np.abs(stress[2:5]).max() <= 1e-13 * largest
 
@@ -103,17 +127,17 @@ def test_points_and_planes_agree(quantity):
     case = Case("general", 0.5, n=9)
     lattice = {"target": (4, 5), "origin": (2.25, -1.0)}
     depths = np.array([0.0, 0.4, 2.0])
-    planes = case.scheme.on_lattice(case.field, quantity, depths=depths, **lattice)
+    planes = case.on_lattice(quantity, depths=depths, **lattice)
     for k, depth in enumerate(depths):
-        at = case.scheme.at_points(case.field, quantity, case.points(depth, **lattice))
+        at = case.at_points(quantity, case.points(depth, **lattice))
         assert np.abs(planes[:, k].reshape(len(at), -1) - at).max() <= 1e-13 * np.abs(at).max()
 
 
 def test_strain_and_stress_obey_hookes_law_away_from_the_source():
     case = Case("general", 0.5, n=9)
     points = case.points(3.0, (9, 9), (0.0, 0.0))
-    stress = case.scheme.at_points(case.field, "stress", points)
-    strain = case.scheme.at_points(case.field, "strain", points)
+    stress = case.at_points("stress", points)
+    strain = case.at_points("strain", points)
     mu, nu = MATERIAL.shear_modulus, MATERIAL.poisson_ratio
     elastic = 2.0 * mu * strain
     elastic[:3] += 2.0 * mu * nu / (1.0 - 2.0 * nu) * strain[:3].sum(axis=0)
@@ -124,15 +148,15 @@ def test_finer_cells_of_the_same_window_come_closer():
     """Slowest for shear at the surface: its doubled traction has a logarithm at the edges of the cube."""
     for refinement, known in ((1, 0.66), (3, 0.27), (9, 0.12)):
         case = Case("xz", 0.5, n=17 * refinement, cell=1.0 / refinement)
-        found = case.scheme.surface(case.field)[2].ravel()
+        found = case.at_points("displacement", case.points(0.0, case.grid.shape, (0.0, 0.0)))[2]
         exact = case.exact("displacement", case.points(0.0, case.grid.shape, (0.0, 0.0)))[2]
         assert np.abs(found - exact).max() / np.abs(exact).max() == close(known, abs=0.01)
 
 
 def test_flush_source_takes_the_surface_from_inside():
     case = Case("zz", 1.0, n=9, edges=(3.0, 3.0, 2.0))
-    stress = case.scheme.at_points(case.field, "stress", (np.zeros(1), np.zeros(1), np.zeros(1)))
-    below = case.scheme.at_points(case.field, "stress", (np.zeros(1), np.zeros(1), np.array([1e-7])))
+    stress = case.at_points("stress", (np.zeros(1), np.zeros(1), np.zeros(1)))
+    below = case.at_points("stress", (np.zeros(1), np.zeros(1), np.array([1e-7])))
     assert np.abs(stress - below).max() <= 1e-5 * np.abs(below).max()
 
 
@@ -149,11 +173,11 @@ def test_cells_and_shapes_agree(quantity, flush):
     operator = ImagePressureVolume(case.scheme, cell, source, target, quantity=quantity)
     strain = np.broadcast_to(case.strain[:, None, None, None], (6, 2, 3, 3))
     lattice = {"target": (4, 9), "origin": (2.75, 0.0), "depths": target.centres(2)}
-    wanted = case.scheme.on_lattice(case.field, quantity, **lattice)
+    wanted = case.on_lattice(quantity, **lattice)
     assert np.abs(operator.apply(strain) - wanted).max() <= 1e-12 * np.abs(wanted).max()
 
 
 def test_unknown_quantity_is_refused():
     case = Case("zz", 1.0, n=1)
     with pytest.raises(SceneError, match=r"image-pressure\.quantity must be one of 'displacement'"):
-        case.scheme.at_points(case.field, "heat", case.points(0.0, (1, 1), (0.0, 0.0)))
+        case.scheme.add_pressure_at(np.zeros((6, 1)), "heat", np.ones((1, 1)), case.points(0.0, (1, 1), (0.0, 0.0)))

@@ -12,9 +12,10 @@ from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import SceneError
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.levels import restrict_springs
-from eigencontact.solvers.normal import NormalOptions, NormalSolver, solve_normal
+from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import Circulant, SpringPreconditioner
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact_verification.oracles import dense
 from solvers.contacts import halfspace, paraboloid, square_grid
 
@@ -27,7 +28,7 @@ MOMENTS = {"normal_load": 1.0, "moment_x": 0.1, "moment_y": -0.05}
 
 def solve(grid, h, springs, *, tolerance=1e-9, options=None, **control):
     chosen = NormalOptions(tolerance=tolerance, **(options or {}))
-    return solve_normal(grid, h, halfspace(), Control(**control), chosen, springs=springs)
+    return NormalSolver(grid, halfspace(), chosen).solve(h, Control(**control), springs=springs)
 
 
 def patterns(grid):
@@ -139,9 +140,8 @@ def test_units_do_not_matter(length, stiffness, seed):
             return halfspace().table(x, y, half_widths) / E
 
     first = solve(grid, h, k, options=EDGE, approach=0.3)
-    s = solve_normal(
-        scaled, L * h, Scaled(), Control(approach=0.3 * L), NormalOptions(tolerance=1e-9, **EDGE), springs=L / E * k
-    )
+    solver = NormalSolver(scaled, Scaled(), NormalOptions(tolerance=1e-9, **EDGE))
+    s = solver.solve(L * h, Control(approach=0.3 * L), springs=L / E * k)
     assert s.pressure / E == close(first.pressure, abs=1e-9 * first.pressure.max())
 
 
@@ -242,7 +242,7 @@ def test_iterations_over_twelve_decades_of_springs(name):
 @pytest.mark.parametrize("size", [0.0, 1e-3, 1.0, 1e5])
 def test_the_preconditioner_is_positive_and_exact_for_uniform_springs(size):
     grid = Grid(nx=8, ny=6, dx=1.0, dy=1.0)
-    circulant = Circulant(Compliance(grid, halfspace(), periodic=False, precision="double", threads=1), Box(0, 6, 0, 8))
+    circulant = Circulant(Compliance(grid, halfspace(), SolverOptions(threads=1)), Box(0, 6, 0, 8))
     units = np.eye(48).reshape(48, 6, 8)
 
     def matrix(apply):

@@ -5,6 +5,7 @@ import pytest
 
 from eigencontact.core.grid import Box, Grid
 from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact.solvers.tangential.compliance import MatrixOperator
 from solvers.contacts import halfspace, paraboloid, solve
 
@@ -14,8 +15,8 @@ BOXES = [Box(0, 10, 0, 3), Box(0, 3, 0, 10), Box(2, 7, 2, 7)]
 
 @pytest.mark.parametrize(("first", "second"), [((9, 3), (3, 9)), ((3, 9), (9, 3)), ((8, 8), (2, 9))])
 def test_a_table_has_the_size_asked_for_whatever_was_asked_before(first, second):
-    compliance = Compliance(GRID, halfspace(), periodic=False, precision="double", threads=1)
-    whole = Compliance(GRID, halfspace(), periodic=False, precision="double", threads=1).table(12, 12)
+    compliance = Compliance(GRID, halfspace(), SolverOptions(threads=1))
+    whole = Compliance(GRID, halfspace(), SolverOptions(threads=1)).table(12, 12)
     for shape in (first, second):
         np.testing.assert_array_equal(compliance.table(*shape), whole[: shape[0], : shape[1]])
 
@@ -23,7 +24,7 @@ def test_a_table_has_the_size_asked_for_whatever_was_asked_before(first, second)
 @pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
 def test_shear_operators_of_boxes_do_not_depend_on_their_order(order):
     def operator():
-        return MatrixOperator(GRID, {("x", "x"): halfspace()}, "x", "x", periodic=False, precision="double", threads=1)
+        return MatrixOperator(GRID, {("x", "x"): halfspace()}, "x", "x", SolverOptions(threads=1))
 
     used = operator()
     for number in order:

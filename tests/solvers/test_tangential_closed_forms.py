@@ -80,7 +80,7 @@ def test_loop_under_a_prescribed_shift(amplitude):
     assert taken[-1] - taken[7] == close(exact, rel=0.02 if peak < 1 else 0.01)
 
 
-@pytest.mark.parametrize("ratio", [0.5, 0.8, 1.0 - 1e-9])
+@pytest.mark.parametrize("ratio", [pytest.param(0.5, marks=pytest.mark.slow), 0.8, 1.0 - 1e-9])
 def test_energy_of_a_loop_under_a_prescribed_load(ratio):
     """CM-4: 40 steps a cycle."""
     s = sphere(32, along="x")

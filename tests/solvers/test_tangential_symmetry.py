@@ -73,15 +73,23 @@ def test_a_mirror_changes_signs_alone():
     same(other.tangential.rigid * (-1, 1, -1), one.tangential.rigid, 1.0)
 
 
-@pytest.mark.parametrize(("length", "modulus"), [(1.0, 2e11), (3e-7, 7e10)])
-def test_scale_of_length_and_of_modulus(length, modulus):
+@pytest.fixture(scope="module")
+def unit_course():
+    """A fully coupled contact in units of one that has followed the course, and its last step."""
     grid = Grid(nx=26, ny=25, dx=0.1, dy=0.1)
     unit = Sphere(grid=grid, separation=ellipse(grid), coupling="full", friction=0.4)
+    return unit, follow(unit)
+
+
+@pytest.mark.parametrize(("length", "modulus"), [(1.0, 2e11), (3e-7, 7e10)])
+def test_scale_of_length_and_of_modulus(unit_course, length, modulus):
+    unit, one = unit_course
+    grid = unit.grid
     small = Grid(nx=26, ny=25, dx=0.1 * length, dy=0.1 * length)
     body = Material(young_modulus=0.91 * modulus, poisson_ratio=0.3)
     scaled = Sphere(grid=small, separation=ellipse(grid) * length, coupling="full", friction=0.4, bodies=(body, None))
     scaled.load *= length**2
-    one, other = follow(unit), follow(scaled, unit=length)
+    other = follow(scaled, unit=length)
     same(other.tangential.shear / modulus, one.tangential.shear, 1e2 * unit.pressure)
     same(other.normal.pressure / modulus, one.normal.pressure, 1e2 * unit.pressure)
     same(other.tangential.rigid / (length, length, 1.0), one.tangential.rigid, 1e2)

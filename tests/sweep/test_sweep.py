@@ -18,12 +18,14 @@ from eigencontact.errors import EigencontactError, PlanError, ResultsError, Scen
 from eigencontact.execution.fields.traction_field import TractionField
 from eigencontact.results.atomic import Sink
 from eigencontact.sweeps.axes import axes_of, axis_of_text
-from eigencontact.sweeps.identity import scene_digest, sweep_digest
+from eigencontact.sweeps.folder import scene_digest, sweep_digest
+from eigencontact.sweeps.gather import warnings_in_words
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _scalars_to_draw, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
-from eigencontact.sweeps.warned import warnings_in_words
 from eigencontact.viz.sweep import draw_profiles, draw_sweep
+
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 #: Cells few enough for tests, in a window that holds the contacts of all variants.
 SCENE = {
@@ -80,7 +82,7 @@ def test_a_key_is_varied_once_and_something_is():
 
 
 @pytest.fixture(scope="module")
-def loads_and_radii(tmp_path_factory):
+def loads_and_radii(tmp_path_factory, small_pictures):
     folder = tmp_path_factory.mktemp("sweep")
     vary = {"steps.normal-load": ["0.125 N", "1 N"], "geometry.radius": {"from": "50 um", "to": "150 um", "count": 3}}
     return sweep(SCENE, vary, folder, fields=["pressure"])

@@ -18,7 +18,7 @@ FEW = (30_000, 30_000)
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("audited") / "run"
-    scene = ec.load_scene("hertz", ["grid.cells-per-contact-radius=8", "output.pictures=false"])
+    scene = ec.load_scene("hertz", ["grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"])
     ec.run(scene, folder).dataset.close()
     return folder
 

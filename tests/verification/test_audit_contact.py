@@ -6,16 +6,17 @@ import json
 
 import numpy as np
 import pytest
+import typer
 import xarray as xr
 
 import eigencontact as ec
 from bodies import STEEL
 from close import close
 from eigencontact_verification.audit import contact_cases_of
+from eigencontact_verification.audit.__main__ import main
+from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_model import contact_model, pliancy
 from eigencontact_verification.audit.contact_scene import contact_scene
-from eigencontact_verification.audit.contact_table import main
-from eigencontact_verification.audit.shapes import NotJudged
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import Outcome
@@ -100,7 +101,7 @@ def coated(thickness="2 um"):
         geometry={"type": "sphere", "radius": "20 um"},
         grid={"cells_per_contact_radius": 24, "margin": 1.6},
         steps={"normal_load": "0.12 N"},
-        output={"pictures": False},
+        output={"pictures": False, "vtk": False},
     )
 
 
@@ -135,7 +136,7 @@ def test_a_yield_stress_that_was_another_is_caught(tmp_path):
         geometry={"type": "sphere", "radius": "105 um"},
         grid={"cells_per_contact_radius": 10, "margin": 1.5},
         steps=[{"normal_load": "0.65 N", "increments": 2}, {"normal_load": 0.0}],
-        output={"pictures": False},
+        output={"pictures": False, "vtk": False},
     )
     ec.run(scene, tmp_path / "run").dataset.close()
     (case,), _ = contact_cases_of(tmp_path / "run")
@@ -161,7 +162,7 @@ def test_what_is_not_covered_is_said(tmp_path, change, reason):
     given = {
         "name": "other", "body1": STEEL, "geometry": {"type": "sphere", "radius": "105 um"},
         "grid": {"cells": 16, "spacing": ["1.5 um", "1.5 um"]}, "steps": {"normal_load": "0.3 N"},
-        "numerics": {"allow_contact_at_edge": True, "allow_coarse": True}, "output": {"pictures": False},
+        "numerics": {"allow_contact_at_edge": True, "allow_coarse": True}, "output": {"pictures": False, "vtk": False},
     }  # fmt: skip
     ec.run(ec.Scene(**{**given, **change}), tmp_path / "run").dataset.close()
     cases, (gap,) = contact_cases_of(tmp_path / "run")
@@ -174,15 +175,14 @@ def test_the_table_says_what_it_leaves_out(tmp_path, capsys):
     scene = ec.Scene(
         name="rolls", body1=STEEL, geometry={"type": "cylinder", "radius": "1 mm", "length": "20 um"},
         grid={"cells": 16, "spacing": ["1.5 um", "1.5 um"]}, steps={"normal_load": "0.3 N"},
-        numerics={"allow_contact_at_edge": True, "allow_coarse": True}, output={"pictures": False},
+        numerics={"allow_contact_at_edge": True, "allow_coarse": True}, output={"pictures": False, "vtk": False},
     )  # fmt: skip
     ec.run(scene, tmp_path / "run").dataset.close()
     page = tmp_path / "page.md"
-    page.write_text(
-        "before\n<!-- verify:whole-contacts -->\n<!-- /verify:whole-contacts -->\nafter\n", encoding="utf-8"
-    )
-    arguments = [str(tmp_path / "run"), "-o", str(tmp_path / "store"), "--markdown", str(page)]
-    assert main(arguments) == 0
+    page.write_text("before\n<!-- audit:whole-contacts -->\n<!-- /audit:whole-contacts -->\nafter\n", encoding="utf-8")
+    with pytest.raises(typer.Exit) as end:
+        main([str(tmp_path / "run")], output=tmp_path / "store", contact=True, markdown=page)
+    assert end.value.exit_code == 0
     text = page.read_text(encoding="utf-8")
     assert text.startswith("before\n")
     assert text.endswith("after\n")

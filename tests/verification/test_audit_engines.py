@@ -7,8 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eigencontact_verification.audit.engines import asked, known_tractions, ratio_for
-from eigencontact_verification.audit.loads import CAUSES, alone, effects, less, smoothed
+from eigencontact_verification.audit.engines import (
+    CAUSES,
+    alone,
+    asked,
+    effects,
+    known_tractions,
+    less,
+    ratio_for,
+    smoothed,
+)
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.loaded_parity import parities
 from eigencontact_verification.fem.loaded_symmetry import centred

@@ -30,6 +30,7 @@ def sliding(tmp_path_factory):
         grid={"cells": 24, "spacing": ["0.8 um", "0.8 um"]},
         steps=[{"normal_load": "0.3 N"}, {"normal_load": "0.3 N", "tangential_load_x": "0.05 N"}],
         stress=[{"shape": "plane", "normal": "y", "body": 1, "depth_max": "6 um", "depth_cells": 12}],
+        output={"pictures": False, "vtk": False},
     )  # fmt: skip
     ec.run(scene, folder / "run").dataset.close()
     return read_step(folder / "run")

@@ -1,6 +1,7 @@
 """The benchmarks: the outside measure, the fresh processes, what is said of codes left out, the table."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -23,14 +24,12 @@ from eigencontact_verification.benchmarks import (
     wear,
 )
 from eigencontact_verification.benchmarks.__main__ import main, parser
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.campaign import run_campaign
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Task, Trial
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge, love_influence
-from eigencontact_verification.benchmarks.process import run_fresh
+from eigencontact_verification.benchmarks.measurements import measure_all
+from eigencontact_verification.benchmarks.process import perform, run_fresh
 from eigencontact_verification.benchmarks.stress import axis_error, axis_stress, depths_of
-from eigencontact_verification.benchmarks.task import Task
-from eigencontact_verification.benchmarks.worker import perform
 from eigencontact_verification.reporting.memory import PeakMemory
 from eigencontact_verification.reporting.table import replace_section
 
@@ -75,7 +74,7 @@ def fake(tmp_path, monkeypatch):
     """A module of pretended codes that child processes find too; its name."""
     name = "pretended_codes"
     (tmp_path / f"{name}.py").write_text(FAKE)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, name, raising=False)
     return name
@@ -358,7 +357,7 @@ def test_row_has_medians_of_times_largest_errors_and_last_counts():
     assert (row["peak_bytes"], row["error"], row["count"], row["processes"]) == (20, 0.3, 9, 3)
 
 
-# --- the campaign -------------------------------------------------------------------------------------------------
+# --- all measurements -------------------------------------------------------------------------------------------------
 
 SAMPLE = {"status": "ok", "first_s": 0.1, "first_cpu_s": 0.1, "again_s": [0.05], "peak_bytes": 10, "settings": "none"}
 SAMPLE |= dict.fromkeys(("convolution_1_s", "convolution_threads_s"), 0.01)
@@ -366,14 +365,14 @@ SAMPLE |= dict.fromkeys(("gap", "tension", "load_error", "peak_error", "radius_e
 SAMPLE |= {"iterations": None, "convolutions": None}
 
 
-def campaign(run, codes=("one", "two"), sizes=(64, 32), repeats=3, limit=60.0):
+def measured(run, codes=("one", "two"), sizes=(64, 32), repeats=3, limit=60.0):
     template = Task(benchmark="hertz", code="", n=0)
-    return run_campaign(template, codes=codes, sizes=sizes, repeats=repeats, limit=limit, run=run)
+    return measure_all(template, codes=codes, sizes=sizes, repeats=repeats, limit=limit, run=run)
 
 
 def test_median_and_minimum_over_fresh_processes():
     times = {"one": iter([0.5, 0.1, 0.2, 3, 1, 2]), "two": iter([1.0] * 6)}
-    out = campaign(lambda task, _: {**SAMPLE, "first_s": next(times[task.code])})
+    out = measured(lambda task, _: {**SAMPLE, "first_s": next(times[task.code])})
     found = [(row["n"], row["code"], row["first_s"], row["first_min_s"], row["processes"]) for row in out.rows]
     assert found == [(32, "one", 0.2, 0.1, 3), (32, "two", 1.0, 1.0, 3), (64, "one", 2, 1, 3), (64, "two", 1.0, 1.0, 3)]
     assert out.rows[0]["first_per_convolution_1"] == close(20.0)
@@ -396,7 +395,7 @@ def test_code_left_out_is_said_once_and_not_tried_again(status, words):
         asked.append((task.code, task.n))
         return {"status": status, "reason": "because"} if task.code == "two" else SAMPLE
 
-    out = campaign(run)
+    out = measured(run)
     assert out.notes == [words]
     assert asked.count(("two", 32)) == 1
     assert ("two", 64) not in asked
@@ -412,7 +411,7 @@ def test_code_past_its_limit_runs_no_larger_size(monkeypatch):
         asked.append(task.n)
         return SAMPLE
 
-    out = campaign(run, codes=("one",))
+    out = measured(run, codes=("one",))
     assert asked == [32]
     assert out.notes == ["one: larger than N = 32 skipped, slower than the limit of 60 s there"]
 
@@ -509,7 +508,7 @@ def test_a_command_is_timed_in_turn_with_bare_imports():
 def test_a_command_that_fails_is_no_measurement(monkeypatch):
     monkeypatch.setitem(start._COMMANDS, "help", ("no-such-command",))
     with pytest.raises(subprocess.CalledProcessError):
-        start.measure(start._CODE, Task(benchmark="start", code="eigencontact", n=1, case="help"))
+        start.measure(start.METHODS["eigencontact"], Task(benchmark="start", code="eigencontact", n=1, case="help"))
 
 
 def test_the_largest_contact_of_a_memory_fits_in_it_and_the_next_does_not():

@@ -18,7 +18,7 @@ from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact_verification.campaign.answer import answers, totals
-from eigencontact_verification.campaign.campaign import find, names, read_campaign
+from eigencontact_verification.campaign.campaign import CAMPAIGNS, read_campaign
 from eigencontact_verification.campaign.elements import judge_by_elements
 from eigencontact_verification.campaign.figure import axes_of_map, draw_map
 from eigencontact_verification.campaign.finding import Judged, MapFinding
@@ -59,7 +59,7 @@ geometry = { type = "sphere", radius = 100e-6 }
 grid = { cells = "= 2 * round(2 * fine)", size = "26 um" }
 steps = [{ normal-load = "= load" }]
 numerics = { allow-coarse = true }
-output = { pictures = false }
+output = { pictures = false, vtk = false }
 
 [reference]
 words = "the body as it is"
@@ -280,7 +280,6 @@ def test_exit_codes_of_the_command(toy, done, tmp_path):
     page = tmp_path / "page.md"
     page.write_text("<!-- campaign:toy -->\n<!-- /campaign:toy -->\n", encoding="utf-8")
     toy.write_text(TOY.replace('expect = "softer <= 0.01"', ""), encoding="utf-8")
-    find.cache_clear()
     options = ["--coarse", "-o", str(done[0]), "--markdown", str(page)]
     claimed = run(app, [str(toy), *options])
     assert claimed.exit_code == 1
@@ -296,9 +295,9 @@ def test_exit_codes_of_the_command(toy, done, tmp_path):
 
 
 def test_bundled_campaigns_make_scenes():
-    assert {"coatings", "inclusions-by-depth", "plastic-indentation", "voids", "whole-scenes"} == set(names())
-    for name in names():
-        item = find(name)
+    assert {"coatings", "inclusions-by-depth", "plastic-indentation", "voids", "whole-scenes"} == set(CAMPAIGNS.names())
+    for name in CAMPAIGNS.names():
+        item = CAMPAIGNS.find(name)
         coarse, fine = points_of(item, coarse=True), points_of(item)
         assert 1 < len(coarse) <= len(fine)
         assert [one.label for one in (*coarse, *fine) if one.model.variant.refused] == []
@@ -416,7 +415,7 @@ geometry = { type = "sphere", radius = "105 um" }
 grid = { cells = "= 3 * cells", size = "= 3 * a" }
 steps = [{ normal-load = "0.65 N" }]
 numerics = { allow-coarse = true }
-output = { pictures = false }
+output = { pictures = false, vtk = false }
 """
 
 

@@ -14,6 +14,7 @@ import eigencontact_verification.crosscheck as package
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.commands.verify import _chosen
 from eigencontact_verification.crosscheck import cases
+from eigencontact_verification.crosscheck import run as runner
 from eigencontact_verification.crosscheck.progress import Bar
 from eigencontact_verification.crosscheck.run import tasks_of
 from eigencontact_verification.crosscheck.whole import crosscheck
@@ -22,16 +23,29 @@ from eigencontact_verification.crosscheck.worker import Outcome, perform
 HEAVY = ("skfem", "scipy", "matplotlib", "pyvista", "numba", "pyamg", "eigencontact_verification.fem")
 
 
+def here(tasks, **options):
+    """Executor without processes."""
+    yield from ((task, perform(task)) for task in tasks)
+
+
 @pytest.fixture
-def verify(command, monkeypatch, tmp_path):
-    """Run the command on the analytic cases in this process's folder."""
+def verify(verify_in_processes, monkeypatch):
+    """Run the command on the analytic cases without other processes."""
+    monkeypatch.setattr(runner, "in_processes", here)
+    return verify_in_processes
+
+
+@pytest.fixture
+def verify_in_processes(command, monkeypatch, tmp_path):
+    """Run the command on the analytic cases in a folder of the test."""
     monkeypatch.setattr(package, "cases", analytic_cases, raising=False)
     monkeypatch.setitem(sys.modules, "eigencontact_verification.crosscheck.cases", analytic_cases)
     monkeypatch.chdir(tmp_path)
     return lambda *arguments: command("verify", "--workers", "1", *arguments)
 
 
-def test_everything_quick_agrees_or_is_listed(verify, tmp_path):
+def test_everything_quick_agrees_or_is_listed(verify_in_processes, tmp_path):
+    verify = verify_in_processes
     outcome = verify("--quick")
     assert outcome.code == 0, outcome.err
     (line,) = (line for line in outcome.out.splitlines() if line.startswith("inconclusive: other/blunt, x axis, u_x:"))
@@ -145,9 +159,6 @@ def test_markers_are_looked_for_before_anything_is_solved(verify, tmp_path):
 def test_pictures_that_fail_are_said(tmp_path, monkeypatch):
     case = analytic_cases.analytic("plain")
 
-    def here(tasks):
-        yield from ((task, perform(task)) for task in tasks)
-
     def broken(self, folder):
         raise OSError("no\ndisplay")
 
@@ -158,9 +169,6 @@ def test_pictures_that_fail_are_said(tmp_path, monkeypatch):
 
 def test_pictures_stand_in_the_report(tmp_path, monkeypatch):
     """Whatever PNG a case wrote, beside its profiles; in the page itself, and by name in the Markdown."""
-
-    def here(tasks):
-        yield from ((task, perform(task)) for task in tasks)
 
     def drawn(self, folder):
         folder.mkdir(parents=True)

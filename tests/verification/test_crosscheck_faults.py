@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eigencontact import inclusions
 from eigencontact.core.tensors import to_mandel
 from eigencontact.halfspace import theorem
 from eigencontact.halfspace.forms import Form
+from eigencontact.library import inclusions
 from eigencontact_verification.crosscheck.case import own_error
 from eigencontact_verification.crosscheck.inclusions import InclusionCase, inclusion_case
 from eigencontact_verification.fem.uncertainty import estimate, verdict

@@ -7,7 +7,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact_verification.crosscheck import inhomogeneities, layers
+from eigencontact_verification.crosscheck import cases, inhomogeneities, layers
 from eigencontact_verification.crosscheck.equivalent import Cellwise, Sphere, by_cells, by_one_eigenstrain
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
@@ -184,7 +184,7 @@ def test_a_wrong_layer_disagrees(coated, path, factor):
 @pytest.mark.slow
 def test_cells_under_load():
     """The quick case of cells, its elements solved once: nothing disagrees, and a modulus 10 % off does."""
-    case = next(case for case in inhomogeneities.inhomogeneity_cases() if case.quick and not case.whole)
+    case = next(case for case in cases.cases_of("inhomogeneity") if case.quick and not case.whole)
     known = solved(case)
     for factor in (1.0, 1.1):
         found = judged_again(known, parts(case, ("sphere", "young_modulus_inside"), factor))

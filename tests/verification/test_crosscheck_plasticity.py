@@ -15,15 +15,17 @@ from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.results.store import ResultStore
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_plugins.laws import j2
 from eigencontact_verification.conformance import ConformanceError, checks_for
-from eigencontact_verification.crosscheck import plastic_cases
+from eigencontact_verification.crosscheck import cases
 from eigencontact_verification.crosscheck.judge import judge
+from eigencontact_verification.crosscheck.plasticity import plastic_case
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import perform
 from eigencontact_verification.fem.yielding_law import tabulated
 
-CASES = {case.name: case for case in plastic_cases.plastic_cases()}
+CASES = {case.name: case for case in cases.cases_of("plasticity")}
 
 
 def coarser(case, **changes):
@@ -58,7 +60,7 @@ def test_every_bundled_hardening_is_judged():
     """And both ways to ask for yield with damage, a layer, what is below it, inclusions, prior stress, cycles."""
     tables = [case.parameters["law"] for case in CASES.values() if case.parameters["law"]]
     used = {one["type"] for table in tables for one in table["hardening"]}
-    assert used == {entry.key for entry in ec.library.installed_plugins().of_kind("hardening-law")}
+    assert used == {entry.key for entry in installed_plugins().of_kind("hardening-law")}
     assert {table.get("yield_on", "nominal") for table in tables if "damage" in table} == {"nominal", "effective"}
     kinds = {region["kind"] for case in CASES.values() for region in case.parameters["regions"]}
     assert kinds == {"layer", "ball", "disc"}
@@ -83,7 +85,7 @@ def test_the_table_of_the_elements_is_linear_between_its_points(p):
 
 def test_elements_that_never_yield_are_in_the_units_of_hertz():
     """Depth 1 and pressure 1 in the middle, nothing that stays; order 3/2 in the size of the elements."""
-    case = coarser(plastic_cases.plastic_case("elastic", "never yields", {"type": "perfect", "yield_stress": 1e12}))
+    case = coarser(plastic_case("elastic", "never yields", [{"type": "perfect", "yield_stress": 1e12}]))
     found = case.reference(1, "fixed")
     assert found["depth"][2, 0] == close(1.0, rel=2e-2)
     assert found["pressure"][0, 0] == close(-1.0, rel=2e-2)

@@ -8,13 +8,13 @@ import pytest
 from eigencontact.execution.wear.surface import WornSurface
 from eigencontact_plugins.wear.archard import Archard
 from eigencontact_plugins.wear.dissipated_energy import DissipatedEnergy
-from eigencontact_verification.crosscheck import wear
+from eigencontact_verification.crosscheck import cases
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import perform
 from eigencontact_verification.fem.uncertainty import estimate
 
-CASES = {case.name: case for case in wear.wear_cases()}
+CASES = {case.name: case for case in cases.cases_of("wear")}
 
 
 def verdicts(name):

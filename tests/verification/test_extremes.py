@@ -9,7 +9,7 @@ import pytest
 from eigencontact.errors import NotConverged, SceneError
 from eigencontact_verification.extremes import catalogue
 from eigencontact_verification.extremes.feature import Corner, Feature, refusal
-from eigencontact_verification.extremes.judge import FoundFeature, judge, run
+from eigencontact_verification.extremes.judge import FeatureVerdict, judge, run
 from eigencontact_verification.extremes.report import Report, as_html, as_markdown
 
 FEATURES = catalogue.chosen()
@@ -88,7 +88,7 @@ def test_verdicts(planted, word, said):
 
 def report_of(*corners, quick=False):
     feature = Feature(key="planted", title="Planted", reference="nothing", corners=corners)
-    found = [one for _, one in run([feature], quick=quick) if isinstance(one, FoundFeature)]
+    found = [one for _, one in run([feature], quick=quick) if isinstance(one, FeatureVerdict)]
     return Report(features=tuple(found), quick=quick)
 
 

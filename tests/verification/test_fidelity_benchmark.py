@@ -10,8 +10,8 @@ from eigencontact import inclusion_field, make
 from eigencontact.core.tensors import from_mandel, to_matrix
 from eigencontact_verification.benchmarks import fidelity
 from eigencontact_verification.benchmarks.__main__ import main
-from eigencontact_verification.benchmarks.task import Task
-from eigencontact_verification.benchmarks.worker import perform
+from eigencontact_verification.benchmarks.benchmark import Task
+from eigencontact_verification.benchmarks.process import perform
 
 #: Largest error of any quantity that each way of computing may have for a cell two cells below the surface, and
 #: the least: it would mean that the judge compares a thing with itself.

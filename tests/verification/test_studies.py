@@ -12,7 +12,7 @@ import xarray as xr
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
-from eigencontact_verification.studies.catalogue import find, names, studies
+from eigencontact_verification.studies.catalogue import STUDIES
 from eigencontact_verification.studies.checks import verdicts
 from eigencontact_verification.studies.form import FORM
 from eigencontact_verification.studies.formula import Context, evaluate
@@ -63,15 +63,15 @@ def own(tmp_path):
 
 
 def test_names_are_unique_and_variants_are_scenes():
-    assert len(set(names())) == len(names())
-    for study in studies():
+    assert len(set(STUDIES.names())) == len(STUDIES.names())
+    for study in map(STUDIES.find, STUDIES.names()):
         coarse, fine = variants_of_study(study, coarse=True), variants_of_study(study, coarse=False)
         assert 1 < len(coarse) <= len(fine)
         assert [variant.label for variant in (*coarse, *fine) if variant.refused] == []
 
 
 def test_every_study_names_its_source_in_full():
-    for study in studies():
+    for study in map(STUDIES.find, STUDIES.names()):
         assert study.sources, study.name
         for source in study.sources:
             assert {"authors", "year", "title", "journal"} <= set(source), study.name
@@ -81,11 +81,11 @@ def test_every_study_names_its_source_in_full():
 
 def test_unknown_name_gets_the_nearest():
     with pytest.raises(SceneError, match=r"rolling-homogen.*did you mean 'rolling-homogeneous'"):
-        find("rolling-homogenous")
+        STUDIES.find("rolling-homogenous")
 
 
 def test_finished_variants_are_read_again(tmp_path):
-    study = find("rolling-homogeneous")
+    study = STUDIES.find("rolling-homogeneous")
     found = list(run_study(study, tmp_path, coarse=True))
     picture, numbers = write_study(study, found, tmp_path)
     for item in found:
@@ -117,13 +117,13 @@ def test_finished_variants_are_read_again(tmp_path):
 )
 def test_scenes_can_be_planned(name, blocks):
     """One study of a kind; the last of its coarse variants."""
-    plan = ec.plan(variants_of_study(find(name), coarse=True)[-1].scene)
+    plan = ec.plan(variants_of_study(STUDIES.find(name), coarse=True)[-1].scene)
     assert blocks <= {part.name for part in plan.parts}
 
 
 def test_thick_coating_against_the_integral_equation(tmp_path):
     """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
-    study = find("coating-thickness")
+    study = STUDIES.find("coating-thickness")
     chosen = replace(study, coarse_rows=study.coarse_rows[1:2])
     (found,) = run_study(chosen, tmp_path, coarse=True)
     found.dataset.close()
@@ -172,11 +172,17 @@ def test_a_study_of_a_user(own, tmp_path, command, monkeypatch):
         ('"geometry.radius" = [', '"geometri.radius" = [', "every variant is refused; .*geometri"),
     ],
 )
-def test_what_is_refused(own, tmp_path, before, after, words):
+def test_what_is_refused(own, finished_runs, before, after, words):
     assert before in OWN
     own.write_text(OWN.replace(before, after).replace(', "0.8 N", "600 N"', ""), encoding="utf-8")
     with pytest.raises(SceneError, match=words):
-        _judged(own, tmp_path)
+        _judged(own, finished_runs)
+
+
+@pytest.fixture(scope="module")
+def finished_runs(tmp_path_factory):
+    """Folder of runs that studies with equal scenes share."""
+    return tmp_path_factory.mktemp("runs")
 
 
 def _judged(path, folder):
@@ -249,11 +255,11 @@ def test_the_form_is_told(command):
 
 def test_a_bundled_study_is_printed_to_start_from(command):
     printed = command("study", "spence-radius", "--show").out
-    assert read_study(Path("spence-radius.toml"), printed) == find("spence-radius")
+    assert read_study(Path("spence-radius.toml"), printed) == STUDIES.find("spence-radius")
 
 
 def test_sources_in_words():
-    (thesis,) = find("coating-thickness").sources
+    (thesis,) = STUDIES.find("coating-thickness").sources
     assert source_in_words(thesis) == (
         "B. Fulleringer 2011, Semi-analytical modeling of complex mechanical contacts: application to inclusions and "
         "wear of coated surfaces, PhD thesis, INSA de Lyon, 2011ISAL0061, figures 4.13 and 4.14, case PL-1 to PL-3"
@@ -261,9 +267,9 @@ def test_sources_in_words():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", STUDIES.names())
 def test_coarse_studies_run_and_are_drawn(name, tmp_path):
-    study = find(name)
+    study = STUDIES.find(name)
     found = list(run_study(study, tmp_path, coarse=True))
     assert [one.reason for one in found if isinstance(one, Failed)] == []
     picture, numbers = write_study(study, found, tmp_path)

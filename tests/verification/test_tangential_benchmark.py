@@ -6,10 +6,10 @@ import pytest
 from close import close
 from eigencontact_verification.benchmarks import tangential
 from eigencontact_verification.benchmarks.__main__ import main
+from eigencontact_verification.benchmarks.benchmark import Task
+from eigencontact_verification.benchmarks.process import perform
 from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
 from eigencontact_verification.benchmarks.tangential import growth, prepare_eigencontact
-from eigencontact_verification.benchmarks.task import Task
-from eigencontact_verification.benchmarks.worker import perform
 
 
 def point_force(x, y, nu):

@@ -16,11 +16,10 @@ from eigencontact.results.ownership import is_ours
 from eigencontact_verification.tradeoff.errors import errors, field_error
 from eigencontact_verification.tradeoff.fidelity import FIDELITIES
 from eigencontact_verification.tradeoff.figure import picture
-from eigencontact_verification.tradeoff.process import Solved, solve_fresh
+from eigencontact_verification.tradeoff.process import Solved, solve, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown
 from eigencontact_verification.tradeoff.study import Prediction, Row, Study, fronts, predict, standing, study
 from eigencontact_verification.tradeoff.variant import KEYS, Fidelities, Variant, keys_of, tables_of, variants
-from eigencontact_verification.tradeoff.worker import solve
 
 SMALL = ["stress=[]", "grid.cells-per-contact-radius=8", "numerics.threads=1"]
 COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pitch=4 um", "observers=[]"]
@@ -119,7 +118,7 @@ def test_cells_of_the_box_are_varied_by_their_height():
     heights = []
     for variant in (reference, scene, coarse):
         planned = app.plan(tables_of(plan.scene.resolved(), variant))
-        heights.append(planned.inhomogeneities[0].lattice.edges[0])
+        heights.append(planned.model.cells.inhomogeneities[0].lattice.edges[0])
     assert heights == close([0.5 * heights[1], heights[1], 2.0 * heights[1]])
 
 
@@ -130,8 +129,8 @@ def test_layers_become_cells_that_fill_the_window():
     planned = app.plan(tables_of(scene.resolved(), cells))
     assert planned.grid.shape == plan.grid.shape
     assert [planned.grid.dx, planned.grid.dy] == close([plan.grid.dx, plan.grid.dy])
-    (layer,) = planned.inhomogeneities
-    assert planned.bodies[0].young_modulus == close(210e9)
+    (layer,) = planned.model.cells.inhomogeneities
+    assert planned.model.bodies.solids[0].young_modulus == close(210e9)
     assert layer.law.young_modulus == close(420e9)
     low, high = layer.shape.bounds
     assert np.subtract(high, low) == close([*plan.grid.size, 2e-6])

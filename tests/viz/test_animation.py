@@ -2,6 +2,7 @@
 
 import json
 import sys
+from functools import cache
 
 import matplotlib as mpl
 import numpy as np
@@ -13,8 +14,6 @@ import eigencontact as ec
 from close import close
 from eigencontact.postprocess.stored_run import draw
 from eigencontact.results.ownership import is_ours
-from eigencontact.results.reader import open_results
-from eigencontact.results.store import ResultStore
 from eigencontact.viz.animation import FRAMES, frames, jumps, subject_of, thinned
 from eigencontact.viz.frame import Film, Frame
 from eigencontact.viz.friction import shear_map
@@ -39,32 +38,23 @@ AGAIN = [
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory):
+def stored():
     """Made-up runs: presses and lets go, over a section where wanted; rolls; frets."""
-    opened = {}
 
+    @cache
     def build(kind):
-        if kind not in opened:
-            count = len(CYCLE) if kind == "frets" else len(LOADS)
-            info = synthetic.info(steps=count, nx=24, ny=24)
-            store = ResultStore.create(tmp_path_factory.mktemp(kind), info)
-            for n in range(1, count + 1):
-                if kind == "frets":
-                    made = sheared(info, n, *CYCLE[n - 1])
-                else:
-                    made = synthetic.step(
-                        info, n, LOADS[n - 1], ("plane",) if kind != "presses" else (), reference=False
-                    )
-                if kind == "rolls":
-                    made.scalars.update(travel_x=1e-6 * n, travel_y=0.0)
-                store.write_step(made)
-            store.finish()
-            opened[kind] = open_results(store.folder)
-        return opened[kind]
+        count = len(CYCLE) if kind == "frets" else len(LOADS)
+        info = synthetic.info(steps=count, nx=24, ny=24)
+        if kind == "frets":
+            records = [sheared(info, n, *point) for n, point in enumerate(CYCLE, 1)]
+        else:
+            regions = ("plane",) if kind != "presses" else ()
+            records = [synthetic.step(info, n, load, regions, reference=False) for n, load in enumerate(LOADS, 1)]
+        for n, record in enumerate(records if kind == "rolls" else (), 1):
+            record.scalars.update(travel_x=1e-6 * n, travel_y=0.0)
+        return synthetic.opened(info, records)
 
-    yield build
-    for dataset in opened.values():
-        dataset.close()
+    return build
 
 
 def test_long_histories_are_thinned_evenly_from_the_first_to_the_last():

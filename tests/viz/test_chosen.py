@@ -13,7 +13,7 @@ from close import close
 from eigencontact.errors import SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact.viz import figures
-from eigencontact.viz.friction_words import ZONE_COLOURS
+from eigencontact.viz.friction import ZONE_COLOURS
 from eigencontact.viz.looks import used_look
 from eigencontact.viz.profile import stress_profile
 

@@ -1,3 +1,4 @@
+from functools import cache
 from pathlib import Path
 
 import matplotlib as mpl
@@ -6,41 +7,32 @@ import pytest
 from PIL import Image
 
 from close import close
-from eigencontact.results.reader import open_results
-from eigencontact.results.store import ResultStore
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.history import load_history
+from eigencontact.viz.lines import middle
 from eigencontact.viz.profile import stress_profile
 from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.smooth import smooth_border
 from eigencontact.viz.style import save, scale_for
 from eigencontact.viz.surface import pressure_map, pressure_profiles, relative_difference
-from eigencontact.viz.window import DOTS, _sampled, middle
+from eigencontact.viz.window import DOTS, _sampled
 from results import synthetic
 
 
-@pytest.fixture
-def stored(tmp_path):
-    """Store a made-up run and open it; the pressure may be replaced."""
-    opened = []
+@pytest.fixture(scope="module")
+def stored():
+    """Make up the dataset of a run, once; the pressure may be replaced."""
 
+    @cache
     def build(*, loads=(synthetic.LOAD,), regions=(), reference=True, pressure=None, **window):
         info = synthetic.info(steps=len(loads), **window)
-        folder = tmp_path / f"run{len(opened)}"
-        store = ResultStore.create(folder, info)
-        for n, load in enumerate(loads, 1):
-            record = synthetic.step(info, n, load, regions, reference=reference)
-            if pressure is not None:
-                y, x = info.grid.axes()
-                record.fields["pressure"] = pressure(x, y)
-            store.write_step(record)
-        store.finish()
-        opened.append(open_results(folder))
-        return opened[-1]
+        records = [synthetic.step(info, n, load, regions, reference=reference) for n, load in enumerate(loads, 1)]
+        y, x = info.grid.axes()
+        for record in records if pressure is not None else ():
+            record.fields["pressure"] = pressure(x, y)
+        return synthetic.opened(info, records)
 
-    yield build
-    for dataset in opened:
-        dataset.close()
+    return build
 
 
 def ellipse(a, b):

@@ -1,5 +1,6 @@
 """Pictures of friction: what is drawn when, what each shows, that nothing overlaps or is cut."""
 
+from functools import cache
 from pathlib import Path
 
 import matplotlib as mpl
@@ -8,12 +9,9 @@ import pytest
 from PIL import Image
 
 from close import close
-from eigencontact.results.reader import open_results
-from eigencontact.results.store import ResultStore
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
+from eigencontact.viz.friction import ZONE_COLOURS, dissipation_map, driven, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
-from eigencontact.viz.friction_words import ZONE_COLOURS, driven
 from eigencontact.viz.style import scale_for
 from eigencontact.viz.vtk import write_vtk
 from eigencontact.viz.window import is_ragged
@@ -66,28 +64,18 @@ def record(info, index, load, reach, angle, peak=None, reference=False):
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory):
-    """Store a made-up history and open it; the same history is made once."""
-    known = {}
+def stored():
+    """Make up the dataset of a history, once."""
 
+    @cache
     def build(history, *, change=None, reference=False, n=24, ny=None):
-        key = (tuple(history), change, reference, n, ny)
-        if key not in known:
-            info = synthetic.info(nx=n, ny=ny or n, steps=len(history))
-            folder = tmp_path_factory.mktemp("run")
-            store = ResultStore.create(folder, info)
-            for index, point in enumerate(history, 1):
-                made = record(info, index, *point, reference=reference)
-                if change is not None:
-                    change(made, info)
-                store.write_step(made)
-            store.finish()
-            known[key] = open_results(folder)
-        return known[key]
+        info = synthetic.info(nx=n, ny=ny or n, steps=len(history))
+        records = [record(info, index, *point, reference=reference) for index, point in enumerate(history, 1)]
+        for step in records if change is not None else ():
+            change(step, info)
+        return synthetic.opened(info, records)
 
-    yield build
-    for dataset in known.values():
-        dataset.close()
+    return build
 
 
 LOAD = synthetic.LOAD

@@ -10,9 +10,8 @@ import eigencontact as ec
 from bodies import STEEL
 from close import close
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.history import first_touch, history_panels, history_words, load_history
+from eigencontact.viz.history import Strand, draw_strands, first_touch, history_panels, history_words, load_history
 from eigencontact.viz.rolling import passes, passing_history
-from eigencontact.viz.strands import Strand, draw_strands
 from eigencontact.viz.style import new_figure
 from viz.test_figures import overlaps
 

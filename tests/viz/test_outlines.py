@@ -6,9 +6,8 @@ import xarray as xr
 
 from close import close
 from eigencontact.viz.outline import paths_of
-from eigencontact.viz.residual import cause
 from eigencontact.viz.section import stress_section
-from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
+from eigencontact.viz.surface import cause, homogeneous_words, pressure_map, pressure_profiles
 
 
 def ring(x, y, radius=1.0, count=12):

@@ -14,17 +14,14 @@ from close import close
 from eigencontact.model.model import build_model
 from eigencontact.model.outlines import outlines
 from eigencontact.model.regions import region_lattice
-from eigencontact.results.reader import open_results
 from eigencontact.results.records import HistoryRecord
-from eigencontact.results.store import ResultStore
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.schema import Scene
-from eigencontact.viz.coverage import coverage_map, impacts, strikes, struck
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.isosurface import plastic_surfaces, surface_of
-from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, unloads
+from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, plastic_surfaces, surface_of, unloads
 from eigencontact.viz.profile import mean_profile
 from eigencontact.viz.remembered import SHARE, plastic_strains
+from eigencontact.viz.rolling import coverage_map, impacts, strikes, struck
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.vtk import write_vtk
 from results import synthetic
@@ -42,10 +39,8 @@ def ball():
 
 
 @pytest.fixture(scope="module")
-def yielded(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("yielded")
+def yielded():
     info = synthetic.info(steps=len(LOADS), nx=8, ny=8)
-    store = ResultStore.create(folder, info)
     strain, coords = ball()
     tensor = np.zeros((6, *strain.shape))
     tensor[2], tensor[4] = strain, np.sqrt(2) * strain
@@ -54,17 +49,14 @@ def yielded(tmp_path_factory):
         "plastic_strain_1": (tensor, "plastic strain"),
         "damage_1": (20.0 * strain[None], "part of the stiffness that is lost"),
     }
-    for number, load in enumerate(LOADS, 1):
-        record = synthetic.step(info, number, load, ("plane", "volume"))
+    records = [synthetic.step(info, number, load, ("plane", "volume")) for number, load in enumerate(LOADS, 1)]
+    for number, record in enumerate(records, 1):
         record.observed.update({"plastic_zone_max_strain": 0.01 * number, "plastic_zone_volume": 1e-16 * number})
         for name, (values, meaning) in kept.items():
             record.history[name] = HistoryRecord(
                 name=name, body=1, values=values, coords=coords, unit="1", meaning=meaning
             )
-        store.write_step(record)
-    store.finish()
-    with open_results(folder) as dataset:
-        yield dataset
+    return synthetic.opened(info, records)
 
 
 def test_strain_is_known_after_the_steps_whose_history_was_kept(yielded):
@@ -195,10 +187,10 @@ def test_depths_are_the_middles_of_cells_where_a_body_yields(law, stress, depths
     steel = {"law": {"type": "j2", "hardening": {"type": "perfect", "yield_stress": 3e9}}} if law else {}
     model = scene(stress, **steel)
     if depths is None:
-        (source,) = model.inhomogeneities
+        (source,) = model.cells.inhomogeneities
         depths = source.lattice.axes(model.grid)[0]
         depths = depths[depths < 7e-6]
-    np.testing.assert_allclose(region_lattice(model.requests[0], model.grid).depths, depths, rtol=1e-9)
+    np.testing.assert_allclose(region_lattice(model.cells.requests[0], model.grid).depths, depths, rtol=1e-9)
     assert not outlines(model), "the box around what yields is no inclusion"
 
 

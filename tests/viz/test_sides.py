@@ -14,15 +14,13 @@ from close import close
 from eigencontact.model.model import build_model
 from eigencontact.planning.borders import line_borders
 from eigencontact.results.borders import line_variables
-from eigencontact.viz.contact_edge import contact_runs
 from eigencontact.viz.cut import Shown, View
-from eigencontact.viz.line_sides import line_sides
+from eigencontact.viz.lines import contact_runs
 from eigencontact.viz.profile import line_profile, stress_profile
-from eigencontact.viz.residual import uplift_map
 from eigencontact.viz.section import stress_section
-from eigencontact.viz.sides import Plane, sides_of
+from eigencontact.viz.sides import Plane, line_sides, sides_of
 from eigencontact.viz.style import save
-from eigencontact.viz.surface import pressure_map
+from eigencontact.viz.surface import pressure_map, uplift_map
 from viz.test_outlines import ring
 
 CONTACT = """

@@ -9,8 +9,7 @@ import pytest
 import eigencontact as ec
 from bodies import STEEL
 from close import close
-from eigencontact.reports.answer import cards
-from eigencontact.reports.columns import columns, telling
+from eigencontact.reports.columns import cards, columns, telling
 from eigencontact.results.course import course_table
 from eigencontact.viz.animation import subject_of, thinned
 from eigencontact.viz.figures import draw_all

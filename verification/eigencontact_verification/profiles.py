@@ -1,13 +1,13 @@
-"""Surface displaced by a buried cube: every component of its eigenstrain, and the sphere of equal volume beside it.
+"""Surface displacement above a buried cube for every component of its eigenstrain, and for a sphere of equal volume.
 
 ``python -m eigencontact_verification.profiles -o DIR`` writes three pictures:
 
 ``surface-profiles-trace-free.png``
-    The five trace-free strains that a plastic cube is made of (11-22, 11-33, 12, 13, 23).
+    The five trace-free strains of a plastic cube (11-22, 11-33, 12, 13, 23).
 ``surface-profiles-components.png``
     The six single components, trace and all, with the sphere of the same volume.
 ``cube-against-sphere.png``
-    How soon the two cannot be told apart: their largest difference along the profiles, against depth.
+    Largest difference of cube and sphere along the profiles, against depth.
 
 A cube of edge L has its centre at depth 5 L in a half-space of nu = 0.3. Profiles run from the point above it along x,
 along y and along the diagonal x = y. Lines are `eigencontact.inclusion_field`, marks a quadrature of Mindlin's point
@@ -33,13 +33,14 @@ from numpy.typing import NDArray
 
 import eigencontact
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, save
+from eigencontact_verification.crosscheck.inclusions import EIGENSTRAINS, tensor_of
 from eigencontact_verification.oracles import cuboid_quadrature, mindlin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["COMPONENTS", "TRACE_FREE", "Case", "Profiles", "main", "profiles", "write_pictures"]
+__all__ = ["COMPONENTS", "TRACE_FREE", "Profiles", "differences", "main", "profiles", "write_pictures"]
 
 FloatArray = NDArray[np.float64]
 
@@ -48,41 +49,14 @@ DEPTH = 5.0
 REACH = 15.0
 RADIUS = (3 / (4 * np.pi)) ** (1 / 3)
 PATHS: dict[str, tuple[float, float]] = {"along x": (1.0, 0.0), "along y": (0.0, 1.0), "x = y": (0.5**0.5, 0.5**0.5)}
+#: Names of eigenstrains in `EIGENSTRAINS`.
+TRACE_FREE = ("xx-yy", "xx-zz", "xy", "xz", "yz")
+COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 #: Rows of the figures: label and the index of the displacement.
 ROWS = (("$u_z$", 2), ("$u_x$", 0), ("$u_y$", 1))
 _PER_MILLE = 1e3
-
-
-@dataclass(frozen=True)
-class Case:
-    """One eigenstrain of unit size."""
-
-    label: str
-    eigenstrain: FloatArray
-
-
-def _case(label: str, *entries: tuple[int, int, float]) -> Case:
-    e = np.zeros((3, 3))
-    for i, j, value in entries:
-        e[i, j] = e[j, i] = value
-    return Case(label, e)
-
-
-TRACE_FREE = (
-    _case(r"$\epsilon_{xx} = -\epsilon_{yy}$", (0, 0, 1), (1, 1, -1)),
-    _case(r"$\epsilon_{xx} = -\epsilon_{zz}$", (0, 0, 1), (2, 2, -1)),
-    _case(r"$\epsilon_{xy}$", (0, 1, 1)),
-    _case(r"$\epsilon_{xz}$", (0, 2, 1)),
-    _case(r"$\epsilon_{yz}$", (1, 2, 1)),
-)
-COMPONENTS = (
-    _case(r"$\epsilon_{xx}$", (0, 0, 1)),
-    _case(r"$\epsilon_{yy}$", (1, 1, 1)),
-    _case(r"$\epsilon_{zz}$", (2, 2, 1)),
-    _case(r"$\epsilon_{xy}$", (0, 1, 1)),
-    _case(r"$\epsilon_{xz}$", (0, 2, 1)),
-    _case(r"$\epsilon_{yz}$", (1, 2, 1)),
-)
+_MARK: dict[str, Any] = {"marker": "o", "markerfacecolor": "white", "markersize": 4.0, "linestyle": "none"}
+_SPHERE: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 2))}
 
 
 @dataclass(frozen=True)
@@ -93,12 +67,12 @@ class Profiles:
     ----------
     distance, sampled : (n,), (m,)
         Distance from the point above the centre, over L; `sampled` for the quadrature.
-    cube, sphere : (cases, 3 paths, n, 3)
+    cube, sphere : (names, 3 paths, n, 3)
         Closed forms.
-    quadrature : (cases, 3 paths, m, 3)
+    quadrature : (names, 3 paths, m, 3)
         Mindlin's point force over the faces of the cube.
     deviation : float
-        Largest difference of cube and quadrature over the largest displacement of the same case.
+        Largest difference of cube and quadrature over the largest displacement of the same eigenstrain.
     """
 
     distance: FloatArray
@@ -113,14 +87,13 @@ def _points(distance: FloatArray) -> FloatArray:
     return np.concatenate([np.outer(distance, (*direction, 0.0)) for direction in PATHS.values()])
 
 
-def _displacements(shape: Any, cases: Sequence[Case], distance: FloatArray) -> FloatArray:
-    found = [
-        eigencontact.inclusion_field(
-            shape, case.eigenstrain, _points(distance), young_modulus=1.0, poisson_ratio=POISSON_RATIO
-        )
-        for case in cases
+def _displacements(shape: Any, names: Sequence[str], distance: FloatArray) -> FloatArray:
+    points = _points(distance)
+    fields = [
+        eigencontact.inclusion_field(shape, tensor_of(name), points, young_modulus=1.0, poisson_ratio=POISSON_RATIO)
+        for name in names
     ]
-    return np.array(found).reshape(len(cases), len(PATHS), distance.size, 3)
+    return np.array(fields).reshape(len(names), len(PATHS), distance.size, 3)
 
 
 def _bodies(depth: float) -> tuple[Any, Any]:
@@ -129,82 +102,86 @@ def _bodies(depth: float) -> tuple[Any, Any]:
     return cube, eigencontact.make("sphere", kind="inclusion-shape", center=center, radius=RADIUS)
 
 
-def profiles(cases: Sequence[Case], *, lines: int = 151, marks: int = 11) -> Profiles:
-    """Displacement of the surface for each case, by closed form and by quadrature.
+def profiles(names: Sequence[str], *, lines: int = 151, marks: int = 11) -> Profiles:
+    """Displacement of the surface for each eigenstrain, by closed form and by quadrature.
 
     Parameters
     ----------
-    cases : sequence of Case
-        Eigenstrains.
+    names : sequence of str
+        Eigenstrains of `EIGENSTRAINS`.
     lines, marks : int
         Points on each path of the closed form and of the quadrature.
     """
     distance, sampled = np.linspace(0.0, REACH, lines), np.linspace(0.0, REACH, marks)
     cube, sphere = _bodies(DEPTH)
     moments = cuboid_quadrature.moments(_points(sampled), (0.0, 0.0, DEPTH), (1.0, 1.0, 1.0))
-    expected = np.array([mindlin.displacement(moments, case.eigenstrain, POISSON_RATIO) for case in cases])
-    quadrature = expected.reshape(len(cases), len(PATHS), marks, 3)
-    found = _displacements(cube, cases, sampled)
-    difference = np.abs(found - quadrature).max(axis=(1, 2, 3)) / np.abs(quadrature).max(axis=(1, 2, 3))
+    expected = np.array([mindlin.displacement(moments, tensor_of(name), POISSON_RATIO) for name in names])
+    quadrature = expected.reshape(len(names), len(PATHS), marks, 3)
+    difference = np.abs(_displacements(cube, names, sampled) - quadrature).max(axis=(1, 2, 3))
     return Profiles(
         distance=distance,
         sampled=sampled,
-        cube=_displacements(cube, cases, distance),
-        sphere=_displacements(sphere, cases, distance),
+        cube=_displacements(cube, names, distance),
+        sphere=_displacements(sphere, names, distance),
         quadrature=quadrature,
-        deviation=float(difference.max()),
+        deviation=float((difference / np.abs(quadrature).max(axis=(1, 2, 3))).max()),
     )
 
 
-def _panel(axes: Axes, data: Profiles, case: int, component: int, *, sphere: bool) -> None:
+def differences(names: Sequence[str], depths: FloatArray, *, lines: int = 61) -> FloatArray:
+    """Largest length of sphere minus cube over the largest displacement, ``(names, depths)``; profiles of 3 depths."""
+    out = np.empty((len(names), depths.size))
+    for column, depth in enumerate(depths):
+        distance = np.linspace(0.0, 3 * depth, lines)
+        cube, sphere = (_displacements(body, names, distance) for body in _bodies(float(depth)))
+        difference = np.linalg.norm(sphere - cube, axis=-1).max(axis=(1, 2))
+        out[:, column] = difference / np.linalg.norm(cube, axis=-1).max(axis=(1, 2))
+    return out
+
+
+def _label(name: str) -> str:
+    """Eigenstrain as a formula: the first component of two, which have opposite signs."""
+    return " = -".join(rf"\epsilon_{{{component}}}" for component in EIGENSTRAINS[name]).join("$$")
+
+
+def _panel(axes: Axes, data: Profiles, row: int, component: int, *, sphere: bool) -> None:
     axes.axhline(0.0, color="0.8", linewidth=0.6, zorder=0)
     for path, colour in enumerate(COLOURS[: len(PATHS)]):
-        at = (case, path, slice(None), component)
+        at = (row, path, slice(None), component)
         axes.plot(data.distance, _PER_MILLE * data.cube[at], color=colour, zorder=2)
         # marks of the three paths are shifted against each other, so that equal curves still show all of them
         shown = slice(path % 3, None, 3) if data.sampled.size > 6 else slice(None)
-        axes.plot(
-            data.sampled[shown], _PER_MILLE * data.quadrature[at][shown], "o", color=colour, markerfacecolor="white",
-            markersize=4.0, markeredgewidth=0.9, zorder=3,
-        )  # fmt: skip
+        marks = _PER_MILLE * data.quadrature[at][shown]
+        axes.plot(data.sampled[shown], marks, color=colour, markeredgewidth=0.9, zorder=3, **_MARK)
         if sphere:
-            axes.plot(
-                data.distance, _PER_MILLE * data.sphere[at], color="black", linewidth=0.8, ls=(0, (1, 2)), zorder=4
-            )
+            axes.plot(data.distance, _PER_MILLE * data.sphere[at], zorder=4, **_SPHERE)
     axes.set_xlim(0.0, REACH)
     axes.set_xticks(np.arange(0.0, REACH, 5.0))
 
 
-def _legend(figure: Figure, *, sphere: bool) -> None:
+def _difference(axes: Axes, data: Profiles, row: int) -> None:
+    """Length of sphere minus cube over the largest displacement of the eigenstrain."""
+    size = np.linalg.norm(data.cube[row], axis=-1).max()
+    for path, colour in enumerate(COLOURS[: len(PATHS)]):
+        length = np.linalg.norm(data.sphere[row, path] - data.cube[row, path], axis=-1)
+        axes.plot(data.distance, 100 * length / size, color=colour)
+    axes.set_ylim(bottom=0.0)
+
+
+def _profile_figure(names: Sequence[str], data: Profiles, *, sphere: bool) -> Figure:
     from matplotlib.lines import Line2D
 
-    entries = [Line2D([], [], color=colour, label=name) for name, colour in zip(PATHS, COLOURS, strict=False)]
-    mark: dict[str, Any] = {
-        "marker": "o",
-        "markerfacecolor": "white",
-        "markersize": 4.0,
-        "linestyle": "none",
-        "color": "0.3",
-    }
-    entries.append(Line2D([], [], label="Mindlin quadrature", **mark))
-    if sphere:
-        entries.append(Line2D([], [], color="black", linewidth=0.8, ls=(0, (1, 2)), label="sphere of equal volume"))
-    figure.legend(handles=entries, loc="outside upper center", ncols=len(entries))
-
-
-def _profile_figure(cases: Sequence[Case], data: Profiles, *, sphere: bool) -> Figure:
-    count = len(cases)
     rows = len(ROWS) + sphere
-    figure = new_figure(1.55 * count + 0.9, 1.5 * rows + 0.8)
-    panels = figure.subplots(rows, count, sharex=True, sharey="row", squeeze=False)
-    for column, case in enumerate(cases):
-        panels[0, column].set_title(case.label)
-        for row, (label, component) in enumerate(ROWS):
+    figure = new_figure(1.55 * len(names) + 0.9, 1.5 * rows + 0.8)
+    panels = figure.subplots(rows, len(names), sharex=True, sharey="row", squeeze=False)
+    for column, name in enumerate(names):
+        panels[0, column].set_title(_label(name))
+        for row, (_, component) in enumerate(ROWS):
             _panel(panels[row, column], data, column, component, sphere=sphere)
-            if column == 0:
-                panels[row, 0].set_ylabel(f"{label}/(Lε)  [$10^{{-3}}$]")
         if sphere:
             _difference(panels[-1, column], data, column)
+    for row, (label, _) in enumerate(ROWS):
+        panels[row, 0].set_ylabel(f"{label}/(Lε)  [$10^{{-3}}$]")
     if sphere:
         panels[-1, 0].set_ylabel("|sphere \N{MINUS SIGN} cube|\n/ max |cube|  [%]")
     figure.supxlabel(
@@ -213,44 +190,27 @@ def _profile_figure(cases: Sequence[Case], data: Profiles, *, sphere: bool) -> F
         fontsize="medium",
     )
     figure.align_ylabels()
-    _legend(figure, sphere=sphere)
+    entries = [Line2D([], [], color=colour, label=path) for path, colour in zip(PATHS, COLOURS, strict=False)]
+    entries.append(Line2D([], [], label="Mindlin quadrature", color="0.3", **_MARK))
+    if sphere:
+        entries.append(Line2D([], [], label="sphere of equal volume", **_SPHERE))
+    figure.legend(handles=entries, loc="outside upper center", ncols=len(entries))
     return figure
-
-
-def _difference(axes: Axes, data: Profiles, case: int) -> None:
-    """Length of sphere minus cube over the largest displacement of the case."""
-    size = np.linalg.norm(data.cube[case], axis=-1).max()
-    for path, colour in enumerate(COLOURS[: len(PATHS)]):
-        gap = np.linalg.norm(data.sphere[case, path] - data.cube[case, path], axis=-1)
-        axes.plot(data.distance, 100 * gap / size, color=colour)
-    axes.set_ylim(bottom=0.0)
-
-
-def differences(cases: Sequence[Case], depths: FloatArray, *, lines: int = 61) -> FloatArray:
-    """Largest length of sphere minus cube over the largest displacement, ``(cases, depths)``; profiles of 3 depths."""
-    out = np.empty((len(cases), depths.size))
-    for column, depth in enumerate(depths):
-        distance = np.linspace(0.0, 3 * depth, lines)
-        cube, sphere = (_displacements(body, cases, distance) for body in _bodies(float(depth)))
-        gap = np.linalg.norm(sphere - cube, axis=-1).max(axis=(1, 2))
-        out[:, column] = gap / np.linalg.norm(cube, axis=-1).max(axis=(1, 2))
-    return out
 
 
 def _depth_figure(count: int) -> Figure:
     from matplotlib.ticker import FixedLocator, NullLocator
 
     depths = np.geomspace(1.001 * RADIUS, 40.0, count)
-    found = 100 * differences(COMPONENTS, depths)
+    curves = 100 * differences(COMPONENTS, depths)
     figure = new_figure(4.6, 3.4)
     axes = figure.subplots()
     dashes: Any = (0, (4, 2))
-    for case, values, colour, style in zip(
-        COMPONENTS, found, COLOURS, ("-", dashes, "-", "-", "-", dashes), strict=True
-    ):
-        axes.loglog(depths, values, color=colour, ls=style, label=case.label)
+    styles = ("-", dashes, "-", "-", "-", dashes)
+    for name, values, colour, style in zip(COMPONENTS, curves, COLOURS, styles, strict=True):
+        axes.loglog(depths, values, color=colour, ls=style, label=_label(name))
     guide = np.array([8.0, 40.0])
-    level = 2.0 * found[:, -1].max() * (depths[-1] / guide) ** 2
+    level = 2.0 * curves[:, -1].max() * (depths[-1] / guide) ** 2
     axes.loglog(guide, level, color="0.5", linewidth=0.8, ls=":")
     axes.annotate(
         "slope \N{MINUS SIGN}2", (18.0, np.sqrt(level.prod())), textcoords="offset points", xytext=(8, 0), color="0.4"
@@ -276,13 +236,13 @@ def write_pictures(folder: Path, *, lines: int = 151, marks: int = 13, depths: i
     folder.mkdir(parents=True, exist_ok=True)
     out = {}
     with paper_style():
-        for name, cases, sphere in (
+        for name, eigenstrains, sphere in (
             ("surface-profiles-trace-free", TRACE_FREE, False),
             ("surface-profiles-components", COMPONENTS, True),
         ):
-            data = profiles(cases, lines=lines, marks=marks)
+            data = profiles(eigenstrains, lines=lines, marks=marks)
             out[name] = data.deviation
-            save(_profile_figure(cases, data, sphere=sphere), folder / f"{name}.png")
+            save(_profile_figure(eigenstrains, data, sphere=sphere), folder / f"{name}.png")
         save(_depth_figure(depths), folder / "cube-against-sphere.png")
     return out
 

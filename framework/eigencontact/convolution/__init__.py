@@ -3,7 +3,7 @@
 >>> import numpy as np
 >>> from eigencontact.convolution import Convolver, Layout
 >>> layout = Layout(source=(4, 6), target=(4, 6))
->>> y, x = layout.lattice_y[:, None], layout.lattice_x[None, :]
+>>> y, x = layout.y.lattice[:, None], layout.x.lattice[None, :]
 >>> kernel = layout.spectrum(1.0 / (1.0 + x**2 + y**2), parity=(1, 1))
 >>> field = np.zeros((4, 6)); field[1, 2] = 1.0
 >>> out = Convolver(layout).apply(field, kernel)
@@ -15,7 +15,7 @@ In a volume, kernels may depend on the difference or on the sum of the indices a
 >>> from eigencontact.convolution import VolumeConvolver, VolumeKernels, VolumeLayout, WeightedSums
 >>> box = VolumeLayout((3, 4, 5), (3, 4, 5))
 >>> kernels = VolumeKernels(box, parities=[(1, 1, 1)], correlations=[True])
->>> kernels.fill(0, 1.0 / (1.0 + box.lattice_x[:, None, None] ** 2 + box.lattice_y[:, None] ** 2 + box.lattice_sum))
+>>> kernels.fill(0, 1.0 / (1.0 + box.x.lattice[:, None, None] ** 2 + box.y.lattice[:, None] ** 2 + box.lattice_sum))
 >>> sums = WeightedSums(kernels, {(0, 0): {(0, 0): 2.0}}, sources=[(1, 1)], outputs=[(1, 1)])
 >>> field = np.zeros((1, 3, 4, 5)); field[0, 1, 2, 3] = 1.0
 >>> out = VolumeConvolver(sums, depths=[0.0, 1.0, 2.0]).apply(field)

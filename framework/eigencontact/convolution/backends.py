@@ -15,12 +15,11 @@ from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.core.array_types import Array
 from eigencontact.errors import require
 
-__all__ = ["Backend", "available_threads", "backend", "in_parallel"]
+__all__ = ["Backend", "backend"]
 
 Plan = Callable[[], Any]
 
@@ -30,25 +29,14 @@ class Backend(Protocol):
 
     name: str
 
-    def real_forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        """Plan of real ``(n, F)`` to half-complex ``(n, F//2 + 1)``; the source is kept."""
-        ...
+    def forward(self, source: Array, target: Array) -> Plan:
+        """Plan of a forward transform, complex, or real ``(n, F)`` to ``(n, F//2 + 1)``; the source is kept."""
 
-    def real_inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        """Plan of half-complex ``(n, F//2 + 1)`` to real ``(n, F)``; the source may be destroyed."""
-        ...
+    def inverse(self, source: Array, target: Array) -> Plan:
+        """Plan of an inverse transform, complex, or ``(n, F//2 + 1)`` to real ``(n, F)``; destroys the source maybe."""
 
-    def forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        """Plan of a complex forward transform; the source is kept."""
-        ...
-
-    def inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        """Plan of a complex inverse transform; the source may be destroyed."""
-        ...
-
-    def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    def empty(self, shape: tuple[int, ...], dtype: Any) -> Array:
         """Array aligned for this library; its values are arbitrary."""
-        ...
 
 
 class _FFTW:
@@ -59,7 +47,7 @@ class _FFTW:
         # ESTIMATE costs no planning time; on the sizes used here MEASURE gained nothing that pays for its 0.5 s.
         self._flags = {"estimate": ("FFTW_ESTIMATE",), "measure": ("FFTW_MEASURE",)}[effort]
 
-    def _plan(self, source: NDArray[Any], target: NDArray[Any], direction: str, *, destroy: bool) -> Plan:
+    def _plan(self, source: Array, target: Array, direction: str, *, destroy: bool) -> Plan:
         keep = ("FFTW_DESTROY_INPUT",) if destroy else ()
         # Any planning but ESTIMATE overwrites both arrays; plans are made when the first data are already there.
         saved = None if "FFTW_ESTIMATE" in self._flags else (source.copy(), target.copy())
@@ -70,20 +58,14 @@ class _FFTW:
         execute: Plan = plan.execute
         return execute
 
-    def real_forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
+    def forward(self, source: Array, target: Array) -> Plan:
         return self._plan(source, target, "FFTW_FORWARD", destroy=False)
 
-    def real_inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
+    def inverse(self, source: Array, target: Array) -> Plan:
         return self._plan(source, target, "FFTW_BACKWARD", destroy=True)
 
-    def forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        return self._plan(source, target, "FFTW_FORWARD", destroy=False)
-
-    def inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        return self._plan(source, target, "FFTW_BACKWARD", destroy=True)
-
-    def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-        array: NDArray[Any] = self._fftw.empty_aligned(shape, dtype)
+    def empty(self, shape: tuple[int, ...], dtype: Any) -> Array:
+        array: Array = self._fftw.empty_aligned(shape, dtype)
         return array
 
 
@@ -120,20 +102,17 @@ class _SciPy:
 
         self._fft = fft
 
-    def real_forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        return lambda: np.copyto(target, self._fft.rfft(source))
+    def forward(self, source: Array, target: Array) -> Plan:
+        transform = self._fft.fft if np.iscomplexobj(source) else self._fft.rfft
+        return lambda: np.copyto(target, transform(source))
 
-    def real_inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
+    def inverse(self, source: Array, target: Array) -> Plan:
+        if np.iscomplexobj(target):
+            return lambda: np.copyto(target, self._fft.ifft(source, norm="forward"))
         n = target.shape[-1]
         return lambda: np.copyto(target, self._fft.irfft(source, n=n, norm="forward"))
 
-    def forward(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        return lambda: np.copyto(target, self._fft.fft(source))
-
-    def inverse(self, source: NDArray[Any], target: NDArray[Any]) -> Plan:
-        return lambda: np.copyto(target, self._fft.ifft(source, norm="forward"))
-
-    def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    def empty(self, shape: tuple[int, ...], dtype: Any) -> Array:
         return np.empty(shape, dtype)
 
 

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import Array
 
 __all__ = ["BlockContraction", "CompiledContraction"]
-
-Array = NDArray[Any]
 
 
 class _Contraction:
@@ -61,7 +59,7 @@ class BlockContraction(_Contraction):
         self._product = self._empty(max(last - first for first, last, _ in self._matrices), signs, signs, size, kz)
         self._lower = self._empty(signs, size, kz)
         self._assembled = self._empty(self._matrix.shape[0], 1, 1, size, kz)
-        self._sum, self._part = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
+        self._sum, self._term = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
 
     def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
         """Sum kernels times sources of one piece.
@@ -105,7 +103,7 @@ class BlockContraction(_Contraction):
         for output, flip in enumerate(self._flips):
             self._sum[:] = 0
             for number in range(self._starts[output], self._starts[output + 1]):
-                self._sum += np.multiply(back[self._rows[number], ..., rows], self._weights[number], out=self._part)
+                self._sum += np.multiply(back[self._rows[number], ..., rows], self._weights[number], out=self._term)
             out[output, :, piece] = self._sum[0, :size].T
             if self._signs == 2:
                 mirrored = out[output, :, last - piece.stop + 1 : last - piece.start + 1][..., ::-1]

@@ -13,17 +13,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
+from eigencontact.convolution.backends import Backend, Plan, backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
+from eigencontact.core.array_types import Array
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]
 
-Array = NDArray[Any]
 Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
@@ -256,7 +257,7 @@ class _Worker:
             n = rows.stop - rows.start
             key = (id(half), rows.start)
             if key not in self._forward_plans:
-                self._forward_plans[key] = self._fft.real_forward(self._padded[:n], half[rows])
+                self._forward_plans[key] = self._fft.forward(self._padded[:n], half[rows])
             self._padded[:n, start : start + self._layout.source[1]] = field[rows]
             self._forward_plans[key]()
 
@@ -395,7 +396,7 @@ class _Worker:
                 n = rows.stop - rows.start
                 key = (id(half[index]), rows.start)
                 if key not in self._inverse_plans:
-                    self._inverse_plans[key] = self._fft.real_inverse(half[index][rows], self._full[:n])
+                    self._inverse_plans[key] = self._fft.inverse(half[index][rows], self._full[:n])
                 self._inverse_plans[key]()
                 targets[index, rows] = self._full[:n, inner]
 

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution.spectrum import Spectrum, transform_table
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["Axis", "Layout", "fast_even"]
-
-FloatArray = NDArray[np.float64]
 
 # A target far beside its source would need a long even transform; past this factor the parity is given up instead.
 _PARITY_WASTE = 1.6
@@ -149,16 +148,6 @@ class Layout:
         """Axis x."""
         length = self.lengths[1] if self.lengths else None
         return Axis.plan(self.source[1], self.target[1], self.origin[1], periodic=self.periodic, length=length)
-
-    @property
-    def lattice_y(self) -> FloatArray:
-        """Offsets along y (in cells) at which kernel tables are sampled."""
-        return self.y.lattice
-
-    @property
-    def lattice_x(self) -> FloatArray:
-        """Offsets along x (in cells) at which kernel tables are sampled."""
-        return self.x.lattice
 
     def spectrum(
         self, table: FloatArray, parity: tuple[int, int], *, precision: str = "double", scale: float = 1.0

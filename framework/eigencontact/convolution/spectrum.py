@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution.backends import available_threads
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.parallel import available_threads
 
 if TYPE_CHECKING:
     from eigencontact.convolution.layout import Axis
 
 __all__ = ["Spectrum", "parity_transform", "transform_table"]
 
-FloatArray = NDArray[np.float64]
 #: Tables of at most so many numbers are transformed by numpy, and scipy.fft, which takes a tenth of a second to import,
 #: is not loaded for them; larger ones are worth its threads.
 _SMALL = 2**17

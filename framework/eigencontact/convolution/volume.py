@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from eigencontact.convolution.backends import available_threads, backend, in_parallel
+from eigencontact.convolution.backends import backend
 from eigencontact.convolution.compiling import volumes_repay
 from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import Array
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["VolumeConvolver"]
-
-Array = NDArray[Any]
 
 # Bytes of the kernels assembled for one piece, small enough for the second-level cache (measured optimum).
 _PIECE_BYTES = 600_000
@@ -164,9 +163,9 @@ class _Worker:
         layout = self._layout
         x, ny, ty = layout.x, layout.y.sources, layout.y.targets
         self._padded, self._halved = self._empty(ny, x.length, real=True), self._empty(ny, x.half)
-        self._forward_x = self._fft.real_forward(self._padded, self._halved)
+        self._forward_x = self._fft.forward(self._padded, self._halved)
         self._unhalved, self._full = self._empty(ty, x.half), self._empty(ty, x.length, real=True)
-        self._inverse_x = self._fft.real_inverse(self._unhalved, self._full)
+        self._inverse_x = self._fft.inverse(self._unhalved, self._full)
 
     def _plan_y(self) -> None:
         # One column more than the transform repeats ky = 0 behind the last, so that -ky is a plain reversed slice.

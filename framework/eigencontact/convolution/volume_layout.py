@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import Axis
 from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["VolumeKernels", "VolumeLayout", "VolumeParity"]
-
-FloatArray = NDArray[np.float64]
 
 #: Parity along (z, y, x): +1 even, -1 odd.
 VolumeParity = tuple[int, int, int]
@@ -67,21 +66,6 @@ class VolumeLayout:
         return self._axis(2)
 
     @property
-    def lattice_x(self) -> FloatArray:
-        """Offsets along x (in cells) at which tables are sampled."""
-        return self.x.lattice
-
-    @property
-    def lattice_y(self) -> FloatArray:
-        """Offsets along y (in cells) at which tables are sampled."""
-        return self.y.lattice
-
-    @property
-    def lattice_z(self) -> FloatArray:
-        """Offsets along z (in cells) at which tables of convolutions are sampled."""
-        return self.z.lattice
-
-    @property
     def lattice_sum(self) -> FloatArray:
         """Sums of the indices of target and source along z, at which tables of correlations are sampled."""
         return np.arange(self.z.sources + self.z.targets - 1, dtype=np.float64)
@@ -97,10 +81,6 @@ class VolumeLayout:
         if self.folded:
             return self.x.half, self.y.half, self.z.half
         return self.x.half, self.y.length, self.z.length
-
-    def table_shape(self, *, correlation: bool) -> tuple[int, int, int]:
-        """Shape of a table ``[x, y, z]``."""
-        return self.x.lattice.size, self.y.lattice.size, (self.lattice_sum if correlation else self.z.lattice).size
 
 
 class VolumeKernels:
@@ -151,7 +131,8 @@ class VolumeKernels:
     def fill(self, number: int, table: FloatArray, scale: float = 1.0) -> None:
         """Transform the table ``[x, y, z]`` of one kernel, sampled on the layout's lattice, and keep the spectrum."""
         layout, parity, correlation = self.layout, self.parities[number], self.correlations[number]
-        expected = layout.table_shape(correlation=correlation)
+        along_z = layout.lattice_sum if correlation else layout.z.lattice
+        expected = (layout.x.lattice.size, layout.y.lattice.size, along_z.size)
         require(table.shape == expected, "convolution", "table", table.shape, f"of shape {expected}")
         points = layout.x.length * layout.y.length * layout.z.length
         factor = scale / points

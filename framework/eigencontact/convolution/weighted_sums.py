@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.volume_layout import VolumeKernels
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["Coefficients", "WeightedSums"]
-
-FloatArray = NDArray[np.float64]
 
 #: Coefficient of (kernel, source).
 Coefficients = Mapping[tuple[int, int], float]

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.units import LARGEST, number_and_unit, parse_quantity
 from eigencontact.errors import PluginError, SceneError
 
-__all__ = ["is_real", "is_whole", "real_answer", "real_array", "real_points", "whole_array"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["FloatArray", "is_real", "is_whole", "real_answer", "real_array", "real_points", "whole_array"]
 
 
 def is_real(value: object) -> bool:

@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
+
 __all__ = ["Inside", "border"]
 
-FloatArray = NDArray[np.float64]
 Inside = Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
 
 #: Nodes of the mesh each way.

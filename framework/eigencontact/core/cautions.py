@@ -1,10 +1,18 @@
-"""Warnings of a run or a plan: sentences with a code and, where available, an error estimate."""
+"""Warnings of a run or a plan, and effects that a plan leaves out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Caution"]
+__all__ = ["Caution", "LeftOut"]
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """An effect that this package could model and a run does not, and the reason."""
+
+    what: str
+    why: str
 
 
 @dataclass(frozen=True, slots=True)

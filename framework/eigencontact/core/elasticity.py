@@ -20,7 +20,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.core.tensors import COMPONENTS, SQRT2
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.tensors import INDICES, SQRT2
 from eigencontact.errors import require
 
 __all__ = [
@@ -30,14 +31,13 @@ __all__ = [
     "factors_of_compliance",
     "factors_of_stiffness",
     "frame_of",
+    "isotropic",
     "isotropic_factors",
     "isotropic_stiffness",
     "mandel_rotation",
     "shear_ratios",
     "unit_vector",
 ]
-
-FloatArray = NDArray[np.float64]
 
 # What rounding may leave of symmetry or of a zero eigenvalue, relative to the largest entry.
 _ROUNDING = 1e-9
@@ -49,7 +49,6 @@ class Elasticity(Protocol):
 
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
         """``soft`` [1/Pa] and ``stiff`` [-], ``(6, 6)``, for the shear modulus [Pa] of the material around."""
-        ...
 
 
 @runtime_checkable
@@ -58,7 +57,6 @@ class ElasticityOfCells(Protocol):
 
     def of_cells(self, index: NDArray[np.intp]) -> Elasticity:
         """Elasticity of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
-        ...
 
 
 def factors_of_stiffness(stiffness: ArrayLike, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
@@ -109,7 +107,7 @@ def isotropic_factors(
     squeeze = E + np.where(void, 2.0 * G, 2.0 * G * (1.0 - 2.0 * nu))
     soft_volume = np.where(void, 1.0, 1.0 - 2.0 * nu) / squeeze
     shear = E + 2.0 * G * (1.0 + nu)
-    soft, stiff = _isotropic(soft_volume, (1.0 + nu) / shear), _isotropic(E / squeeze, E / shear)
+    soft, stiff = isotropic(soft_volume, (1.0 + nu) / shear), isotropic(E / squeeze, E / shear)
     return soft, stiff
 
 
@@ -143,10 +141,10 @@ def isotropic_stiffness(young_modulus: ArrayLike, poisson_ratio: ArrayLike) -> F
     E, nu = np.broadcast_arrays(np.asarray(young_modulus, dtype=float), np.asarray(poisson_ratio, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
         volume = np.where(E == 0.0, 0.0, E / (1.0 - 2.0 * nu))
-    return _isotropic(volume, E / (1.0 + nu))
+    return isotropic(volume, E / (1.0 + nu))
 
 
-def _isotropic(of_volume: FloatArray, of_shear: FloatArray) -> FloatArray:
+def isotropic(of_volume: FloatArray, of_shear: FloatArray) -> FloatArray:
     """Isotropic matrices from their values for pure dilatation and for shear."""
     volume = np.zeros((6, 6))
     volume[:3, :3] = 1.0 / 3.0
@@ -184,10 +182,9 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
     [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     """
     R = np.asarray(rotation, dtype=float)
-    pairs = [("xyz".index(name[0]), "xyz".index(name[1])) for name in COMPONENTS]
     out = np.empty((*R.shape[:-2], 6, 6))
-    for row, (i, j) in enumerate(pairs):
-        for column, (k, l) in enumerate(pairs):
+    for row, (i, j) in enumerate(INDICES):
+        for column, (k, l) in enumerate(INDICES):
             products = R[..., i, k] * R[..., j, l] + R[..., i, l] * R[..., j, k]
             out[..., row, column] = products * (SQRT2 if row > 2 else 1.0) / (SQRT2 if column > 2 else 2.0)
     return out

@@ -15,16 +15,15 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eigencontact.core.array_files import StoredArray, arrays_of_file, held_array
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.held_arrays import PREFIX, held
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError
 
 __all__ = ["TEXT_FILES", "FileArrays", "GriddedData", "read_arrays", "read_columns", "read_gridded"]
-
-FloatArray = NDArray[np.float64]
 
 #: Endings of files of text.
 TEXT_FILES = (".txt", ".csv", ".tsv", ".dat", ".xyz", ".asc")

@@ -1,8 +1,8 @@
 """Arrays of the running process, with names that replace data files in scenes.
 
-A component that takes a data file reads arrays that are held as it reads those of an archive (`core.gridded`), so that
-a library call can hand over what it was given and nothing is written to disk. The name is made of the content: a scene
-with other arrays is another scene. Arrays are held as long as somebody keeps what `hold` returned.
+A component with a data file reads held arrays as those of an archive (`core.gridded`), so that a library call can pass
+arrays and nothing is written to disk. The name is a hash of the content: a scene with other arrays is another scene.
+Arrays are held as long as somebody keeps the result of `hold`.
 """
 
 from __future__ import annotations

@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
+
 __all__ = ["Jet", "derivatives_of", "implicit", "monomials", "variables"]
 
-FloatArray = NDArray[np.float64]
 Order = tuple[int, int, int]
 CHUNK = 4096  # points worked on together by `derivatives_of`: the coefficients of a few jets fit into the cache
 

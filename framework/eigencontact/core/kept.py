@@ -20,7 +20,6 @@ class Sized(Protocol):
     @property
     def nbytes(self) -> int:
         """Memory [bytes]."""
-        ...
 
 
 Made = TypeVar("Made", bound=Sized)
@@ -81,7 +80,7 @@ def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
     Parameters
     ----------
     key : callable
-        Gives all that determines the object, to the last bit; asked for only where things are kept.
+        Returns all that determines the object, to the last bit; called only where objects are kept.
     make : callable
         Makes it.
 

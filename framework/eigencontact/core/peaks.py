@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = ["peak_of_means"]
 
 
-def peak_of_means(means: NDArray[np.float64]) -> float:
+def peak_of_means(means: FloatArray) -> float:
     """Largest value at a point of a surface, from its means over cells ``(ny, nx)``.
 
     A parabola along each axis has the means of the largest cell and its two neighbours. Along an axis on which the

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = ["norm_of", "product"]
-
-FloatArray = NDArray[np.float64]
 
 # Edge of the tiles. OpenBLAS starts threads of its own for more than 2^18 = 64³ multiplications, and these wait for
 # each other where other work holds the cores: on two shared cores the 101 depths of 'coated-sphere' took 9 s instead of

@@ -8,14 +8,13 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.quantities import Angle
 from eigencontact.errors import require
 
 __all__ = ["Rotation", "Row", "as_tuple", "rotation_matrix", "turned_derivatives"]
 
-FloatArray = NDArray[np.float64]
 Row = tuple[float, float, float]
 _Order = tuple[int, int, int]
 

@@ -25,16 +25,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 __all__ = ["DEFAULT_LIMIT", "VARIABLE", "Entry", "TableCache", "address", "table_cache"]
-
-FloatArray = NDArray[np.float64]
 
 #: Names the folder; empty or "off" for none.
 VARIABLE = "EIGENCONTACT_CACHE"

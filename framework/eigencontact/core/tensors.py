@@ -9,12 +9,14 @@ contraction of the tensors.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = [
     "COMPONENTS",
+    "INDICES",
     "SQRT2",
-    "deviatoric_norm",
     "from_mandel",
     "hydrostatic",
     "principal",
@@ -24,10 +26,10 @@ __all__ = [
     "von_mises",
 ]
 
-FloatArray = NDArray[np.float64]
-
 #: Order of the components everywhere.
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+#: Their rows and columns in matrices.
+INDICES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 SQRT2 = float(np.sqrt(2.0))
 
 
@@ -64,25 +66,20 @@ def hydrostatic(stress: ArrayLike) -> FloatArray:
     return np.asarray((s[0] + s[1] + s[2]) / 3.0)
 
 
-def deviatoric_norm(stress: ArrayLike) -> FloatArray:
-    """Norm ``sqrt(s:s)`` of the deviator of Mandel stress ``(6, ...)``.
-
-    Written with differences of the normal stresses, which lose no digits when they are nearly equal.
-    """
-    s = np.asarray(stress)
-    normal = ((s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2) / 3.0
-    return np.asarray(np.sqrt(normal + s[3] ** 2 + s[4] ** 2 + s[5] ** 2), dtype=float)
-
-
 def von_mises(stress: ArrayLike) -> FloatArray:
     """Von Mises stress [Pa] of Mandel stress ``(6, ...)``.
+
+    Differences of the normal stresses lose no digits when they are nearly equal.
 
     Examples
     --------
     >>> round(float(von_mises([2.0, 0, 0, 0, 0, 0])), 12)
     2.0
     """
-    return np.asarray(np.sqrt(1.5) * deviatoric_norm(stress))
+    s = np.asarray(stress)
+    normal = ((s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2) / 3.0
+    deviator = np.asarray(np.sqrt(normal + s[3] ** 2 + s[4] ** 2 + s[5] ** 2), dtype=float)
+    return np.asarray(np.sqrt(1.5) * deviator)
 
 
 def principal(stress: ArrayLike) -> FloatArray:

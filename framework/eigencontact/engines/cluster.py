@@ -58,7 +58,7 @@ class Cluster:
     threads : int, optional
         What a task needs; workers that have fewer get none, and one that gets a task gives it all its threads.
     say : callable, optional
-        Told in one line which workers there are, and where the dashboard is.
+        Called with one line about the workers and the dashboard.
 
     Raises
     ------

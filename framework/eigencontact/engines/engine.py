@@ -52,11 +52,9 @@ class Engine(Protocol):
 
     def __enter__(self) -> Self:
         """Take what is needed."""
-        ...
 
     def __exit__(self, *_: object) -> None:
         """Give everything back."""
-        ...
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
@@ -72,17 +70,20 @@ class Engine(Protocol):
         begin : callable
             Called once in each process; makes what the tasks of that process share.
         """
-        ...
 
 
-class ThisProcess:
-    """Performs tasks one after the other, here."""
+class _Local:
+    """Engine that holds nothing between its tasks."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         return
+
+
+class ThisProcess(_Local):
+    """Performs tasks one after the other, here."""
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
@@ -93,7 +94,7 @@ class ThisProcess:
             yield task, function(task, state)
 
 
-class Processes:
+class Processes(_Local):
     """Performs tasks in processes of this machine, which share its threads and memory evenly.
 
     Parameters
@@ -110,12 +111,6 @@ class Processes:
     def __init__(self, workers: int) -> None:
         refuse_unguarded(f"workers={workers}")
         self._workers = workers
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]

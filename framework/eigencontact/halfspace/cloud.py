@@ -1,12 +1,12 @@
-"""Many regions at once: point sources wherever they hold, the shapes' own potentials only near by.
+"""Fields of many regions: point sources at a distance, the shapes' own potentials near by.
 
-Beyond a distance a shape is a few points (a sphere is one, everywhere outside), further away fewer. All of them are
-summed over all field points in one compiled loop. What is left are pairs of a region and a point close to it: equal
-shapes hand theirs in together, and pairs that look alike, as those of a regular array on a grid do, are evaluated once.
+Beyond a distance a shape is replaced by a few points (a sphere by one, everywhere outside), further away by fewer. All
+of them are summed over all field points in one compiled loop. The pairs of a region and a point close to it remain:
+equal shapes evaluate theirs together, and equal pairs, as of a regular array on a grid, are evaluated once.
 
-With a tolerance, large sums are hierarchical: what is far from many points reaches them by an expansion (`expansions`),
-and a region is as few points as the tolerance allows. The error is then measured at points drawn at random, where the
-regions are summed one by one as well, and found too large the sum is taken again, more exactly.
+With a tolerance, large sums are hierarchical: regions far from many points act by an expansion (`expansions`), with as
+few points as the tolerance allows. The error is measured at points drawn at random, where the regions are also summed
+one by one; if it is too large, the sum is repeated with a smaller tolerance.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.parallel import available_threads
 from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
@@ -28,10 +29,7 @@ from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
+__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed"]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
 _MOST_SOURCES = 800
@@ -56,11 +54,6 @@ _SMALL = 2_000_000
 _HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64).astype(np.int64)
 # Nodes, the nodes above them, and how far apart a region must be: none.
 _NO_TREE = (np.zeros((0, 5)), np.zeros(0, dtype=np.intp), 0.0)
-
-
-def uses_point_sources(shape: HasPotentials) -> bool:
-    """Whether a shape in a cloud is replaced by its point sources beyond their distance."""
-    return cloud_sources(shape) is not None
 
 
 def cloud_sources(shape: HasPotentials) -> PointSources | None:
@@ -130,64 +123,9 @@ def field_of_cloud(
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **options)
     if distant:
-        finder = _Finder(x, y, z)
-        if large:
-            out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **options)
-        else:
-            sources = _Sources(list(distant.values()), eigenstrains[list(distant)])
-            # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
-            order = finder.order
-            out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **options)
-        _near_fields(shapes, distant, eigenstrains, finder, space, options, out)
-    return out
-
-
-def _hierarchical(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    tolerance: float,
-    *,
-    space: str,
-    **options: Any,
-) -> FloatArray:
-    """Sum of the point sources with an error below `tolerance` of its largest value, by expansions where these pay.
-
-    The error is the largest difference at points drawn at random from the sum without expansions, times a factor for
-    points that were not drawn. A sum that is not good enough is taken again with a tenth of the tolerance.
-    """
-    points = np.ascontiguousarray(finder.points.T)
-    count = points.shape[1]
-    checked = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
-    x, y, z = np.ascontiguousarray(points[:, checked])
-    strains = eigenstrains[list(distant)]
-    exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **options)
-    out = np.empty((len(exact), count))
-    node_tolerance = tolerance
-    while True:
-        regions = _relaxed(shapes, distant, tolerance)
-        tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
-        order = finder.order if tree is None else tree.order
-        x, y, z = np.ascontiguousarray(points[:, order])
-        out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **options)
-        error = _UNSEEN * float(np.abs(out[:, checked] - exact).max())
-        if error <= node_tolerance * float(np.abs(out).max()) or tolerance < _LEAST:
-            return out
-        tolerance *= 0.1
-
-
-def _relaxed(
-    shapes: Sequence[HasPotentials], distant: Mapping[int, PointSources], tolerance: float
-) -> list[PointSources]:
-    """The point sources of regions for a tolerance; like shapes are asked once."""
-    distances: dict[Hashable, list[float]] = {}
-    out = []
-    for number, far in distant.items():
-        likeness = _likeness(shapes[number])
-        if likeness not in distances:
-            distances[likeness] = distances_for(far, tolerance)
-        out.append(_at_distances(far, distances[likeness]))
+        regions = _DistantRegions(shapes, distant, eigenstrains, _Finder(x, y, z), space, options)
+        regions.add_far_fields(out, tolerance if large else None)
+        regions.add_near_fields(out)
     return out
 
 
@@ -225,11 +163,12 @@ class _Sources:
         self.tables = (rows, np.column_stack([centers, reaches, distances]), starts, table)
 
 
-def _blocks(count: int, node: int = -1, role: int = 0, first: int = 0) -> IntArray:
-    """Blocks of so many points, rows (first, stop, node, role)."""
-    starts = np.arange(first, first + count, _BLOCK)
-    stops = np.minimum(starts + _BLOCK, first + count)
-    return np.column_stack([starts, stops, np.full(starts.size, node), np.full(starts.size, role)])
+def _blocks(count: int) -> IntArray:
+    """Blocks of so many points, rows (first, stop, node, role), without a tree."""
+    starts = np.arange(0, count, _BLOCK)
+    return np.column_stack(
+        [starts, np.minimum(starts + _BLOCK, count), np.full_like(starts, -1), np.zeros_like(starts)]
+    )
 
 
 def _sum_of_sources(
@@ -248,7 +187,7 @@ def _sum_of_sources(
     """
     import numba
 
-    from eigencontact.halfspace.cloud_kernels import sum_displacement, sum_stress
+    from eigencontact.halfspace.cloud_kernels import sum_sources
 
     nu = float(poisson_ratio)
     rows, *tables = sources.tables
@@ -256,16 +195,15 @@ def _sum_of_sources(
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
     half = True if space == "half" else None
     numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
-    add = sum_displacement if quantity == "displacement" else sum_stress
     count = points[0].size
     if tree is None:
         out = np.zeros((QUANTITIES[quantity], count))
-        add(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
+        sum_sources(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
     else:
         everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
         summed = np.zeros((QUANTITIES[quantity], everywhere.shape[1]))
         nodes = (tree.nodes, tree.parents, APART)
-        add(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
+        sum_sources(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
         out = np.ascontiguousarray(summed[:, :count])
         values = summed[:, count:].reshape(len(summed), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
         tree.add(np.array(points), np.ascontiguousarray(values), out)
@@ -286,70 +224,120 @@ def _likeness(shape: Any) -> Hashable:
     return (type(shape), *values)
 
 
-def _near_fields(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    space: str,
-    options: dict[str, Any],
-    out: FloatArray,
-) -> None:
-    """Add the fields of regions at points too close to them for their point sources, and likewise of their images."""
-    alike: dict[Hashable, list[int]] = {}
-    for number in distant:
-        alike.setdefault(_likeness(shapes[number]), []).append(number)
-    pairs = _Pairs(out)
-    for members in alike.values():
-        _add_pairs(shapes, distant, members, eigenstrains, finder, ("full",), options, pairs)
-    if space == "half":
-        level: dict[Hashable, list[int]] = {}  # an image depends on the depth
-        for number, far in distant.items():
-            if far.distance > far.center[2]:
-                level.setdefault((_likeness(shapes[number]), float(far.center[2])), []).append(number)
-        for members in level.values():
-            _add_pairs(shapes, distant, members, eigenstrains, finder, ("half", "full"), options, pairs)
-    pairs.flush()
+class _DistantRegions:
+    """Regions with point sources, and the points at which their fields are summed.
 
+    Parameters
+    ----------
+    shapes, eigenstrains
+        Of all regions.
+    sources : mapping of int to PointSources
+        Point sources by number of the region.
+    finder : _Finder
+        The points.
+    space, options
+        Arguments of `field_at_points`.
+    """
 
-def _add_pairs(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    members: Sequence[int],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    spaces: tuple[str, ...],
-    options: dict[str, Any],
-    pairs: _Pairs,
-) -> None:
-    """Fields of like regions in the first space minus that in the second, at the points near them or their images."""
-    canonical, far = shapes[members[0]], distant[members[0]]
-    side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
-    near_points = [finder.within(distant[member].center * side, far.distance) for member in members]
-    index = np.concatenate(near_points)
-    if not index.size:
-        return
-    owner = np.repeat(np.asarray(members), [near.size for near in near_points])
-    centers = np.array([distant[member].center for member in members])
-    offsets = finder.points[index] - np.repeat(centers, [near.size for near in near_points], axis=0)
-    first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
-    if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
-        rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
-        _, first, inverse = np.unique(rounded @ _HASH, return_index=True, return_inverse=True)
-        if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
-            first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
-    at = np.ascontiguousarray((offsets[first] + far.center).T)
-    for start in range(0, first.size, _PAIRS):
-        chunk = slice(start, start + _PAIRS)
-        fields = [unit_fields_at_points(canonical, tuple(at[:, chunk]), space=space, **options) for space in spaces]
-        unit = fields[0] - fields[1] if len(fields) == 2 else fields[0]
-        pairs_of_chunk = (
-            np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS)) if first.size > _PAIRS else slice(None)
-        )
-        place = inverse[pairs_of_chunk] - start
-        pairs.add(
-            index[pairs_of_chunk], np.einsum("ucn,nu->cn", unit[:, :, place], eigenstrains[owner[pairs_of_chunk]])
-        )
+    def __init__(
+        self, shapes: Sequence[HasPotentials], sources: Mapping[int, PointSources], eigenstrains: FloatArray,
+        finder: _Finder, space: str, options: dict[str, Any],
+    ) -> None:  # fmt: skip
+        self._shapes, self._sources, self._eigenstrains = shapes, sources, eigenstrains
+        self._finder, self._space, self._options = finder, space, options
+
+    def add_far_fields(self, out: FloatArray, tolerance: float | None) -> None:
+        """Add the point sources: one by one, or hierarchically to a tolerance."""
+        if tolerance is not None:
+            out += self._hierarchical(tolerance)
+            return
+        # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
+        order = self._finder.order
+        out[:, order] += self._sum(list(self._sources.values()), self._finder.points[order].T)
+
+    def _sum(self, regions: Sequence[PointSources], points: FloatArray, tree: Tree | None = None) -> FloatArray:
+        x, y, z = np.ascontiguousarray(points)
+        sources = _Sources(regions, self._eigenstrains[list(self._sources)])
+        return _sum_of_sources(sources, (x, y, z), space=self._space, tree=tree, **self._options)
+
+    def _hierarchical(self, tolerance: float) -> FloatArray:
+        """Sum of the point sources with an error below `tolerance` of its largest value, by expansions if these pay.
+
+        The error is the largest difference at points drawn at random from the sum without expansions, times a factor
+        for points that were not drawn. A sum that is not good enough is repeated with a tenth of the tolerance.
+        """
+        points = np.ascontiguousarray(self._finder.points.T)
+        count = points.shape[1]
+        checked = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
+        exact = self._sum(list(self._sources.values()), points[:, checked])
+        out = np.empty((len(exact), count))
+        node_tolerance = tolerance
+        while True:
+            regions = self._relaxed(tolerance)
+            tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
+            order = self._finder.order if tree is None else tree.order
+            out[:, order] = self._sum(regions, points[:, order], tree)
+            error = _UNSEEN * float(np.abs(out[:, checked] - exact).max())
+            if error <= node_tolerance * float(np.abs(out).max()) or tolerance < _LEAST:
+                return out
+            tolerance *= 0.1
+
+    def _relaxed(self, tolerance: float) -> list[PointSources]:
+        """Point sources for a tolerance; equal shapes share one search."""
+        distances: dict[Hashable, list[float]] = {}
+        regions = []
+        for number, far in self._sources.items():
+            likeness = _likeness(self._shapes[number])
+            if likeness not in distances:
+                distances[likeness] = distances_for(far, tolerance)
+            regions.append(_at_distances(far, distances[likeness]))
+        return regions
+
+    def add_near_fields(self, out: FloatArray) -> None:
+        """Add the fields at points too close to a region, or to its image, for the point sources."""
+        alike: dict[Hashable, list[int]] = {}
+        for number in self._sources:
+            alike.setdefault(_likeness(self._shapes[number]), []).append(number)
+        pairs = _Pairs(out)
+        for members in alike.values():
+            self._add_pairs(members, ("full",), pairs)
+        if self._space == "half":
+            level: dict[Hashable, list[int]] = {}  # an image depends on the depth
+            for number, far in self._sources.items():
+                if far.distance > far.center[2]:
+                    level.setdefault((_likeness(self._shapes[number]), float(far.center[2])), []).append(number)
+            for members in level.values():
+                self._add_pairs(members, ("half", "full"), pairs)
+        pairs.flush()
+
+    def _add_pairs(self, members: Sequence[int], spaces: tuple[str, ...], pairs: _Pairs) -> None:
+        """Fields of like regions in the first space minus that in the second, at points near them or their images."""
+        canonical, far = self._shapes[members[0]], self._sources[members[0]]
+        side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
+        centers = np.array([self._sources[member].center for member in members])
+        near_points = [self._finder.within(center * side, far.distance) for center in centers]
+        index = np.concatenate(near_points)
+        if not index.size:
+            return
+        counts = [near.size for near in near_points]
+        owner = np.repeat(np.asarray(members), counts)
+        offsets = self._finder.points[index] - np.repeat(centers, counts, axis=0)
+        first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+        if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
+            rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
+            _, first, inverse = np.unique(rounded @ _HASH, return_index=True, return_inverse=True)
+            if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
+                first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+        at = np.ascontiguousarray((offsets[first] + far.center).T)
+        for start in range(0, first.size, _PAIRS):
+            points = tuple(at[:, start : start + _PAIRS])
+            fields = [unit_fields_at_points(canonical, points, space=space, **self._options) for space in spaces]
+            unit = fields[0] - fields[1] if len(fields) == 2 else fields[0]
+            chunk: Any = slice(None)
+            if first.size > _PAIRS:
+                chunk = np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS))
+            strains = self._eigenstrains[owner[chunk]]
+            pairs.add(index[chunk], np.einsum("ucn,nu->cn", unit[:, :, inverse[chunk] - start], strains))
 
 
 class _Pairs:

@@ -30,7 +30,7 @@ import numpy as np
 
 from eigencontact.core.numba_cache import compiled
 
-__all__ = ["sum_displacement", "sum_stress"]
+__all__ = ["sum_sources"]
 
 _inner: Any = compiled(fastmath=True, error_model="numpy")
 _compiled: Any = compiled(parallel=True, fastmath=True, error_model="numpy")
@@ -204,58 +204,6 @@ def _stress_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any)
         total[2, i] += scale * (e33 + nu * volume)
 
 
-@_compiled
-def sum_stress(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any) -> None:
-    """Stress components xx, yy, zz, yz, xz, xy (plain tensor, in units of `scale`), into `out` (6, n).
-
-    Parameters
-    ----------
-    x, y, z : (n,)
-        Points.
-    blocks : (b, 4) of int
-        See above.
-    tree : (nodes (k, 5), parents (k,), apart)
-        Center, radius and whether there is an expansion; a region is far if the radius is below `apart` times its gap.
-    sources : (rows (m, 11), regions (r, 5), starts (r + 1,), levels (l, 3))
-        Regions are rows of center, reach of the sources, least distance.
-    nu : float
-        Poisson's ratio.
-    half : bool or None
-        True, or None for full space.
-    """
-    rows, regions, starts, levels = sources
-    nodes, parents, apart = tree
-    for number in numba.prange(blocks.shape[0]):
-        block = blocks[number]
-        first, stop = block[0], block[1]
-        px, py, pz = x[first:stop], y[first:stop], z[first:stop]
-        box = np.array([[px.min(), py.min(), pz.min()], [px.max(), py.max(), pz.max()]])
-        total, near_sum = np.zeros((6, stop - first)), np.zeros((6, stop - first))
-        for region in range(regions.shape[0]):
-            if not _is_taken(block, region, nodes, parents, regions, apart):
-                continue
-            for side in range(1 if half is None else 2):
-                sign = 1.0 - 2.0 * side
-                square = _gap(box, regions[region], sign)
-                level = starts[region]
-                while level < starts[region + 1] - 1 and levels[level, 0] > square:
-                    level += 1
-                near = square < regions[region, 4] ** 2
-                if near:
-                    if _all_near(box, regions[region], sign):
-                        continue
-                    near_sum[:] = 0.0
-                for s in range(int(levels[level, 1]), int(levels[level, 2])):
-                    if side == 0:
-                        _stress_by_itself(px, py, pz, rows[s], nu, near_sum if near else total)
-                    else:
-                        _stress_by_image(px, py, pz, rows[s], nu, near_sum if near else total)
-                if near:
-                    _clear(px, py, pz, regions[region], sign, near_sum)
-                    total += near_sum
-        out[:, first:stop] = total
-
-
 @_inner
 def _displacement_by_itself(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any) -> None:
     """Add the displacement of a source in full space at some points: Psi, Phi of the region itself."""
@@ -321,11 +269,41 @@ def _displacement_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total
         total[2, i] += scale * uz
 
 
+@_inner
+def _add(side: int, x: Any, y: Any, z: Any, source: Any, nu: float, total: Any) -> None:
+    """Add a source (side 0) or its mirror image (1): stress to six components, displacement to three."""
+    if len(total) == 6:
+        if side == 0:
+            _stress_by_itself(x, y, z, source, nu, total)
+        else:
+            _stress_by_image(x, y, z, source, nu, total)
+    elif side == 0:
+        _displacement_by_itself(x, y, z, source, nu, total)
+    else:
+        _displacement_by_image(x, y, z, source, nu, total)
+
+
 @_compiled
-def sum_displacement(
-    x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any
-) -> None:
-    """Displacement components x, y, z (in units of `scale`), into `out` (3, n); see `sum_stress`."""
+def sum_sources(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any) -> None:
+    """Sum the fields of all sources into `out`, in units of `scale`.
+
+    Parameters
+    ----------
+    x, y, z : (n,)
+        Points.
+    blocks : (b, 4) of int
+        See above.
+    tree : (nodes (k, 5), parents (k,), apart)
+        Center, radius and whether there is an expansion; a region is far if the radius is below `apart` times its gap.
+    sources : (rows (m, 11), regions (r, 5), starts (r + 1,), levels (l, 3))
+        Regions are rows of center, reach of the sources, least distance.
+    nu : float
+        Poisson's ratio.
+    half : bool or None
+        True, or None for full space.
+    out : (6, n) or (3, n)
+        Stress components xx, yy, zz, yz, xz, xy (plain tensor), or displacement components x, y, z.
+    """
     rows, regions, starts, levels = sources
     nodes, parents, apart = tree
     for number in numba.prange(blocks.shape[0]):
@@ -333,7 +311,7 @@ def sum_displacement(
         first, stop = block[0], block[1]
         px, py, pz = x[first:stop], y[first:stop], z[first:stop]
         box = np.array([[px.min(), py.min(), pz.min()], [px.max(), py.max(), pz.max()]])
-        total, near_sum = np.zeros((3, stop - first)), np.zeros((3, stop - first))
+        total, near_sum = np.zeros((len(out), stop - first)), np.zeros((len(out), stop - first))
         for region in range(regions.shape[0]):
             if not _is_taken(block, region, nodes, parents, regions, apart):
                 continue
@@ -349,10 +327,7 @@ def sum_displacement(
                         continue
                     near_sum[:] = 0.0
                 for s in range(int(levels[level, 1]), int(levels[level, 2])):
-                    if side == 0:
-                        _displacement_by_itself(px, py, pz, rows[s], nu, near_sum if near else total)
-                    else:
-                        _displacement_by_image(px, py, pz, rows[s], nu, near_sum if near else total)
+                    _add(side, px, py, pz, rows[s], nu, near_sum if near else total)
                 if near:
                     _clear(px, py, pz, regions[region], sign, near_sum)
                     total += near_sum

@@ -13,13 +13,10 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.numba_cache import compiled
 
 __all__ = ["grow", "moments", "pass_down", "polynomials"]
-
-FloatArray = NDArray[np.float64]
 
 # Points at which polynomials are evaluated together.
 _PART = 64

@@ -1,9 +1,9 @@
-"""A tree of points, and biharmonic expansions of what distant regions do at the points of a node.
+"""A tree of points, and biharmonic expansions of the fields of distant regions at the points of a node.
 
 Fields without body forces are biharmonic, and so are their half-space images. In a ball of radius b whose center no
 source comes closer to than b/θ they are polynomials of degree p up to some θ^(p+1): a few hundred values on two spheres
-tell them for any number of points in it. Every node of the tree takes the regions that are far from it and were not far
-from the nodes above; what a node knows is passed down.
+determine them for any number of points in it. Every node expands the regions that are far from it and were not far from
+the nodes above, and passes its expansion down.
 """
 
 from __future__ import annotations
@@ -13,14 +13,11 @@ from functools import cache, cached_property
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.halfspace.potentials import PointSources
 
 __all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of", "expansion_size"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 #: Radius of a node in units of the gap between its center and a region that it takes by its expansion.
 APART = 0.3

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import product
 
 __all__ = ["StretchedNodes"]
 
-FloatArray = NDArray[np.float64]
 #: Weights ``(m, n)`` for even (1) and odd (-1) functions.
 Weights = dict[int, FloatArray]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.core.products import product
 from eigencontact.core.symmetry import parity
@@ -19,8 +19,6 @@ from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
 from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side
 
 __all__ = ["LayeredDepths"]
-
-FloatArray = NDArray[np.float64]
 
 # Resolutions of the smooth part are raised until two agree to TARGET, in parts of the largest value.
 TARGET = 1e-9
@@ -213,9 +211,9 @@ class LayeredDepths:
             depths = list(places)
             step = max(1, TOGETHER // (x.size * y.size))
             for begin in range(0, len(depths), step):
-                some = depths[begin : begin + step]
-                fields = self._closed(components, x, y[:, None], np.array(some)[:, None, None], solid)
-                for number, depth in enumerate(some):
+                chunk = depths[begin : begin + step]
+                fields = self._closed(components, x, y[:, None], np.array(chunk)[:, None, None], solid)
+                for number, depth in enumerate(chunk):
                     for row, weight in places[depth]:
                         out[:, row] += weight * fields[:, number]
         return out

@@ -25,11 +25,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import product
 
 __all__ = ["LogGrid"]
-
-FloatArray = NDArray[np.float64]
 
 # Up to this distance, in parts of s, the integral itself is summed: what vanishes on the axis keeps its digits, and the
 # waves that count turn slowly enough for the grid.

@@ -11,8 +11,8 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.core.material import Material
 from eigencontact.errors import PlanError, require
 from eigencontact.halfspace.layered_depths import LayeredDepths
@@ -23,8 +23,6 @@ from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side, res
 
 __all__ = ["LayeredInfluence"]
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 HalfWidths = tuple[float, float]
 
 HANKEL = (
@@ -89,8 +87,6 @@ class LayeredInfluence:
         material: Material | Medium,
     ) -> FloatArray:
         """Displacement at points; see `SurfaceInfluence.displacement`."""
-        if isinstance(material, Material):
-            return self.base.displacement(components, x, y, z, half_widths, material)
         return self._at_points("displacement", components, (x, y, z), half_widths, material)
 
     def stress(
@@ -103,8 +99,6 @@ class LayeredInfluence:
         material: Material | Medium,
     ) -> FloatArray:
         """Mandel stress at points; see `SurfaceInfluence.stress`."""
-        if isinstance(material, Material):
-            return self.base.stress(components, x, y, z, half_widths, material)
         return self._at_points("stress", components, (x, y, z), half_widths, material)
 
     def sample(
@@ -120,29 +114,10 @@ class LayeredInfluence:
         """Influence coefficients on a lattice; see `SurfaceInfluence.sample`."""
         if isinstance(material, Material):
             return self.base.sample(quantity, components, x, y, z, half_widths, material)
-        return self.sample_with_bound(quantity, components, x, y, z, half_widths, material)[0]
-
-    def sample_with_bound(
-        self,
-        quantity: str,
-        components: Sequence[str],
-        x: FloatArray,
-        y: FloatArray,
-        z: float,
-        half_widths: HalfWidths,
-        medium: Medium,
-    ) -> tuple[FloatArray, float]:
-        """Influence coefficients of layers as `sample` gives them, and a bound of their error.
-
-        Returns
-        -------
-        values : (len(components), ny, nx) float64
-        bound : float
-            See `LayeredDepths.bounds`.
-        """
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        at = self.at_depths(quantity, components, np.array([float(z)]), half_widths, reach, medium)
-        return at.on_lattice(0, x, y), float(at.bounds[0])
+        return self.at_depths(quantity, components, np.array([float(z)]), half_widths, reach, material).on_lattice(
+            0, x, y
+        )
 
     def at_depths(
         self,
@@ -222,9 +197,12 @@ class LayeredInfluence:
         components: Sequence[str],
         points: tuple[FloatArray, FloatArray, FloatArray | float],
         half_widths: HalfWidths,
-        medium: Medium,
+        medium: Material | Medium,
     ) -> FloatArray:
-        """Field at scattered points, one depth after the other."""
+        """Field at scattered points, one depth after the other; of a material by the installed influence."""
+        if isinstance(medium, Material):
+            evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
+            return evaluate(components, *points, half_widths, medium)
         x, y, z = np.broadcast_arrays(*(np.asarray(coordinate, dtype=float) for coordinate in points))
         depths, place = np.unique(z, return_inverse=True)
         place = place.reshape(z.shape)

@@ -10,16 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import product
 from eigencontact.halfspace.layered_cells import StretchedNodes
 from eigencontact.halfspace.layered_hankel import LogGrid
 from eigencontact.halfspace.layered_waves import AxisResponse, radial_functions, turned
 
 __all__ = ["RESOLUTIONS", "NodalField", "SmoothField"]
-
-FloatArray = NDArray[np.float64]
 
 #: Resolutions are raised by these factors until two agree.
 RESOLUTIONS = (1.0, 1.4, 2.0, 2.8, 4.0)

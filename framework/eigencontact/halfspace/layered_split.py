@@ -12,6 +12,7 @@ from hashlib import sha256
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.errors import PlanError
 from eigencontact.halfspace.layered_waves import DIRECTIONS
@@ -19,7 +20,6 @@ from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side, res
 
 __all__ = ["DEEP", "OWN", "Band", "Kernel", "bands"]
 
-FloatArray = NDArray[np.float64]
 #: Closed kernel of a half-space: weight, material, depth [m].
 Kernel = tuple[float, Material, float]
 

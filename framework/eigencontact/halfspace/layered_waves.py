@@ -14,15 +14,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS, SQRT2
 
 __all__ = ["DIRECTIONS", "NAMES", "AxisResponse", "Turning", "radial_functions", "turned"]
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 #: Response of the named components to waves (kx, ky) of the traction, ``(len(names), nz, n)``.
 AxisResponse = Callable[[Sequence[str], FloatArray, FloatArray], ComplexArray]
 

@@ -6,14 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.core.material import Material
 
 __all__ = ["HasResponseAtDepths", "HomogeneousInfluence", "Medium", "Side", "response_at_depths"]
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Side = Literal["above", "below"]
 
 
@@ -62,7 +60,6 @@ class HasResponseAtDepths(Protocol):
 
         The depths come in any order, and may come twice.
         """
-        ...
 
 
 def response_at_depths(

@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.halfspace.potentials import HasPotentials, Order
 
 __all__ = ["integrated_chi"]
-
-FloatArray = NDArray[np.float64]
 
 _NODES = 20  # of one panel
 _RATIO = 2.0

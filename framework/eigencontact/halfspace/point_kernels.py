@@ -26,13 +26,11 @@ from itertools import product
 from math import factorial, prod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.halfspace.potentials import Order, PointSources
 
 __all__ = ["PointKernels", "source_derivatives"]
-
-FloatArray = NDArray[np.float64]
 
 #: Exponents (a, b) of u^a v^b with their coefficient.
 Terms = tuple[tuple[tuple[int, int], float], ...]

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel
 from eigencontact.halfspace.mirror import integrated_chi
@@ -28,7 +29,7 @@ from eigencontact.halfspace.theorem import response
 
 __all__ = ["field_at_points", "unit_fields_at_points"]
 
-FloatArray = NDArray[np.float64]
+Points = tuple[FloatArray, FloatArray, FloatArray]
 
 # Points of one chunk: some eighty kernels of this length fit into the second-level cache of a core many times over.
 _CHUNK = 2048
@@ -37,7 +38,7 @@ _CHUNK = 2048
 def field_at_points(
     shape: HasPotentials,
     eigenstrain: FloatArray,
-    points: tuple[FloatArray, FloatArray, FloatArray],
+    points: Points,
     *,
     poisson_ratio: float,
     quantity: str,
@@ -66,39 +67,31 @@ def field_at_points(
     (3, n) or (6, n)
         Faces of the region take the mean of both sides; edges, where strain and stress are infinite, large values.
     """
+    return _fields(shape, _weighted(response(quantity, poisson_ratio, space), eigenstrain), points, space, threads)
+
+
+def _fields(shape: HasPotentials, forms: Sequence[Form], points: Points, space: str, threads: int | None) -> FloatArray:
+    """Values of some forms, ``(len(forms), n)``."""
     x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
     z = z + 0.0  # a surface point is seen from inside: no -0.0
-    forms = _weighted(response(quantity, poisson_ratio, space), eigenstrain)
-    return _fields(shape, forms, (x, y, z), space, threads)
-
-
-def _fields(
-    shape: HasPotentials,
-    forms: Sequence[Form],
-    points: tuple[FloatArray, FloatArray, FloatArray],
-    space: str,
-    threads: int | None,
-) -> FloatArray:
-    """Values of some forms, ``(len(forms), n)``."""
-    x, y, z = points
     out = np.zeros((len(forms), x.size))
     far = shape.far_field().levels[0] if isinstance(shape, HasFarField) else None  # the fewest: derivatives are dear
 
     def fill(first: int) -> None:
         chunk = slice(first, first + _CHUNK)
-        out[:, chunk] = _evaluate(shape, far, forms, x[chunk], y[chunk], z[chunk])
+        out[:, chunk] = _evaluate(shape, far, forms, (x[chunk], y[chunk], z[chunk]))
 
     in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
     plane = np.flatnonzero(z == 0.0) if space == "full" else np.empty(0, dtype=int)
     if plane.size:  # no surface there: a face in z = 0 is like any other, the mean of both sides
-        above = _evaluate(shape, far, forms, x[plane], y[plane], np.full(plane.size, -0.0))
+        above = _evaluate(shape, far, forms, (x[plane], y[plane], np.full(plane.size, -0.0)))
         out[:, plane] = 0.5 * (out[:, plane] + above)
     return out
 
 
 def unit_fields_at_points(
     shape: HasPotentials,
-    points: tuple[FloatArray, FloatArray, FloatArray],
+    points: Points,
     *,
     poisson_ratio: float,
     quantity: str,
@@ -109,11 +102,9 @@ def unit_fields_at_points(
 
     Parameters and components are those of `field_at_points`; the region's potentials are evaluated once for all six.
     """
-    x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
-    z = z + 0.0
     rows = response(quantity, poisson_ratio, space)
     forms = [form for unit in np.eye(6) for form in _weighted(rows, unit)]
-    return _fields(shape, forms, (x, y, z), space, threads).reshape(6, len(rows), -1)
+    return _fields(shape, forms, points, space, threads).reshape(6, len(rows), -1)
 
 
 def _weighted(forms: Sequence[Sequence[Form]], eigenstrain: FloatArray) -> list[Form]:
@@ -128,14 +119,7 @@ def _weighted(forms: Sequence[Sequence[Form]], eigenstrain: FloatArray) -> list[
     return out
 
 
-def _evaluate(
-    shape: HasPotentials,
-    far: PointSources | None,
-    forms: Sequence[Form],
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-) -> FloatArray:
+def _evaluate(shape: HasPotentials, far: PointSources | None, forms: Sequence[Form], points: Points) -> FloatArray:
     kernels = sorted({kernel for form in forms for _, kernel, _ in form})
     powers = 1 + max((power for form in forms for power, _, _ in form), default=0)
     rows = {kernel: row for row, kernel in enumerate(kernels)}
@@ -143,22 +127,18 @@ def _evaluate(
     for component, form in enumerate(forms):
         for power, kernel, value in form:
             weights[power, component, rows[kernel]] = value
-    values = kernel_values(shape, far, kernels, x, y, z)
+    values = _kernel_values(shape, far, kernels, points)
     out: FloatArray = np.einsum("ok,kn->on", weights[-1], values)
     for power in range(powers - 2, -1, -1):
-        out = out * z + np.einsum("ok,kn->on", weights[power], values)
+        out = out * points[2] + np.einsum("ok,kn->on", weights[power], values)
     return out
 
 
-def kernel_values(
-    shape: HasPotentials,
-    far: PointSources | None,
-    kernels: Sequence[Kernel],
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
+def _kernel_values(
+    shape: HasPotentials, far: PointSources | None, kernels: Sequence[Kernel], points: Points
 ) -> FloatArray:
     """Derivatives of a shape's potentials and of its image's, ``(len(kernels), n)``."""
+    x, y, z = points
     out = np.empty((len(kernels), x.size))
     for origin in ("real", "image", "inside"):
         depth = -z if origin == "image" else z
@@ -192,7 +172,7 @@ def _derivatives(
     sources: PointSources | None,
     potential: tuple[str, str],
     orders: list[Order],
-    at: tuple[FloatArray, FloatArray, FloatArray],
+    at: Points,
 ) -> FloatArray:
     """Derivatives of one potential; `at` is the mirrored point for the image."""
     origin, name = potential

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = [
     "HasCornerPotentials",
@@ -32,8 +33,6 @@ __all__ = [
     "PointSources",
     "derivatives",
 ]
-
-FloatArray = NDArray[np.float64]
 
 Point = tuple[float, float, float]
 #: How often a potential is differentiated along x, y and z.
@@ -52,15 +51,12 @@ class HasPotentials(Protocol):
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Lowest and highest coordinates of the region [m]."""
-        ...
 
     def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Phi, ``(len(orders), ...)`` [m^(2 - order)]; x, y, z have one shape."""
-        ...
 
     def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Psi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
-        ...
 
 
 @runtime_checkable
@@ -79,13 +75,11 @@ class HasSidedPotentials(Protocol):
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
         """See `HasPotentials.phi`."""
-        ...
 
     def psi(
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
         """See `HasPotentials.psi`."""
-        ...
 
 
 def derivatives(
@@ -93,7 +87,7 @@ def derivatives(
 ) -> FloatArray:
     """Derivatives of ``"phi"`` or ``"psi"`` of a shape; z of -0.0 is the surface seen from above.
 
-    Shapes that want to be told the side are, so that only the framework needs to know of signed zeros.
+    A shape with ``takes_side`` receives the side, so that only the framework needs to know of signed zeros.
     """
     if isinstance(shape, HasSidedPotentials) and shape.takes_side:
         side = np.where(z == 0, np.where(np.signbit(z), -1.0, 1.0), 0.0)
@@ -111,7 +105,6 @@ class HasMirrorPotential(Protocol):
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -158,7 +151,6 @@ class HasFarField(Protocol):
 
     def far_field(self) -> PointSources:
         """Point sources, exact to round-off beyond their distance."""
-        ...
 
 
 @runtime_checkable
@@ -176,7 +168,6 @@ class HasCornerPotentials(Protocol):
         x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
         z is the distance along Z, positive.
         """
-        ...
 
 
 @runtime_checkable
@@ -198,4 +189,3 @@ class HasVolumeFractions(Protocol):
         shape : (nz, ny, nx)
             Numbers of cells.
         """
-        ...

@@ -1,30 +1,28 @@
 """Mean stress in regions by their uniform eigenstrains: all pairs at once, without a matrix.
 
-Pairs far apart meet in one compiled sum of point sources over a few points of each region. Pairs close to each other,
-or to each other's mirror image, and each region with itself, are averaged once over many points, as small matrices. The
+Pairs far apart share one compiled sum of point sources over a few points of each region. Pairs close to each other, or
+to each other's mirror image, and each region with itself, are averaged once over many points, as small matrices. The
 stress of other regions is biharmonic in a region, for the body bears no forces there; over a ball its mean is therefore
-that over a sphere of sqrt(3/5) of the radius, and what limits the mean is how well points on that sphere do.
+that over a sphere of sqrt(3/5) of the radius, and the accuracy of the points on that sphere limits the mean.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.errors import require
-from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, cloud_sources
+from eigencontact.halfspace.cloud import _Sources, _sum_of_sources, cloud_sources
 from eigencontact.halfspace.points import unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 
 __all__ = ["RegionMeans", "averaging_points"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 Rule = tuple[FloatArray, FloatArray]
 
 # Edges of the lattice of points that averages over a shape of which nothing is known but its potentials.
@@ -56,7 +54,7 @@ class RegionMeans:
     ----------
     points : (3, m)
         Points [m] over which `mean` averages a load, all regions' one after the other.
-    own : (n, 6, 6)
+    self_stress : (n, 6, 6)
         Mean stress in each region by its own eigenstrain, in units of the shear modulus; of its image too.
     """
 
@@ -65,7 +63,7 @@ class RegionMeans:
     ) -> None:
         require(len(shapes) > 0, "regions", "shapes", len(shapes), "at least one")
         self._shapes, self._space = list(shapes), space
-        self._given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": "stress"}
+        self._options: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": "stress"}
         self._threads = threads
         sources = {number: cloud_sources(shape) for number, shape in enumerate(shapes)}
         self._far = {number: far for number, far in sources.items() if far is not None}
@@ -106,20 +104,20 @@ class RegionMeans:
     ) -> FloatArray:
         x, y, z = (np.ascontiguousarray(values) for values in points)
         sources = _Sources(regions, eigenstrains)
-        return _sum_of_sources(sources, (x, y, z), space=space or self._space, threads=threads, **self._given)
+        return _sum_of_sources(sources, (x, y, z), space=space or self._space, threads=threads, **self._options)
 
     def _close_pairs(self, rules: list[Rule]) -> tuple[IntArray, IntArray, FloatArray]:
         """Target, source and matrix of all that the sum over point sources leaves out or gets wrong."""
         count = len(self._shapes)
-        self.own = np.zeros((count, 6, 6))
-        corrections: dict[Hashable, FloatArray] = {}
+        self.self_stress = np.zeros((count, 6, 6))
+        corrections: dict[bytes, FloatArray] = {}
         targets, sources, matrices = [], [], []
         for source in range(count):
             near = self._near(source) if source in self._far else np.arange(count)
             points = np.concatenate([rules[target][0] for target in near]).T
             weights = [rules[target][1] for target in near]
             fine = _means(self._fields(source, points, corrections), weights)
-            self.own[source] = fine[list(near).index(source)]
+            self.self_stress[source] = fine[list(near).index(source)]
             if source in self._far and count > 1:
                 few = [slice(self._few.starts[target], self._few.starts[target + 1]) for target in near]
                 at = np.concatenate([self._few.points[:, region] for region in few], axis=1)
@@ -148,9 +146,9 @@ class RegionMeans:
     def _exact(self, source: int, points: FloatArray, space: str) -> FloatArray:
         """The same by the region's own potentials, evaluated once for all six eigenstrains."""
         x, y, z = points
-        return unit_fields_at_points(self._shapes[source], (x, y, z), space=space, threads=1, **self._given)
+        return unit_fields_at_points(self._shapes[source], (x, y, z), space=space, threads=1, **self._options)
 
-    def _fields(self, source: int, points: FloatArray, corrections: dict[Hashable, FloatArray]) -> FloatArray:
+    def _fields(self, source: int, points: FloatArray, corrections: dict[bytes, FloatArray]) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of a region."""
         if source not in self._far:
             return self._exact(source, points, self._space)
@@ -160,9 +158,8 @@ class RegionMeans:
         out = self._sums(source, points, self._space)
         offsets = points.T - far.center
         close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
-        # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
-        rounded = np.round(offsets[close] / (1e-12 * far.distance))
-        key = ("ball" if _is_ball(far) else _likeness(self._shapes[source]), rounded.tobytes())
+        # In full space stress does not depend on the size: all balls share one matrix.
+        key = np.round(offsets[close] / (1e-12 * far.distance)).tobytes()
         if key not in corrections:
             corrections[key] = self._exact(source, points[:, close], "full") - self._sums(
                 source, points[:, close], "full"

@@ -27,20 +27,17 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.core.tensors import SQRT2
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.tensors import INDICES, SQRT2, to_matrix
 from eigencontact.halfspace.forms import Form
 
 __all__ = ["QUANTITIES", "response"]
-
-FloatArray = NDArray[np.float64]
 
 #: Quantities of the theorem and the number of their components.
 QUANTITIES = {"displacement": 3, "strain": 6, "stress": 6}
 
 _MIRROR = (1.0, 1.0, -1.0)
-_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _AXES = range(3)
 
 
@@ -62,32 +59,22 @@ def response(quantity: str, nu: float, space: str) -> tuple[tuple[Form, ...], ..
     tuple of tuple of Form
         Per unit of each Mandel component of the eigenstrain.
     """
-    columns = [_unit_response(quantity, tensor, nu, half=space == "half") for tensor in _mandel_units()]
+    columns = [_unit_response(quantity, tensor, nu, half=space == "half") for tensor in to_matrix(np.eye(6))]
     return tuple(zip(*columns, strict=True))
-
-
-def _mandel_units() -> list[FloatArray]:
-    """Tensors of the six unit Mandel vectors."""
-    units = []
-    for j, k in _PAIRS:
-        tensor = np.zeros((3, 3))
-        tensor[j, k] = tensor[k, j] = 1.0 if j == k else 1.0 / SQRT2
-        units.append(tensor)
-    return units
 
 
 def _unit_response(quantity: str, e: FloatArray, nu: float, *, half: bool) -> list[Form]:
     u = _displacement(e, nu, half=half)
     if quantity == "displacement":
         return [form.without_chi_zz() for form in u]
-    strain = [(0.5 * (u[i].d(j) + u[j].d(i))).without_chi_zz() for i, j in _PAIRS]
+    strain = [(0.5 * (u[i].d(j) + u[j].d(i))).without_chi_zz() for i, j in INDICES]
     if quantity == "stress":
         volume, inside = _volume_strain(e, nu, half=half), Form.potential("inside")
         strain = [
             2.0 * (form - float(e[i, j]) * inside) + 2.0 * nu * float(i == j) * volume
-            for form, (i, j) in zip(strain, _PAIRS, strict=True)
+            for form, (i, j) in zip(strain, INDICES, strict=True)
         ]
-    return [(1.0 if i == j else SQRT2) * form for form, (i, j) in zip(strain, _PAIRS, strict=True)]
+    return [(1.0 if i == j else SQRT2) * form for form, (i, j) in zip(strain, INDICES, strict=True)]
 
 
 def _contract(e: FloatArray, potential: Form) -> Form:

@@ -23,8 +23,8 @@ from functools import cached_property, partial
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 from eigencontact.halfspace.potentials import HasCornerPotentials, Order, Point, PointSources
@@ -32,7 +32,6 @@ from eigencontact.halfspace.voxels import Region, volume_fractions, voxels_acros
 
 __all__ = ["VoxelisedShape"]
 
-FloatArray = NDArray[np.float64]
 CellShape = Callable[[Point, Point], HasCornerPotentials]  # centre and edges -> the shape of one cell
 
 # Pairs of a node and a field point taken at a time, so that their kernels stay in cache.

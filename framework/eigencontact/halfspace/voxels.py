@@ -7,12 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasVolumeFractions, Point
 
 __all__ = ["Point", "Region", "Voxels", "volume_fractions", "voxels_across"]
-
-FloatArray = NDArray[np.float64]
 
 # Samples per cell and axis in all cells.
 _COARSE = 3
@@ -27,11 +26,9 @@ class Region(Protocol):
     @property
     def bounds(self) -> tuple[Point, Point]:
         """Lowest and highest coordinates."""
-        ...
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie inside."""
-        ...
 
 
 class Voxels:

@@ -5,7 +5,7 @@ Order never matters: the registry sorts by key. The hook returns classes, not in
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import pluggy
@@ -13,7 +13,7 @@ import pluggy
 if TYPE_CHECKING:
     from eigencontact.plugin import Component
 
-__all__ = ["HOOK", "NAMESPACE", "eigencontact_register", "hookimpl"]
+__all__ = ["HOOK", "NAMESPACE", "eigencontact_register", "hook_for", "hookimpl"]
 
 #: Name of the pluggy project and of the entry-point group.
 NAMESPACE = "eigencontact"
@@ -22,6 +22,19 @@ HOOK = "eigencontact_register"
 
 hookspec = pluggy.HookspecMarker(NAMESPACE)
 hookimpl = pluggy.HookimplMarker(NAMESPACE)
+
+
+def hook_for(*components: type[Component]) -> Callable[[], list[type[Component]]]:
+    """Hook of a module that registers these classes.
+
+    Examples
+    --------
+    >>> from eigencontact.plugin import Geometry
+    >>> eigencontact_register = hook_for(Geometry)
+    >>> eigencontact_register()[0].kind
+    'geometry'
+    """
+    return hookimpl(lambda: list(components))
 
 
 @hookspec

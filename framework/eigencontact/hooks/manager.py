@@ -45,23 +45,12 @@ def load_plugins(
             if point.dist:
                 package, version = name_and_version(point.dist)
             with plugin_code(reason_of, passing=()):
-                _register(registry, manager, point.load(), package, version)
+                add_module(registry, point.load(), package, version, manager)
         except PluginError as problem:
             registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), str(problem)))
     for module in extra:
-        _register(registry, manager, module, module.__name__, getattr(module, "__version__", ""))
+        add_module(registry, module, module.__name__, getattr(module, "__version__", ""), manager)
     return registry
-
-
-def add_module(registry: Registry, module: Any, package: str, version: str) -> None:
-    """Add what the hook of a module registers, all of it or nothing.
-
-    Raises
-    ------
-    PluginError, or whatever the hook raises
-        What is wrong with it.
-    """
-    _register(registry, _manager(), module, package, version)
 
 
 def _manager() -> pluggy.PluginManager:
@@ -70,8 +59,17 @@ def _manager() -> pluggy.PluginManager:
     return manager
 
 
-def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, package: str, version: str) -> None:
-    """Validate one module against the hook specifications, then register all its classes or none."""
+def add_module(
+    registry: Registry, module: Any, package: str, version: str, manager: pluggy.PluginManager | None = None
+) -> None:
+    """Validate one module against the hook specifications, then register all its classes or none.
+
+    Raises
+    ------
+    PluginError, or an exception of the hook
+        Reason of the refusal.
+    """
+    manager = manager or _manager()
     if manager.is_registered(module):  # named by two entry points
         return
     manager.register(module)

@@ -30,7 +30,6 @@ __all__ = ["ContactResult"]
 FloatArray = NDArray[np.float64]
 
 _HERE = "ContactResult"
-_STRESS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 class ContactResult:
@@ -226,11 +225,8 @@ class ContactResult:
         >>> f"{(stress[0, 0, 0] - stress[0, 2, 2]) / 8.47e9:.3f} of the largest pressure"
         '0.620 of the largest pressure'
         """
-        components = self._at_points(points, body, "stress")
-        rows = [
-            [components[_STRESS.index("".join(sorted(pair)))] for pair in (f"{i}x", f"{i}y", f"{i}z")] for i in "xyz"
-        ]
-        return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
+        xx, yy, zz, yz, xz, xy = self._at_points(points, body, "stress")
+        return np.ascontiguousarray(np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0))
 
     def displacement(self, points: ArrayLike, body: int = 1) -> FloatArray:
         """Displacement of points of a body, also of its surface, against distant points; see `stress`.
@@ -287,7 +283,7 @@ class ContactResult:
     def _look(self, table: dict[str, Any]) -> tuple[Any, StepRecord]:
         from eigencontact.planning.provenance import run_info
         from eigencontact.postprocess.revisit import look, plan_of_region
-        from eigencontact.results.in_dataset import step_of
+        from eigencontact.results.stepfile import step_of
 
         if "step" in table:
             raise SceneError(f"{_HERE}.region must be asked without a step (got {table['step']!r}): use at(step)")

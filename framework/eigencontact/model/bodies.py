@@ -2,38 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from eigencontact.core.material import Material
-from eigencontact.core.units import readable
-from eigencontact.errors import PluginError, SceneError
+from eigencontact.errors import PluginError, SceneError, require
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.installed import installed_influence
-from eigencontact.model.kernels import Bodies, Solid
+from eigencontact.model.kernels import Solid, Solids
+from eigencontact.model.sources import Inhomogeneity, Source, build_inclusions, build_law
 from eigencontact.plugin import ConstitutiveLaw, LayeredMedium, SurfaceInfluence
 from eigencontact.scene.components import build_component
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Body, Scene
 
-__all__ = [
-    "bodies_of",
-    "body_in_words",
-    "influence_for",
-    "kernel_key",
-    "layered_bodies",
-    "layers_as_data",
-    "layers_in_words",
-    "without_layers",
-]
+__all__ = ["Bodies", "bodies_of", "build_bodies", "influence_for", "kernel_key", "layered_bodies", "without_layers"]
 
 
-def bodies_of(scene: Scene, registry: Registry) -> Bodies:
-    """Bodies of a scene; None is rigid.
+@dataclass(frozen=True, kw_only=True)
+class Bodies:
+    """Two bodies and what they consist of.
+
+    Attributes
+    ----------
+    solids : Solids
+        Elastic constants, uniform or layered; None is rigid.
+    laws : mapping of int to ConstitutiveLaw
+        Law of each body that has one, also where the body stays elastic.
+    prescribed, inhomogeneities : tuple of Source
+        Inclusions with eigenstrain alone, and inclusions of another material, before they are cut into cells.
+    """
+
+    solids: Solids
+    laws: Mapping[int, ConstitutiveLaw]
+    prescribed: tuple[Source, ...]
+    inhomogeneities: tuple[Inhomogeneity, ...]
+
+    def half_space(self, body: int) -> Material:
+        """Constants of a homogeneous body (1 or 2): the only kind that may contain eigenstrain."""
+        material = self.solids[body - 1]
+        assert isinstance(material, Material)
+        return material
+
+
+def build_bodies(scene: Scene, registry: Registry) -> Bodies:
+    """Bodies of a scene.
+
+    Raises
+    ------
+    SceneError, PluginError
+        A component that is refused, or that is not installed.
+    """
+    solids = bodies_of(scene, registry)
+    prescribed, inhomogeneities = build_inclusions(scene, registry, solids)
+    laws: dict[int, ConstitutiveLaw] = {}
+    for body, table in ((1, scene.body1.law), (2, scene.body2.law)):
+        if table is not None:
+            laws[body] = build_law(registry, table, f"body{body}.law", solids[body - 1])
+            _refuse_law(laws[body], scene, f"body{body}.law")
+    return Bodies(solids=solids, laws=laws, prescribed=prescribed, inhomogeneities=inhomogeneities)
+
+
+def _refuse_law(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
+    """Refuse laws and scenes that a body cannot have."""
+    rule = "of a material that yields or degrades: one that is elastic has young-modulus and poisson-ratio"
+    require(not law.linear, where, "type", law.key, rule)
+    if not scene.geometry:
+        raise SceneError(
+            f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
+        )
+    whole = scene.numerics.inclusion_resolution == "whole"
+    require(not whole, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
+
+
+def bodies_of(scene: Scene, registry: Registry) -> Solids:
+    """Solids of a scene, by body; None is rigid.
 
     Raises
     ------
@@ -92,18 +140,18 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
 
 
 def layered_bodies(bodies: Sequence[Solid | None]) -> list[LayeredMedium]:
-    """Those of the bodies that are layered, each once."""
+    """Layered bodies among solids, each once."""
     return list(dict.fromkeys(body for body in bodies if isinstance(body, LayeredMedium)))
 
 
-def without_layers(bodies: Bodies) -> tuple[Material | None, Material | None]:
-    """Bodies with the substrate, down to the surface, in place of each layered medium."""
+def without_layers(bodies: Solids) -> tuple[Material | None, Material | None]:
+    """Solids with the substrate, down to the surface, in place of each layered medium."""
     first, second = (body.deep_material if isinstance(body, LayeredMedium) else body for body in bodies)
     return first, second
 
 
-def influence_for(registry: Registry, traction: str, bodies: Bodies) -> SurfaceInfluence:
-    """Influence of one traction component on these bodies: the installed one, for layered bodies too if there are any.
+def influence_for(registry: Registry, traction: str, bodies: Solids) -> SurfaceInfluence:
+    """Influence of one traction component: the installed one, extended to layered bodies where a solid is one.
 
     Raises
     ------
@@ -115,7 +163,7 @@ def influence_for(registry: Registry, traction: str, bodies: Bodies) -> SurfaceI
         return installed
     from eigencontact.halfspace.layered_influence import LayeredInfluence
 
-    # It has the methods of a surface influence; `halfspace` knows no plugins, so it is none by name.
+    # It has the methods of a surface influence; `halfspace` imports no plugins, so that it is no subclass.
     return cast("SurfaceInfluence", LayeredInfluence(installed))
 
 
@@ -124,47 +172,3 @@ def kernel_key(influence: SurfaceInfluence, bodies: Sequence[Solid | None]) -> s
     media = sorted({medium.key for medium in layered_bodies(bodies)})
     homogeneous = any(isinstance(body, Material) for body in bodies)
     return " + ".join([influence.key, *media]) if homogeneous or not media else " + ".join(media)
-
-
-def body_in_words(body: Solid | None, law: ConstitutiveLaw | None = None) -> str:
-    """What a body is made of, in one line; of its law, if it has one, the key."""
-    if body is None:
-        return "rigid"
-    if isinstance(body, Material):
-        return f"{'elastic' if law is None else f'of law {law.key!r}'}, {_constants(body)}"
-    tops = (0.0, *body.interfaces)
-    parts = [
-        f"{readable(bottom - top, 'm')} of {called}{_constants(body.material_at(top))}"
-        for (top, bottom), called in zip(pairwise(tops), _called(body), strict=False)
-    ]
-    if len(parts) > 4:
-        parts = [parts[0], f"{len(parts) - 2} more layers", parts[-1]]
-    return f"layered (plugin {body.key!r}): {'; '.join([*parts, _constants(body.deep_material)])} below"
-
-
-def layers_as_data(body: LayeredMedium) -> list[dict[str, Any]]:
-    """Name, and depths of top and bottom [m], of each layer above the substrate."""
-    tops = (0.0, *body.interfaces)
-    return [
-        {"name": name, "top": float(top), "bottom": float(bottom)}
-        for name, (top, bottom) in zip(body.layer_names, pairwise(tops), strict=False)
-    ]
-
-
-def _called(body: LayeredMedium) -> list[str]:
-    """Names of layers before their constants; nothing for those that have their number alone."""
-    return ["" if name == f"layer {number}" else f"{name!r}, " for number, name in enumerate(body.layer_names, 1)]
-
-
-def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:
-    """Which kernels a layered body replaces, and by what; empty for homogeneous bodies."""
-    media = {number: body for number, body in enumerate(bodies, 1) if isinstance(body, LayeredMedium)}
-    if not media:
-        return ""
-    who = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
-    how = "for each wave of the window" if periodic else "computed once as influence coefficients of cells"
-    return f"layered kernels of {who} instead of half-space kernels, {how}"
-
-
-def _constants(material: Material) -> str:
-    return f"E = {readable(material.young_modulus, 'Pa')}, ν = {material.poisson_ratio:g}"

@@ -87,7 +87,7 @@ def with_lattices(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[
 
 
 def with_cells(
-    sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid, known: Mapping[int, float] = MappingProxyType({})
+    sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid, stored: Mapping[int, float] = MappingProxyType({})
 ) -> tuple[Inhomogeneity, ...]:
     """Inhomogeneities with their cells: columns of the grid, layers of one height in each body.
 
@@ -95,7 +95,7 @@ def with_cells(
     """
     members = {body: [source for source in sources if source.body == body] for body in (1, 2)}
     pitch = scene.numerics.inclusion_pitch
-    free = {} if pitch is not None else known
+    free = {} if pitch is not None else stored
     heights = {body: free.get(body) or _layer_height(some, scene, grid) for body, some in members.items() if some}
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
     return tuple(replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources)
@@ -139,8 +139,8 @@ def _join(box: CellBox, source: Source, lattice: Lattice) -> CellBox | None:
     if not alike or box.varies != bool(source.field.varies):
         return None
     union = _union([box.lattice, lattice])
-    own = sum(member.lattice.cells for member in box.sources if member.lattice is not None) + lattice.cells
-    return CellBox((*box.sources, source), union) if union.cells <= _SPARSE * own else None
+    filled = sum(member.lattice.cells for member in box.sources if member.lattice is not None) + lattice.cells
+    return CellBox((*box.sources, source), union) if union.cells <= _SPARSE * filled else None
 
 
 def _whole_cells(patch: Patch, grid: Grid) -> Patch:

@@ -124,12 +124,12 @@ def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
 def _in_window(source: Source, grid: Grid) -> list[tuple[float, float]]:
     """Bounds of an inclusion along x, y, z; along x and y those of the part in the window."""
     low, high = source.shape.bounds
-    found = []
+    bounds = []
     for axis in range(3):
         ends = (float(low[axis]), float(high[axis]))
         if axis < 2:
             side = (grid.center[axis] - 0.5 * grid.size[axis], grid.center[axis] + 0.5 * grid.size[axis])
             cut = (max(ends[0], side[0]), min(ends[1], side[1]))
             ends = cut if cut[0] < cut[1] else ends
-        found.append(ends)
-    return found
+        bounds.append(ends)
+    return bounds

@@ -1,34 +1,35 @@
-"""The window of a contact, and how much of it the contact will fill."""
+"""Window of a contact, chosen by coarse solves of its load history."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import partial, reduce
-from typing import Any
+from dataclasses import replace
+from functools import reduce
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
-from eigencontact.errors import SceneError
+from eigencontact.errors import PlanError, SceneError
 from eigencontact.model.bodies import without_layers
-from eigencontact.model.contact_estimate import ContactEstimate
-from eigencontact.model.contact_growth import ContactGrowth, contact_growth
-from eigencontact.model.grids import given_grid
-from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.interface import Interface
+from eigencontact.model.kernels import PairCoefficients
 from eigencontact.model.resolution import refuse_coarse
-from eigencontact.model.separation import sum_separations
-from eigencontact.model.window import Separation, automatic_grid, close_estimate, estimate_contact
-from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
+from eigencontact.model.sizes import cut_down, most, refuse_more
+from eigencontact.model.window import Window, given_grid
+from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps, held_travel
-from eigencontact.scene.schema import Scene, Step
+from eigencontact.scene.schema import GridSpec, Scene
 from eigencontact.scene.steps import named_ramps, spaced_by_radius
+from eigencontact.solvers.coarse_contact import Separation, close_estimate, estimate_contact, settled_estimate
+from eigencontact.solvers.contact_estimate import ContactEstimate
+from eigencontact.solvers.contact_growth import ContactGrowth, contact_growth
 from eigencontact.solvers.control import Control
+from eigencontact.solvers.operator import Coefficients
 
-__all__ = ["ContactWindow", "contact_window", "contacts_of_steps"]
+__all__ = ["contact_window", "contacts_of_steps"]
 
-FloatArray = NDArray[np.float64]
 
 #: Share of the window that a contact takes at least where a coarse solve over all of it shows its size.
 _PLAIN = 0.3
@@ -36,52 +37,23 @@ _PLAIN = 0.3
 _AROUND = 4
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ContactWindow:
-    """Window of a contact.
-
-    Attributes
-    ----------
-    grid : Grid
-        Its cells.
-    reason : str
-        Where they came from.
-    box : (int, int)
-        Cells along (y, x) that the contact will occupy, by estimate.
-    expected : ContactEstimate or None
-        The largest contact of the load history, on homogeneous bodies or layers, without what lies in them; None where
-        none is found.
-    growth : ContactGrowth or None
-        Of its radius; None where no load step is even in the radius.
-    """
-
-    grid: Grid
-    reason: str
-    box: tuple[int, int]
-    expected: ContactEstimate | None = None
-    growth: ContactGrowth | None = None
-
-
-def contact_window(
-    scene: Scene, bodies: Bodies, geometries: tuple[Geometry, ...], pressure: SurfaceInfluence
-) -> ContactWindow:
-    """Choose window and box of the contact of a scene by coarse solves; eigenstrain is not looked at here."""
-    normal = PairCoefficients(pressure, bodies, "z")
-    grid, reason = _grid(scene, geometries, normal)
+def contact_window(scene: Scene, interface: Interface) -> Window:
+    """Window of a contact without eigenstrain and inclusions."""
+    normal, measured = interface.normal, interface.measured
+    grid, reason = _grid(scene, interface)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
-    found = contacts_of_steps(scene, grid, geometries, normal)
-    touched = reduce(ContactEstimate.join, [contact for contact, _, _ in found]) if found else whole
+    contacts = contacts_of_steps(scene, grid, interface)
+    touched = reduce(ContactEstimate.join, [step.contact for step in contacts]) if contacts else whole
     box = tuple(
         _box_size(extent / edge, size)
         for extent, edge, size in zip(touched.extent[::-1], (grid.dy, grid.dx), grid.shape, strict=True)
     )
-    expected = _expected(found, grid, normal)
-    measured = any(isinstance(geometry, HasNativeGrid) for geometry in geometries)
+    expected = _expected(contacts, grid, normal)
     if expected is not None and not (measured or scene.numerics.allow_coarse):
         refuse_coarse(expected, grid)
-    growth = None if measured else _growth(scene, found)
+    growth = None if measured else _growth(scene, contacts)
     _refuse_radius(scene, growth)
-    return ContactWindow(grid=grid, reason=reason, box=(box[0], box[1]), expected=expected, growth=growth)
+    return Window(grid=grid, reason=reason, box=(box[0], box[1]), expected=expected, growth=growth)
 
 
 def _box_size(cells: float, size: int) -> int:
@@ -95,18 +67,15 @@ def _box_size(cells: float, size: int) -> int:
 
 
 def _controls(scene: Scene) -> list[Control]:
+    """Control at the end of each ramp."""
     steps = held_steps(scene.ramps) if scene.friction is not None else scene.ramps
-    return [step_control(step) for step in steps]
-
-
-def step_control(step: Step) -> Control:
-    """Control at the end of one ramp."""
     names = ("normal_load", "approach", "moment_x", "tilt_x", "moment_y", "tilt_y")
-    return Control(**{name: getattr(step, name) for name in names})
+    return [Control(**{name: getattr(step, name) for name in names}) for step in steps]
 
 
-def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficients) -> tuple[Grid, str]:
-    spec = scene.grid
+def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
+    """Grid that is given, brought by a geometry, or fitted to the largest contact, and its origin in words."""
+    spec, geometries, normal = scene.grid, interface.geometries, interface.normal
     given = given_grid(spec)
     if given is not None:
         return given, "given in the scene"
@@ -119,11 +88,10 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
         )
     pairs = zip(_controls(scene), held_travel(scene.ramps), strict=True)
     controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
-    separation = partial(sum_separations, geometries)
-    # A first guess needs no layers, and asks for cells of a hundred sizes.
+    # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
-    start = max((_first_window(separation, bare, control) for control, _ in controls), default=1.0)
-    grid = automatic_grid(spec, separation, normal, controls, start)
+    start = max((_first_window(interface.separation, bare, control) for control, _ in controls), default=1.0)
+    grid = _automatic_grid(spec, interface.separation, normal, controls, start)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
 
@@ -155,33 +123,102 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
     return 2.0 * high
 
 
-def contacts_of_steps(
-    scene: Scene, grid: Grid, geometries: tuple[Geometry, ...], normal: PairCoefficients
-) -> list[tuple[ContactEstimate, Control, Separation]]:
-    """Contact at the end of each step, on coarse cells over the whole window, and what it is the contact of."""
-    periodic = scene.numerics.boundary == "periodic"
-    found: list[tuple[ContactEstimate, Control, Separation]] = []
+def _automatic_grid(
+    spec: GridSpec,
+    separation: Separation,
+    coefficients: Coefficients,
+    controls: Sequence[tuple[Control, tuple[float, float]]],
+    start: float,
+) -> Grid:
+    """Grid with the cells per contact radius of a table, for the largest contact of a load history.
+
+    Parameters
+    ----------
+    controls : sequence of (Control, (float, float))
+        End of each step, and the place (x, y) [m] to which the geometry has rolled by then.
+    start : float
+        A first guess of the window's side [m]; windows are enlarged or cut until the contact fills about half.
+
+    Raises
+    ------
+    PlanError
+        Where no window holds the contact (no load, a geometry without rise).
+    SceneError
+        More cells than the memory of this machine can hold.
+    """
+    largest: ContactEstimate | None = None
+    across = 0.0
+    for control, travel in controls:
+        estimate = settled_estimate(spec.center, separation, coefficients, control, start)
+        if estimate is not None:
+            across = max(across, min(estimate.extent))
+            estimate = estimate.moved(travel)
+            largest = estimate if largest is None else largest.join(estimate)
+    rolls = any(travel != (0.0, 0.0) for _, travel in controls)
+    if largest is None:
+        raise PlanError(
+            "grid must be given for this scene (got automatic); no step makes a contact from which cells could be "
+            "chosen: give grid.cells and grid.size, or a load"
+        )
+    wide, high = largest.extent
+    edge = 0.5 * (across if rolls else min(wide, high)) / spec.cells_per_contact_radius
+    center = (0.5 * (largest.x0 + largest.x1), 0.5 * (largest.y0 + largest.y1))
+    # An even number of cells, symmetric about the contact.
+    nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) for extent in (wide, high))
+    _refuse_many(nx * ny, spec)
+    # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
+    center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
+    return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
+
+
+def _refuse_many(cells: int, spec: GridSpec) -> None:
+    """Refuse more cells than fit: by the margin where the contact alone would have fewer, else by its cells."""
+    usual = GridSpec.model_fields["margin"].default
+    wide = spec.margin > usual and cells * (usual / spec.margin) ** 2 <= most()
+    name = "margin" if wide else "cells_per_contact_radius"
+    given = getattr(spec, name)
+    where = f"grid.{name.replace('_', '-')}"
+    refuse_more(cells, where, "cells", f"{given:g}", f"{cut_down(given, cells, 2):g} would do")
+
+
+class StepContact(NamedTuple):
+    """Estimated contact at the end of a load step, with the control and the separation that make it."""
+
+    contact: ContactEstimate
+    control: Control
+    separation: Separation
+
+    @property
+    def width(self) -> float:
+        """Narrower side of the contact [m]."""
+        return min(self.contact.extent)
+
+
+def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[StepContact]:
+    """Contacts of the load steps, each on coarse cells over the whole window; steps without contact are left out."""
+    periodic, contacts = scene.numerics.boundary == "periodic", list[StepContact]()
     for control, (x0, y0) in zip(_controls(scene), held_travel(scene.ramps), strict=True):
 
         def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
-            return sum_separations(geometries, x - x0, y - y0)
+            return interface.separation(x - x0, y - y0)
 
-        estimate = estimate_contact(grid, separation, normal, control, periodic=periodic)
-        if estimate is not None:
-            found.append((estimate, control, separation))
-    return found
+        contact = estimate_contact(grid, separation, interface.normal, control, periodic=periodic)
+        if contact is not None:
+            contacts.append(StepContact(contact, control, separation))
+    return contacts
 
 
-def _growth(scene: Scene, found: Sequence[tuple[ContactEstimate, Control, Separation]]) -> ContactGrowth | None:
+def _growth(scene: Scene, contacts: Sequence[StepContact]) -> ContactGrowth | None:
     """Growth of the contact where a load step is even in its radius."""
-    if not (found and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
+    if not (contacts and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
         return None
-    contact, control, separation = max(found, key=lambda one: min(one[0].extent))
-    growth, loaded = contact_growth(separation, contact, control), [one for one in found if one[1].normal_load]
-    if growth is None or control.normal_load is not None or not loaded:
+    largest = max(contacts, key=lambda step: step.width)
+    growth = contact_growth(largest.separation, largest.contact, largest.control)
+    loaded = [step for step in contacts if step.control.normal_load]
+    if growth is None or largest.control.normal_load is not None or not loaded:
         return growth
     # The largest contact has no load of its own: another step gives the scale of the loads.
-    contact, control, _ = max(loaded, key=lambda one: min(one[0].extent))
+    contact, control, _ = max(loaded, key=lambda step: step.width)
     at_contact = float(np.interp(0.5 * np.sqrt(np.prod(contact.extent)), growth.radius, growth.normal_load))
     assert control.normal_load is not None
     return replace(growth, normal_load=growth.normal_load * control.normal_load / at_contact)
@@ -198,13 +235,11 @@ def _refuse_radius(scene: Scene, growth: ContactGrowth | None) -> None:
             )
 
 
-def _expected(
-    found: Sequence[tuple[ContactEstimate, Control, Separation]], grid: Grid, normal: PairCoefficients
-) -> ContactEstimate | None:
-    """The largest of the contacts; looked at closely where the window shows no more than some cells of it."""
-    if not found:
+def _expected(contacts: Sequence[StepContact], grid: Grid, normal: PairCoefficients) -> ContactEstimate | None:
+    """Largest contact; solved on finer cells where it covers no more than some cells of the window."""
+    if not contacts:
         return None
-    contact, control, separation = max(found, key=lambda one: min(one[0].extent))
+    contact, control, separation = max(contacts, key=lambda step: step.width)
     if max(share / side for share, side in zip(contact.extent, grid.size, strict=True)) > _PLAIN:
         return contact
     return close_estimate(grid, separation, normal, control) or contact

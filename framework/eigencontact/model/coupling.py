@@ -1,4 +1,4 @@
-"""Which directions of traction and displacement a contact models, and which kernels join them."""
+"""Directions of traction and displacement in a contact, and the kernels that join them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from eigencontact.core.material import Material, dundurs_constant
 from eigencontact.core.tractions import ALONG, Traction
-from eigencontact.model.kernels import Bodies
+from eigencontact.model.kernels import Solids
 from eigencontact.plugin import LayeredMedium
 from eigencontact.scene.schema import Scene
 
@@ -51,7 +51,7 @@ class Coupling:
         return any((i == "z") != (j == "z") for i, j in self.pairs)
 
 
-def coupling_of(scene: Scene, bodies: Bodies, *, dragged: bool = False) -> Coupling:
+def coupling_of(scene: Scene, bodies: Solids, *, dragged: bool = False) -> Coupling:
     """Coupling of a scene with a contact.
 
     Where eigenstrain drags the surfaces (`dragged`) they move along x and y, whatever is prescribed: eigenstrain is no
@@ -72,7 +72,7 @@ def coupling_of(scene: Scene, bodies: Bodies, *, dragged: bool = False) -> Coupl
     return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
 
 
-def _alike(bodies: Bodies) -> bool:
+def _alike(bodies: Solids) -> bool:
     """Whether both bodies move alike; a layered one moves, from wave to wave, like no other than itself."""
     first, second = bodies
     if isinstance(first, Material | None) and isinstance(second, Material | None):
@@ -80,21 +80,20 @@ def _alike(bodies: Bodies) -> bool:
     return first == second
 
 
-def _grow_apart(scene: Scene, bodies: Bodies) -> bool:
-    """Whether layers of two like bodies do not wear alike."""
-    parts = {} if scene.wear is None else scene.wear.parts
-    return isinstance(bodies[0], LayeredMedium) and parts.get(1) != parts.get(2)
+def _grow_apart(scene: Scene, bodies: Solids) -> bool:
+    """Whether layers of two like bodies lose different depths."""
+    return isinstance(bodies[0], LayeredMedium) and scene.losses.get(1) != scene.losses.get(2)
 
 
 def _components(scene: Scene) -> str:
-    """Directions that some step pulls along; without any, x alone stands for the shear that stays zero."""
+    """Directions along which a step loads or moves; x without any, for a shear of zero."""
     if scene.output.tangential_displacement:
         return "xy"
     names = {"x": ("tangential_load_x", "shift_x", "travel_x"), "y": ("tangential_load_y", "shift_y", "travel_y")}
     turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
     slides = {"y" if ramp.sliding_direction == "y" else "x" for ramp in scene.ramps if ramp.sliding_distance}
-    found = "".join(c for c in "xy" if turned or c in slides or any(_given(scene, name) for name in names[c]))
-    return found or "x"
+    directions = "".join(c for c in "xy" if turned or c in slides or any(_given(scene, name) for name in names[c]))
+    return directions or "x"
 
 
 def _given(scene: Scene, name: str) -> bool:

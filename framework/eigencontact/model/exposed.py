@@ -1,24 +1,24 @@
-"""What is exposed: the topmost material of each column of a body under its worn surface."""
+"""Exposed material: the topmost one of each column of a body under the depth that it has lost."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError, nearest
-from eigencontact.model.kernels import Bodies
+from eigencontact.model.kernels import Solids
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import FrictionLaw, InclusionShape, LayeredMedium, NamesMaterials, WearLaw
+from eigencontact.plugin import InclusionShape, LayeredMedium, NamesMaterials
 from eigencontact.plugin.materials import SUBSTRATE
 
 __all__ = ["Exposed", "exposed_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Halvings of a depth in search of an interface.
 _BISECTIONS = 10
@@ -49,9 +49,9 @@ class Exposed:
     shapes: tuple[tuple[int, InclusionShape], ...]
     grid: Grid
 
-    def at(self, worn: FloatArray | None = None) -> NDArray[np.intp]:
-        """Numbers ``(ny, nx)`` under a depth ``(ny, nx)`` [m] that the body has lost; None for none."""
-        depth = np.zeros(self.grid.shape) if worn is None else worn
+    def at(self, lost: FloatArray | None = None) -> NDArray[np.intp]:
+        """Numbers ``(ny, nx)`` under a lost depth ``(ny, nx)`` [m], by default none."""
+        depth = np.zeros(self.grid.shape) if lost is None else lost
         depth = depth + _BELOW * min(self.grid.dx, self.grid.dy)
         layer = np.searchsorted(np.asarray(self.interfaces), depth) + 1
         out = np.where(layer > len(self.interfaces), 0, layer)
@@ -60,73 +60,73 @@ class Exposed:
             out[np.asarray(shape.contains(x, y, depth))] = number
         return out
 
-    def beyond(self, worn: FloatArray, added: FloatArray) -> float:
-        """Part of a depth to be worn, by volume, that lies below what is exposed now; both ``(ny, nx)`` [m]."""
-        now = self.at(worn)
-        crossed = self.at(worn + added) != now
+    def beyond(self, lost: FloatArray, added: FloatArray) -> float:
+        """Share, by volume, of a further depth that lies below the exposed material; both ``(ny, nx)`` [m]."""
+        now = self.at(lost)
+        crossed = self.at(lost + added) != now
         if not crossed.any():
             return 0.0
         low, step = np.zeros(now.shape), 0.5
         for _ in range(_BISECTIONS):
-            low = np.where(self.at(worn + (low + step) * added) == now, low + step, low)
+            low = np.where(self.at(lost + (low + step) * added) == now, low + step, low)
             step *= 0.5
         return float((added * (1.0 - low))[crossed].sum() / added.sum())
 
     @property
-    def alone(self) -> bool:
-        """Whether the body is of one material."""
+    def uniform(self) -> bool:
+        """Whether the body consists of one material."""
         return len(self.names) == 1
 
 
 def exposed_of(
-    bodies: Bodies,
-    sources: Sequence[Inhomogeneity],
+    solids: Solids,
+    inhomogeneities: Sequence[Inhomogeneity],
     grid: Grid,
-    friction: FrictionLaw | None,
-    wear: WearLaw | None,
-    worn: Sequence[int],
+    laws: Mapping[str, Any],
+    losses: Collection[int],
 ) -> Exposed | None:
-    """Materials that laws may look at; None where no law tells materials apart and none comes to the surface by wear.
+    """Materials at the surface; None where no law distinguishes materials and no surface loses depth.
 
     Parameters
     ----------
-    sources : sequence of Inhomogeneity
+    inhomogeneities : sequence of Inhomogeneity
         Inclusions; the name of their table is that of the material.
-    worn : sequence of int
-        Bodies that wear.
+    laws : mapping of str to object
+        Laws of the surface by their table in the scene; those with `NamesMaterials` distinguish materials.
+    losses : collection of int
+        Bodies whose surface loses depth.
 
     Raises
     ------
     SceneError
-        A law names a material that there is not, or two bodies have materials that it could mean.
+        A law names an unknown material, or both bodies have several materials.
     """
-    laws: list[tuple[str, Any]] = [
-        (kind, law) for kind, law in (("friction", friction), ("wear", wear)) if isinstance(law, NamesMaterials)
-    ]
-    if not laws and wear is None:
+    named = [(table, law) for table, law in laws.items() if isinstance(law, NamesMaterials)]
+    if not named and not losses:
         return None
-    known = {body: _materials(bodies, body, sources, grid) for body in (1, 2)}
-    made = [body for body, one in known.items() if not one.alone]
-    if len(made) > 1 and laws:
-        where, law = laws[0]
+    candidates = {body: _materials(solids, body, inhomogeneities, grid) for body in (1, 2)}
+    several = [body for body, exposed in candidates.items() if not exposed.uniform]
+    if len(several) > 1 and named:
+        table, law = named[0]
         raise SceneError(
-            f"{where}.type must be a law that does not tell materials apart where both bodies have several (got "
-            f"{law.key!r}, and {', '.join(known[1].names)} in body 1, {', '.join(known[2].names)} in body 2); make one "
-            "body of one material"
+            f"{table}.type must be a law that does not tell materials apart where both bodies have several (got "
+            f"{law.key!r}, and {', '.join(candidates[1].names)} in body 1, {', '.join(candidates[2].names)} in body "  # type: ignore[attr-defined]
+            "2); make one body of one material"
         )
-    found = known[made[0] if made else next(iter(worn), 1)]
-    for where, law in laws:
+    exposed = candidates[several[0] if several else next(iter(losses), 1)]
+    for table, law in named:
         for name in law.materials:
-            if name not in found.names:
+            if name not in exposed.names:
                 raise SceneError(
-                    f"{where} ({law.key}) must name materials of body {found.body}: "
-                    f"{', '.join(map(repr, dict.fromkeys(found.names)))} (got {name!r}){nearest(name, found.names)}"
+                    f"{table} ({law.key}) must name materials of body {exposed.body}: "  # type: ignore[attr-defined]
+                    f"{', '.join(map(repr, dict.fromkeys(exposed.names)))} (got {name!r}){nearest(name, exposed.names)}"
                 )
-    return None if found.alone and not laws else found
+    return None if exposed.uniform and not named else exposed
 
 
-def _materials(bodies: Bodies, body: int, sources: Sequence[Inhomogeneity], grid: Grid) -> Exposed:
-    medium = bodies[body - 1]
+def _materials(solids: Solids, body: int, sources: Sequence[Inhomogeneity], grid: Grid) -> Exposed:
+    """Substrate, layers and inclusions of a body, by number."""
+    medium = solids[body - 1]
     names: list[str] = [SUBSTRATE]
     interfaces: tuple[float, ...] = ()
     if isinstance(medium, LayeredMedium):

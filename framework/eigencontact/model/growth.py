@@ -1,28 +1,27 @@
-"""Larger boxes of cells for bodies whose law reaches the rim of the box that was guessed."""
+"""Growth of the cells of yielding bodies: larger lattices, and lattices of stored results."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
-from eigencontact.model.model import Model
 from eigencontact.model.sources import Inhomogeneity, Lattice
 
-__all__ = ["enlarged", "lattice_of", "with_lattice"]
+__all__ = ["enlarged", "filling", "lattice_of"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-#: What a box gains beyond a face that was reached, in parts of its size, and at least [cells].
+#: Growth beyond a face that is reached, in parts of the size of the box, and at least [cells].
 _SHARE, _LEAST = 0.35, 2
 
 
 def enlarged(lattice: Lattice, reached: IntArray, width: tuple[int, int, int] = (1, 1, 1)) -> Lattice:
-    """Lattice with room beyond the faces that some of its cells have reached.
+    """Lattice with room beyond the faces that some cells reach.
 
     Parameters
     ----------
@@ -50,20 +49,25 @@ def lattice_of(coords: Mapping[str, FloatArray], edges: tuple[float, float, floa
     return _between(low, low + [len(coords[axis]) for axis in "zyx"], edges)
 
 
-def with_lattice(model: Model, body: int, lattice: Lattice) -> Model:
-    """Model in which the cells of a body's own law fill a lattice, and whatever they filled."""
+def filling(sources: Sequence[Inhomogeneity], lattice: Lattice, *, beside: bool = False) -> tuple[Inhomogeneity, ...]:
+    """Inhomogeneities of a body whose yielding cells fill a lattice; `beside` keeps their present cells too."""
+    return tuple(
+        replace(source, lattice=_joined(source.lattice, lattice) if beside else lattice)
+        if source.guessed and source.lattice is not None
+        else source
+        for source in sources
+    )
 
-    def changed(source: Inhomogeneity) -> Inhomogeneity:
-        if not (source.guessed and source.body == body and source.lattice is not None):
-            return source
-        low = np.minimum(source.lattice.first, lattice.first)
-        ends = [np.add(one.first, one.shape) for one in (source.lattice, lattice)]
-        return replace(source, lattice=_between(low, np.maximum(*ends), lattice.edges))
 
-    return replace(model, inhomogeneities=tuple(map(changed, model.inhomogeneities)))
+def _joined(first: Lattice, second: Lattice) -> Lattice:
+    """Smallest lattice that holds two, with the cells of the second."""
+    low = np.minimum(first.first, second.first)
+    high = np.maximum(np.add(first.first, first.shape), np.add(second.first, second.shape))
+    return _between(low, high, second.edges)
 
 
 def _between(first: IntArray, stop: IntArray, edges: tuple[float, float, float]) -> Lattice:
+    """Lattice from its first cell up to a last one, which is excluded."""
     k, j, i = (int(value) for value in first)
     nz, ny, nx = (int(value) for value in stop - first)
     return Lattice((k, j, i), (nz, ny, nx), edges)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["InitialState", "overlaps"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of other runs are the same where edges and places differ by less than this part of an edge.
 _SAME = 1e-6

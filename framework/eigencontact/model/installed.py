@@ -25,10 +25,10 @@ def installed_influence(registry: Registry, traction: str) -> SurfaceInfluence:
     PlanError
         None is installed, or more than one; broken plugins are named.
     """
-    found = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
-    found = [entry for entry in found if entry.of_file] or found
+    entries = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
+    entries = [entry for entry in entries if entry.of_file] or entries
     rule = f"traction {traction!r} must have one installed surface influence"
-    component: SurfaceInfluence = _only(registry, found, rule)()
+    component: SurfaceInfluence = _only(registry, entries, rule)()
     return component
 
 
@@ -40,8 +40,8 @@ def installed_cell(registry: Registry) -> CellMaker:
     PlanError
         None is installed, or more than one; broken plugins are named.
     """
-    found = [entry for entry in registry.of_kind("inclusion-shape") if hasattr(entry.component, "corner")]
-    component = _only(registry, found, "one installed inclusion shape must offer corner potentials, for cells")
+    entries = [entry for entry in registry.of_kind("inclusion-shape") if hasattr(entry.component, "corner")]
+    component = _only(registry, entries, "one installed inclusion shape must offer corner potentials, for cells")
     assert issubclass(component, HasCornerPotentials)
     make: Any = component
 
@@ -53,9 +53,9 @@ def installed_cell(registry: Registry) -> CellMaker:
 
 def _only(registry: Registry, offered: Sequence[Entry], rule: str) -> Any:
     """Component of the one entry; a stranger's beside a bundled one does not take its place."""
-    found = [entry for entry in offered if entry.bundled] or offered
-    if len(found) != 1:
-        names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
+    entries = [entry for entry in offered if entry.bundled] or offered
+    if len(entries) != 1:
+        names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in entries) or "none"
         broken = "".join(f"; {item}" for item in registry.broken)
         raise PlanError(f"{rule} (got {names}){broken}")
-    return found[0].component
+    return entries[0].component

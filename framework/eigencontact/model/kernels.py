@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
@@ -16,14 +17,12 @@ from eigencontact.core.tractions import TRACTIONS, side
 from eigencontact.errors import PlanError
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
-__all__ = ["Bodies", "KernelUse", "PairCoefficients", "Solid", "StressCoefficients"]
+__all__ = ["KernelUse", "PairCoefficients", "Solid", "Solids", "StressCoefficients"]
 
 #: What a body that is not rigid is made of. A layered one goes with the influence that knows layers
 #: (`eigencontact.model.bodies.influence_for`), which takes it where others take a Material.
 Solid = Material | LayeredMedium
-Bodies = tuple[Solid | None, Solid | None]
-
-FloatArray = NDArray[np.float64]
+Solids = tuple[Solid | None, Solid | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,7 @@ class PairCoefficients:
     """
 
     influence: SurfaceInfluence
-    bodies: Bodies
+    bodies: Solids
     component: str
 
     @property

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number, by_name
 from eigencontact.plugin import ConstitutiveLaw
 
 __all__ = ["measured", "numbers_of_laws"]
-
-FloatArray = NDArray[np.float64]
 
 
 def numbers_of_laws(laws: Iterable[ConstitutiveLaw]) -> tuple[Number, ...]:
@@ -37,15 +35,15 @@ def measured(states: Iterable[tuple[ConstitutiveLaw, Mapping[str, FloatArray], f
     states : iterable of (law, mapping of str to (components, n), float)
         What n cells of one law remember, and the volume of a cell [m^3].
     """
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for law, values, volume in states:
         for name, variable in law.variables.items():
-            known = values[name]
-            if variable.largest and known.size:
-                found[variable.largest] = max(found.get(variable.largest, 0.0), float(known.max()))
+            cells = values[name]
+            if variable.largest and cells.size:
+                numbers[variable.largest] = max(numbers.get(variable.largest, 0.0), float(cells.max()))
             if variable.extent:
-                filled = volume * float(np.count_nonzero(known.any(axis=0)))
-                found[variable.extent] = found.get(variable.extent, 0.0) + filled
+                filled = volume * float(np.count_nonzero(cells.any(axis=0)))
+                numbers[variable.extent] = numbers.get(variable.extent, 0.0) + filled
             if variable.total:
-                found[variable.total[0]] = found.get(variable.total[0], 0.0) + volume * float(known.sum())
-    return found
+                numbers[variable.total[0]] = numbers.get(variable.total[0], 0.0) + volume * float(cells.sum())
+    return numbers

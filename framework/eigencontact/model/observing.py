@@ -1,14 +1,16 @@
-"""Observers of a scene: what their numbers are called, and the regions that they ask for."""
+"""Observers of a scene, the names of their numbers, and the regions that they ask for."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from eigencontact.core.numbers import Number
 from eigencontact.errors import PluginError, SceneError
+from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import Observer
+from eigencontact.scene.components import build_components
 from eigencontact.scene.schema import Scene, StressRequest
 
 __all__ = ["Observing", "observing"]
@@ -25,14 +27,14 @@ class Observing:
     observer : Observer
     prefix : str
         Its numbers are stored as ``<prefix>_<name>``; no other observer has the same.
-    asked : mapping of str to StressRequest
+    regions : mapping of str to StressRequest
         Regions that it asks for, by its own names.
     """
 
     key: str
     observer: Observer
     prefix: str
-    asked: Mapping[str, StressRequest]
+    regions: Mapping[str, StressRequest]
 
     @property
     def numbers(self) -> list[Number]:
@@ -46,25 +48,25 @@ class Observing:
         ]  # fmt: skip
 
 
-def observing(scene: Scene, observers: Sequence[Observer]) -> tuple[Observing, ...]:
+def observing(scene: Scene, registry: Registry) -> tuple[Observing, ...]:
     """Observers of a scene, in its order.
 
     Raises
     ------
-    PluginError
-        An observer asks for a region that the scene cannot have.
+    SceneError, PluginError
+        An observer that is refused, or one that asks for a region that the scene cannot have.
     """
-    plain = [re.sub(r"\W", "_", observer.key) for observer in observers]
-    found = []
-    for number, (table, observer) in enumerate(zip(scene.observers, observers, strict=True), 1):
-        own = plain[number - 1]
-        prefix = own + (f"_{number}" if plain.count(own) > 1 else "")
+    observers: list[Observer] = build_components(registry, "observer", scene.observers, "observers")
+    names, observing = [re.sub(r"\W", "_", observer.key) for observer in observers], []
+    for number, (table, observer, name) in enumerate(zip(scene.observers, observers, names, strict=True), 1):
+        prefix = name + (f"_{number}" if names.count(name) > 1 else "")
         key = str(table["type"])
-        found.append(Observing(key=key, observer=observer, prefix=prefix, asked=_asked(scene, key, prefix, observer)))
-    return tuple(found)
+        regions = _regions(scene, key, prefix, observer)
+        observing.append(Observing(key=key, observer=observer, prefix=prefix, regions=regions))
+    return tuple(observing)
 
 
-def _asked(scene: Scene, key: str, prefix: str, observer: Observer) -> dict[str, StressRequest]:
+def _regions(scene: Scene, key: str, prefix: str, observer: Observer) -> dict[str, StressRequest]:
     """Regions of one observer, checked as those of a scene are."""
     if not observer.regions:
         return {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.borders import border
 from eigencontact.core.grid import Grid
 from eigencontact.model.model import Model
@@ -12,7 +13,6 @@ from eigencontact.model.sources import Patch, Source
 
 __all__ = ["outlines", "section_outline"]
 
-FloatArray = NDArray[np.float64]
 
 _NODES = 49
 #: With more regions than this their outlines are drawn on fewer nodes.
@@ -28,12 +28,12 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     """
     sources = [source for source in model.sources if not source.guessed]
     nodes = _NODES if len(sources) <= _MANY else _NODES // 2
-    found = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
-    for request in model.requests:
+    lines = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
+    for request in model.cells.requests:
         if request.shape == "plane":
             inner = [source for source in sources if source.body == request.body]
-            found[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]
-    joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in found.items()}
+            lines[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]
+    joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in lines.items()}
     return {name: segments for name, segments in joined.items() if len(segments)}
 
 

@@ -6,16 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError, shown
 from eigencontact.model.sizes import comfortable, cut_down, most, refuse_more
 from eigencontact.scene.schema import StressRequest
 
 __all__ = ["RegionLattice", "region_lattice", "surface_lattice"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -8,8 +8,8 @@ from math import inf, sqrt
 from eigencontact.core.grid import Grid
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
-from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.sources import Source
+from eigencontact.solvers.contact_estimate import ContactEstimate
 
 __all__ = [
     "COARSEST",

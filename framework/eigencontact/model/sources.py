@@ -1,4 +1,4 @@
-"""Where a scene has eigenstrain, or constants other than its bodies': regions, what fills them, and their cells."""
+"""Regions with eigenstrain or another material: shapes, fields, laws and cells."""
 
 from __future__ import annotations
 
@@ -10,20 +10,30 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
-from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
+from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape, LinearLaw
 from eigencontact.scene.components import build_component
-from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
+from eigencontact.scene.inclusions import eigenstrain_table
 from eigencontact.scene.schema import Scene
 
-__all__ = ["Inhomogeneity", "Lattice", "Patch", "Source", "build_law", "build_sources"]
+__all__ = [
+    "Inhomogeneity",
+    "Lattice",
+    "Patch",
+    "Source",
+    "build_inclusions",
+    "build_law",
+    "build_patches",
+    "build_sources",
+    "region_of_patch",
+]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: A region may reach above the surface by this part of its size: rounding of coordinates.
@@ -157,6 +167,16 @@ class Inhomogeneity(Source):
         return self.law.key
 
     @property
+    def uniform_law(self) -> LinearLaw | None:
+        """Linear law with the same constants all over; None for others."""
+        return self.law if isinstance(self.law, LinearLaw) and not self.law.varies else None
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether the region carries no stress; the factors are bounded for every material, also a rigid one."""
+        return self.uniform_law is not None and not np.any(self.uniform_law.factors(1.0)[1])
+
+    @property
     def material_name(self) -> str:
         """Name for laws that tell materials apart: the same at each of many places."""
         return self.name.split(", ")[0]
@@ -187,13 +207,21 @@ def build_sources(
     SceneError, PluginError
         Components that are refused; regions that reach above the surface.
     """
+    prescribed, inhomogeneities = build_inclusions(scene, registry, bodies)
+    return (*prescribed, *build_patches(scene, registry, grid)), inhomogeneities
+
+
+def build_inclusions(
+    scene: Scene, registry: Registry, bodies: Sequence[object]
+) -> tuple[tuple[Source, ...], tuple[Inhomogeneity, ...]]:
+    """Inclusions with eigenstrain alone, and inclusions of another material; see `build_sources`."""
     prescribed: list[Source] = []
     inhomogeneities: list[Inhomogeneity] = []
     for number, item in enumerate(scene.inclusions):
-        where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
+        where = _place("inclusions", number, scene.inclusions)
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        body, given = bodies[item.body - 1], item.material
-        law = None if given is None else build_law(registry, given, f"{where}.material", body)
+        body, material = bodies[item.body - 1], item.material
+        law = None if material is None else build_law(registry, material, f"{where}.material", body)
         entry = registry.get("inclusion-shape", item.type, where=where)
         for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where, item.beside)
@@ -207,20 +235,28 @@ def build_sources(
             if scene.numerics.half_space != "full-space":
                 _refuse_above((prescribed if law is None else inhomogeneities)[-1])
     _refuse_clashes(inhomogeneities)
-    for number, patch in enumerate(scene.eigenstrain):
-        where = "eigenstrain" if len(scene.eigenstrain) == 1 else f"eigenstrain.{number}"
-        prescribed.append(
-            Source(
-                name=patch.name or f"{patch.type} {number + 1}",
-                where=where,
-                key=patch.type,
-                body=patch.body,
-                shape=_patch(patch, grid, where),
-                field=_field(registry, patch.component, where),
-                layers=patch.layers,
-            )
-        )
     return tuple(prescribed), tuple(inhomogeneities)
+
+
+def build_patches(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[Source, ...]:
+    """Patches with eigenstrain; see `build_sources`."""
+    return tuple(
+        Source(
+            name=patch.name or f"{patch.type} {number + 1}",
+            where=(where := _place("eigenstrain", number, scene.eigenstrain)),
+            key=patch.type,
+            body=patch.body,
+            shape=region_of_patch(scene, number, grid),
+            field=_field(registry, patch.component, where),
+            layers=patch.layers,
+        )
+        for number, patch in enumerate(scene.eigenstrain)
+    )
+
+
+def _place(group: str, number: int, tables: Sequence[object]) -> str:
+    """Table of an array, for messages."""
+    return group if len(tables) == 1 else f"{group}.{number}"
 
 
 #: What is stored of every cell, beside the variables of its law.
@@ -228,18 +264,18 @@ _STORED = ("equivalent_eigenstrain",)
 
 
 def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
-    """Refuse laws of one body that remember different things by one name: they are stored as one field."""
+    """Refuse laws of one body whose variables share a name and differ: they are stored as one field."""
     first: dict[tuple[int, str], Inhomogeneity] = {}
     for source in inhomogeneities:
-        for name, own in source.law.variables.items():
+        for name, variable in source.law.variables.items():
             rule = f"of a law with names of its own for what it remembers; {name!r} is stored of every cell"
             require(name not in _STORED, source.where, "material", source.law.key, rule)
-            other = first.setdefault((source.body, name), source)
-            known = other.law.variables[name]
-            same = (own.unit, own.components) == (known.unit, known.components)
-            rule = f"of a law that remembers {name!r} as {other.law.key!r} of {other.name!r} does, [{known.unit}] with "
-            rule += f"{known.components} components, or in the other body"
-            got = f"{source.law.key!r}: [{own.unit}] with {own.components}"
+            earlier = first.setdefault((source.body, name), source)
+            stored = earlier.law.variables[name]
+            same = (variable.unit, variable.components) == (stored.unit, stored.components)
+            rule = f"of a law that remembers {name!r} as {earlier.law.key!r} of {earlier.name!r} does, [{stored.unit}] "
+            rule += f"with {stored.components} components, or in the other body"
+            got = f"{source.law.key!r}: [{variable.unit}] with {variable.components}"
             require(same, source.where, "material", got, rule)
 
 
@@ -258,12 +294,13 @@ def build_law(registry: Registry, table: Mapping[str, Any], where: str, body: ob
     return law.of_body(body.young_modulus, body.poisson_ratio) if isinstance(body, Material) else law
 
 
-def _patch(patch: EigenstrainPatch, grid: Grid | None, where: str) -> Patch:
-    """Region of a patch, not yet rounded to cells."""
+def region_of_patch(scene: Scene, number: int, grid: Grid | None) -> Patch:
+    """Region of a patch, not yet rounded to cells; without size it fills the window of a grid."""
+    patch = scene.eigenstrain[number]
     if grid is None and patch.size is None:
         raise SceneError(
-            f"{where}.size must be given with an automatic grid (got neither); give grid.cells and grid.size, and the "
-            "eigenstrain fills the window, or the size of the patch"
+            f"{_place('eigenstrain', number, scene.eigenstrain)}.size must be given with an automatic grid (got "
+            "neither); give grid.cells and grid.size, and the eigenstrain fills the window, or the size of the patch"
         )
     sizes = patch.size or (grid.size if grid is not None else (0.0, 0.0))
     middles = patch.center or (grid.center if grid is not None else (0.0, 0.0))

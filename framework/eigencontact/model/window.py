@@ -1,171 +1,107 @@
-"""How large the contact will be, by a coarse solve; and from it the grid of an automatic scene."""
+"""The window of a scene: its grid, given or chosen, and the contact that is expected in it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.core.grid import Box, Grid
-from eigencontact.errors import EigencontactError, PlanError, SceneError
-from eigencontact.model.contact_estimate import ContactEstimate
-from eigencontact.model.sizes import cut_down, most, refuse_more
-from eigencontact.scene.schema import GridSpec
-from eigencontact.solvers.control import Control
-from eigencontact.solvers.normal import NormalOptions, solve_normal
-from eigencontact.solvers.operator import Coefficients
+from eigencontact.core.grid import Grid
+from eigencontact.errors import shown
+from eigencontact.model.bodies import Bodies
+from eigencontact.model.sizes import comfortable, refuse_more
+from eigencontact.model.sources import region_of_patch
+from eigencontact.scene.schema import GridSpec, Scene
+from eigencontact.solvers.contact_estimate import ContactEstimate
+from eigencontact.solvers.contact_growth import ContactGrowth
 
-__all__ = ["Separation", "automatic_grid", "close_estimate", "coarse_contact", "estimate_contact"]
+__all__ = ["Window", "given_grid", "window_of_regions"]
 
-FloatArray = NDArray[np.float64]
-Separation = Callable[[FloatArray, FloatArray], FloatArray]
+Point = tuple[float, float, float]
 
-_CELLS = 48
-_FINER = 144
+#: Cells along the longer side of a window that was chosen from the inclusions.
+_CELLS = 128
 
 
-def coarse_contact(
-    grid: Grid,
-    separation: Separation,
-    coefficients: Coefficients,
-    control: Control,
-    *,
-    periodic: bool,
-    cells: int = _CELLS,
-) -> tuple[Grid, FloatArray] | None:
-    """At most `cells` each way over the window of `grid`, and pressure [Pa] in them; None where it is not found."""
-    width, height = grid.size
-    nx, ny = min(grid.nx, cells), min(grid.ny, cells)
-    coarse = Grid(nx=nx, ny=ny, dx=width / nx, dy=height / ny, center=grid.center)
-    y, x = coarse.axes()
-    h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
-    options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
-    try:
-        return coarse, solve_normal(coarse, h, coefficients, control, options).pressure
-    except SceneError:  # a body that is refused, not a contact that is not found
-        raise
-    except EigencontactError:
-        return None
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Window:
+    """Cells of the surface.
 
-
-def estimate_contact(
-    grid: Grid,
-    separation: Separation,
-    coefficients: Coefficients,
-    control: Control,
-    *,
-    periodic: bool,
-    cells: int = _CELLS,
-) -> ContactEstimate | None:
-    """Contact on at most `cells` each way over the window of `grid`; None where nothing touches or it fails."""
-    found = coarse_contact(grid, separation, coefficients, control, periodic=periodic, cells=cells)
-    box = None if found is None else Box.around(found[1] > 0)
-    if found is None or box is None:
-        return None
-    coarse, pressure = found
-    left, bottom = float(coarse.x[0]) - 0.5 * coarse.dx, float(coarse.y[0]) - 0.5 * coarse.dy
-    return ContactEstimate(
-        left + box.x0 * coarse.dx,
-        left + box.x1 * coarse.dx,
-        bottom + box.y0 * coarse.dy,
-        bottom + box.y1 * coarse.dy,
-        float(pressure.max()),
-    )
-
-
-def close_estimate(
-    grid: Grid, separation: Separation, coefficients: Coefficients, control: Control
-) -> ContactEstimate | None:
-    """Contact on cells of its own size, however large the window of `grid` is; None where nothing touches."""
-    return _settle(grid.center, separation, coefficients, control, max(grid.size))
-
-
-def automatic_grid(
-    spec: GridSpec,
-    separation: Separation,
-    coefficients: Coefficients,
-    controls: Sequence[tuple[Control, tuple[float, float]]],
-    start: float,
-) -> Grid:
-    """Grid that resolves the largest contact of the load history with the cells per contact radius asked for.
-
-    Parameters
+    Attributes
     ----------
-    controls : sequence of (Control, (float, float))
-        End of each step, and the place (x, y) [m] to which the geometry has rolled by then.
-    start : float
-        A first guess of the window's side [m]; windows are enlarged or cut until the contact fills about half.
+    grid : Grid
+    reason : str
+        Origin of the grid, for `explain`.
+    box : (int, int)
+        Cells along (y, x) of the contact, by estimate; all cells where there is no contact.
+    expected : ContactEstimate or None
+        Largest contact of the load history, by estimate, on homogeneous bodies or layers without inclusions; None
+        without one.
+    growth : ContactGrowth or None
+        Growth of the contact radius; None where no load step is even in the radius.
+    """
+
+    grid: Grid
+    reason: str
+    box: tuple[int, int]
+    expected: ContactEstimate | None = None
+    growth: ContactGrowth | None = None
+
+
+def window_of_regions(scene: Scene, bodies: Bodies) -> Window:
+    """Window of a scene without a contact: given, or around its regions."""
+    grid, reason = given_grid(scene.grid), "given in the scene"
+    if grid is None:
+        bounds = [source.shape.bounds for source in (*bodies.prescribed, *bodies.inhomogeneities)]
+        bounds += [region_of_patch(scene, number, None).bounds for number in range(len(scene.eigenstrain))]
+        grid, reason = _grid_around(bounds), "automatic: around all inclusions, and four times their depth"
+    return Window(grid=grid, reason=reason, box=grid.shape)
+
+
+def given_grid(spec: GridSpec) -> Grid | None:
+    """Grid of two of cells, size, spacing; None for an automatic one.
 
     Raises
     ------
-    PlanError
-        Where no window holds the contact (no load, a geometry without rise).
     SceneError
         More cells than the memory of this machine can hold.
     """
-    found: ContactEstimate | None = None
-    across = 0.0
-    for control, travel in controls:
-        estimate = _settle(spec.center, separation, coefficients, control, start)
-        if estimate is not None:
-            across = max(across, min(estimate.extent))
-            estimate = estimate.moved(travel)
-            found = estimate if found is None else found.join(estimate)
-    rolls = any(travel != (0.0, 0.0) for _, travel in controls)
-    if found is None:
-        raise PlanError(
-            "grid must be given for this scene (got automatic); no step makes a contact from which cells could be "
-            "chosen: give grid.cells and grid.size, or a load"
-        )
-    wide, high = found.extent
-    edge = 0.5 * (across if rolls else min(wide, high)) / spec.cells_per_contact_radius
-    center = (0.5 * (found.x0 + found.x1), 0.5 * (found.y0 + found.y1))
-    # An even number of cells, symmetric about the contact.
-    nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) for extent in (wide, high))
-    _refuse_many(nx * ny, spec)
-    # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
-    center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
-    return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
-
-
-def _refuse_many(cells: int, spec: GridSpec) -> None:
-    """Refuse more cells than fit: by the margin where the contact alone would have fewer, else by its cells."""
-    usual = GridSpec.model_fields["margin"].default
-    wide = spec.margin > usual and cells * (usual / spec.margin) ** 2 <= most()
-    name = "margin" if wide else "cells_per_contact_radius"
-    given = getattr(spec, name)
-    where = f"grid.{name.replace('_', '-')}"
-    refuse_more(cells, where, "cells", f"{given:g}", f"{cut_down(given, cells, 2):g} would do")
-
-
-def _settle(
-    place: tuple[float, float], separation: Separation, coefficients: Coefficients, control: Control, start: float
-) -> ContactEstimate | None:
-    """Contact of one control, on a window that it fills by a third to four fifths."""
-    size = np.array([start, start])
-    center = np.array(place, dtype=float)
-    for _ in range(60):
-        cell = size / _CELLS
-        grid = Grid(nx=_CELLS, ny=_CELLS, dx=cell[0], dy=cell[1], center=(float(center[0]), float(center[1])))
-        estimate = estimate_contact(grid, separation, coefficients, control, periodic=False)
-        if estimate is None:
-            return None
-        extent = np.array(estimate.extent)
-        middle = 0.5 * np.array([estimate.x0 + estimate.x1, estimate.y0 + estimate.y1])
-        share = extent / size
-        edge = 0.5 - np.abs(middle - center) / size - 0.5 * share
-        if np.all(share < 0.8) and np.all(share > 0.3) and np.all(edge > 0.02):
-            # Once more on finer cells: a box of whole cells overstates the contact by about one of them.
-            cell = 1.25 * extent / _FINER
-            close = Grid(nx=_FINER, ny=_FINER, dx=cell[0], dy=cell[1], center=(float(middle[0]), float(middle[1])))
-            return estimate_contact(close, separation, coefficients, control, periodic=False, cells=_FINER)
-        if np.all(share <= 2.5 / _CELLS):
-            size = size / 8.0
+    if spec.cells is not None:
+        nx, ny = spec.cells
+        _refuse_many(nx, ny, "grid.cells")
+        if spec.size is not None:
+            dx, dy = spec.size[0] / nx, spec.size[1] / ny
         else:
-            size = np.where((share > 0.8) | (edge < 0.02), 2.5 * size, np.clip(1.8 * extent, 0.1 * size, size))
-        if not (size.min() > 1e-30 and size.max() < 1e12):
-            break
-        if np.any(share < 0.3):
-            center = np.where(share < 0.3, middle, center)
+            assert spec.spacing is not None
+            dx, dy = spec.spacing
+        return Grid(nx=nx, ny=ny, dx=dx, dy=dy, center=spec.center)
+    if spec.size is not None:
+        assert spec.spacing is not None
+        nx, ny = (max(1, round(size / pitch)) for size, pitch in zip(spec.size, spec.spacing, strict=True))
+        _refuse_many(nx, ny, "grid.spacing")
+        return Grid(nx=nx, ny=ny, dx=spec.size[0] / nx, dy=spec.size[1] / ny, center=spec.center)
     return None
+
+
+def _refuse_many(nx: int, ny: int, where: str) -> None:
+    """Refuse more cells than fit; the message names a number that keeps the shorter side if possible."""
+    wide = min(nx, max(isqrt(comfortable()), comfortable() // ny))
+    high = min(ny, comfortable() // wide)
+    refuse_more(nx * ny, where, "cells", f"{shown(nx)} x {shown(ny)}", f"{wide} x {high} would do")
+
+
+def _grid_around(bounds: Sequence[tuple[Point, Point]]) -> Grid:
+    """Square cells, 128 along the longer side, over a window that shows the field of regions.
+
+    Each side is that of the box around all regions and four times the depth of its middle: the surface displacement
+    of a small region falls to a tenth within twice its depth.
+    """
+    low = np.min([box[0] for box in bounds], axis=0)
+    high = np.max([box[1] for box in bounds], axis=0)
+    middle = 0.5 * (low + high)
+    width, height = (high - low)[:2] + 4.0 * max(abs(float(middle[2])), 0.5 * float(high[2] - low[2]))
+    edge = float(max(width, height)) / _CELLS
+    nx, ny = (2 * max(1, int(np.ceil(0.5 * side / edge - 1e-6))) for side in (width, height))
+    return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=(float(middle[0]), float(middle[1])))

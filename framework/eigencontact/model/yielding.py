@@ -1,7 +1,7 @@
 """Bodies that obey a law of their own near the contact: the box of cells in which that law may be more than elastic.
 
-The box is found by asking the law: elastic stress by the tractions of coarse contacts, at all places that may matter,
-and whether the law would bear the strain of that stress with that stress. A box that proves too small grows
+The search computes the elastic stress by the tractions of coarse contacts at all places that may matter. It asks the
+law whether the strain of that stress gives the same stress. A box that proves too small grows
 (`eigencontact.model.growth`).
 """
 
@@ -14,34 +14,27 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, NotUnique, SceneError, require
 from eigencontact.hooks.registry import Registry
+from eigencontact.model.bodies import Bodies
 from eigencontact.model.contact_window import contacts_of_steps
-from eigencontact.model.elastic_zone import ACROSS, ElasticStress, Tractions, elastic_zone, overload
 from eigencontact.model.initial import InitialState
-from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.interface import Interface
 from eigencontact.model.sizes import BYTES_OF_LAW_CELL, most, refuse_more
-from eigencontact.model.sources import Inhomogeneity, Patch, Source, build_law
-from eigencontact.model.window import coarse_contact
-from eigencontact.plugin import (
-    ConstitutiveLaw,
-    FrictionLaw,
-    FrictionState,
-    Geometry,
-    InclusionShape,
-    LawStep,
-    SurfaceInfluence,
-)
+from eigencontact.model.sources import Inhomogeneity, Patch, Source
+from eigencontact.plugin import ConstitutiveLaw, FrictionLaw, FrictionState, InclusionShape, LawStep, SurfaceInfluence
 from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cell_conditions import compliance
+from eigencontact.solvers.coarse_contact import coarse_contact
+from eigencontact.solvers.elastic_zone import ACROSS, ElasticStress, Tractions, elastic_zone, overload
 
-__all__ = ["SAFETY", "YieldingBody", "laws_of_bodies", "yielding_bodies"]
+__all__ = ["SAFETY", "YieldingBody", "yielding_bodies"]
 
-FloatArray = NDArray[np.float64]
 _Bounds = tuple[FloatArray, FloatArray]
 
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.
@@ -72,83 +65,48 @@ class YieldingBody(Inhomogeneity):
         return f"{nx} x {ny} x {nz} cells of {self.law.words}, where elastic stress reaches its limit, and around"
 
 
-def laws_of_bodies(scene: Scene, registry: Registry, bodies: Bodies) -> dict[int, ConstitutiveLaw]:
-    """Laws of the bodies that have one, by body.
-
-    Raises
-    ------
-    SceneError, PluginError
-        A law that is refused, or that is elastic; a scene without contact.
-    """
-    found = {}
-    for number, table in ((1, scene.body1.law), (2, scene.body2.law)):
-        if table is not None:
-            where, material = f"body{number}.law", bodies[number - 1]
-            assert isinstance(material, Material)
-            found[number] = build_law(registry, table, where, material)
-            _refuse(found[number], scene, where)
-    return found
-
-
 def yielding_bodies(
-    laws: Mapping[int, ConstitutiveLaw],
     scene: Scene,
     registry: Registry,
     bodies: Bodies,
-    geometries: tuple[Geometry, ...],
-    influences: Mapping[str, SurfaceInfluence],
-    friction: FrictionLaw | None,
+    interface: Interface,
     grid: Grid,
     sources: Sequence[Source],
     initial: Mapping[int, InitialState],
 ) -> tuple[YieldingBody, ...]:
-    """Boxes of the bodies with a law; none of a body that stays elastic, which then is an elastic one.
+    """Boxes of the bodies with a law; a body whose law stays elastic has none.
 
-    Beside the `sources` of a body the box holds those that stand in stress enough, and the cells of an `initial` state.
-    Prior stress that alone is beyond the limit of the law, far from the contact, is not looked for.
+    The box also holds those `sources` of its body that stand in enough stress, and the cells of an `initial` state.
+    Prior stress that alone exceeds the limit of the law, far from the contact, is not searched for.
     """
-    found = []
-    for number, law in laws.items():
-        where, material = f"body{number}.law", bodies[number - 1]
-        assert isinstance(material, Material)
-        contacts = _coarse_contacts(scene, bodies, geometries, influences["p"], grid)
-        loads = _distinct([(at, load) for at, p in contacts for load in _loads(at, p, influences, friction)])
-        beside = [source.shape for source in sources if source.body == number]
-        trial = _Trial(law, material, where)
-        patch = _box_where(trial, loads, influences, beside, scene, grid)
-        if number in initial:
-            patch = _with(patch, initial[number].bounds(grid))
+    boxes = []
+    for body, law in bodies.laws.items():
+        where, influences = f"body{body}.law", interface.influences
+        contacts = _coarse_contacts(scene, interface, grid)
+        loads = _distinct([(at, load) for at, p in contacts for load in _loads(at, p, influences, interface.friction)])
+        shapes = [source.shape for source in sources if source.body == body]
+        patch = _box_where(_Trial(law, bodies.half_space(body), where), loads, influences, shapes, scene, grid)
+        if body in initial:
+            patch = _with(patch, initial[body].bounds(grid))
         if patch is not None:
             field = build_component(registry, "eigenstrain-field", {"type": "uniform", "value": 0.0}, where)
-            name = f"body {number}"
-            found.append(
-                YieldingBody(name=name, where=where, key=law.key, body=number, shape=patch, field=field, law=law)
+            name = f"body {body}"
+            boxes.append(
+                YieldingBody(name=name, where=where, key=law.key, body=body, shape=patch, field=field, law=law)
             )
-    return tuple(found)
-
-
-def _refuse(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
-    """Refuse laws and scenes that a body cannot have."""
-    rule = "of a material that yields or degrades: one that is elastic has young-modulus and poisson-ratio"
-    require(not law.linear, where, "type", law.key, rule)
-    if not scene.geometry:
-        raise SceneError(
-            f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
-        )
-    whole = scene.numerics.inclusion_resolution == "whole"
-    require(not whole, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
+    return tuple(boxes)
 
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """Law of a body of some elastic constants, at rest, that is asked where it is elastic; `where` is for messages."""
+    """Law of a body at rest, tried where it is elastic; `where` is its table, for messages."""
 
     law: ConstitutiveLaw
     material: Material
     where: str
 
     def beyond(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether the law answers the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] with another one.
+        """Whether the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] gives another stress by the law.
 
         Raises
         ------
@@ -160,13 +118,13 @@ class _Trial:
 
     def _require_constants(self, depths: FloatArray) -> None:
         stress = self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
-        asked = np.repeat(depths, stress.shape[1])
+        z = np.repeat(depths, stress.shape[1])
         for part in _SMALL:
-            other = self._differs(np.tile(part * stress, depths.size), asked)
-            if not other.any():
+            differs = self._differs(np.tile(part * stress, depths.size), z)
+            if not differs.any():
                 return
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
-        got = f"{self.law.key!r}, with others at a depth of {asked[np.argmax(other)]:g} m"
+        got = f"{self.law.key!r}, with others at a depth of {z[np.argmax(differs)]:g} m"
         require(False, self.where, "type", got, rule)
 
     def _differs(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
@@ -177,7 +135,7 @@ class _Trial:
         try:
             answer = np.asarray(self.law.update(compliance(self.material) @ stress, before, step).stress)
         except NotUnique as problem:
-            # What softens too fast is more than elastic; the other points are asked again.
+            # Points that soften too fast are more than elastic; the other points are tried again.
             out = np.isin(np.arange(count), problem.points)
             if not out.any():
                 return self._by_depth(stress, z)
@@ -188,7 +146,7 @@ class _Trial:
         return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
 
     def _by_depth(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """The same of points that the law refused together: each depth alone; one refused is more than elastic."""
+        """Whether points that the law refuses together differ: each depth alone; a refused one is more than elastic."""
         depths = np.unique(z)
         out = np.asarray(np.linalg.norm(stress, axis=0) > 0.0)
         if depths.size > 1:
@@ -206,7 +164,7 @@ def _box_where(
     scene: Scene,
     grid: Grid,
 ) -> Patch | None:
-    """Box around all places where a law is more than elastic under a load of the scene; None where it never is.
+    """Box around all places where a law is more than elastic under a load; None where it never is.
 
     Raises
     ------
@@ -249,7 +207,7 @@ def _box_where(
 
 
 def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scene) -> tuple[str, str]:
-    """Ratio of a load to the elastic limit of a law, in words, and advice: the limit often has a wrong unit."""
+    """Ratio of a load to the elastic limit of a law, in words, and advice to check units."""
     ratio = overload(trial.beyond, load, elastic)
     table = getattr(scene, trial.where.split(".")[0]).law
     limits = ", ".join(f"{name} = {value!r}" for name, value in _limits(table)) or "the limits of the law"
@@ -264,7 +222,7 @@ def _sizes(*sides: float) -> str:
 
 
 def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Keys and values of a law's table that give a stress or a strain at which it stops to be elastic."""
+    """Keys and values in a law's table of stresses or strains at which it stops to be elastic."""
     for name, value in table.items():
         nested = value if isinstance(value, list | tuple) else [value]
         if any(word in name for word in _LIMITS):
@@ -275,54 +233,53 @@ def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _with(patch: Patch | None, held: _Bounds) -> Patch:
-    """Patch that holds other bounds too."""
-    own = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
-    both = np.array([*own, held])
+    """Patch enlarged to hold other bounds."""
+    bounds = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
+    both = np.array([*bounds, held])
     low, high = both[:, 0].min(axis=0), both[:, 1].max(axis=0)
     return Patch(((float(low[0]), float(low[1]), 0.0), (float(high[0]), float(high[1]), float(high[2]))))
 
 
-def _around(found: Sequence[_Bounds]) -> _Bounds | None:
-    """Bounds of all; None of none."""
-    if not found:
+def _around(zones: Sequence[_Bounds]) -> _Bounds | None:
+    """Bounds of all zones; None without any."""
+    if not zones:
         return None
-    return np.min([low for low, _ in found], axis=0), np.max([high for _, high in found], axis=0)
+    return np.min([low for low, _ in zones], axis=0), np.max([high for _, high in zones], axis=0)
 
 
 def _held(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
-    """Bounds of a region that lies in others, cut off there: one that is wider, as a layer, disturbs at its edges."""
+    """Bounds of a region, cut off at those of a zone; None outside. A layer that is wider disturbs at its edges."""
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
     low, high = np.maximum(low, far[0]), np.minimum(high, far[1])
     return (low, high) if np.all(low < high) else None
 
 
-def _coarse_contacts(
-    scene: Scene, bodies: Bodies, geometries: tuple[Geometry, ...], pressure: SurfaceInfluence, grid: Grid
-) -> Iterator[tuple[Grid, FloatArray]]:
-    """Window and pressure [Pa] of the contact at the end of each step, in some `ACROSS` cells of its own."""
-    normal, periodic = PairCoefficients(pressure, bodies, "z"), scene.numerics.boundary == "periodic"
-    for contact, control, separation in contacts_of_steps(scene, grid, geometries, normal):
+def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator[tuple[Grid, FloatArray]]:
+    """Window and pressure [Pa] of the contact at the end of each step, with some `ACROSS` cells across it."""
+    normal, periodic = interface.normal, scene.numerics.boundary == "periodic"
+    for contact, control, separation in contacts_of_steps(scene, grid, interface):
         edge = max(min(contact.extent) / ACROSS, max(contact.extent) / (4 * ACROSS))
         nx, ny = (int(np.ceil(1.5 * extent / edge)) for extent in contact.extent)
         center = (0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1))
         window = Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
-        # A periodic contact that nearly fills its window is looked at in all of it.
+        # A periodic contact that nearly fills its window is solved in all of it.
         whole = periodic and max(nx * edge / grid.size[0], ny * edge / grid.size[1]) > 1.0
-        found = coarse_contact(grid if whole else window, separation, normal, control, periodic=whole, cells=6 * ACROSS)
-        # Where the coarse contact is not found, its largest pressure everywhere is on the safe side.
-        yield found if found is not None else (window, np.full(window.shape, contact.peak))
+        place = grid if whole else window
+        solution = coarse_contact(place, separation, normal, control, periodic=whole, cells=6 * ACROSS)
+        # Without convergence, the largest pressure everywhere is on the safe side.
+        yield solution if solution is not None else (window, np.full(window.shape, contact.peak))
 
 
 def _loads(
     window: Grid, pressure: FloatArray, influences: Mapping[str, SurfaceInfluence], friction: FrictionLaw | None
 ) -> Iterator[dict[str, FloatArray]]:
-    """Tractions to look at: the pressure, and with friction all the shear that it can bear, either way."""
+    """Pressure alone, and with friction pressure with the largest shear along each axis, either way."""
     yield {"p": pressure}
     if friction is None:
         return
     y, x = window.axes()
-    rest = np.zeros_like(pressure)
-    bound = np.asarray(friction.shear_bound(FrictionState(pressure=pressure, x=x, y=y, slip_distance=rest, time=1.0)))
+    state = FrictionState(pressure=pressure, x=x, y=y, slip_distance=np.zeros_like(pressure), time=1.0)
+    bound = np.asarray(friction.shear_bound(state))
     for name in ("q_x", "q_y"):
         if name in influences:
             for sign in (1.0, -1.0):
@@ -330,6 +287,6 @@ def _loads(
 
 
 def _distinct(loads: Sequence[Tractions]) -> list[Tractions]:
-    """Loads without repetitions: the steps of a cycle press alike."""
+    """Loads without repetitions, as those of a cycle."""
     keys = ((window, *((name, field.tobytes()) for name, field in fields.items())) for window, fields in loads)
     return list(dict(zip(keys, loads, strict=True)).values())

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.model.model import Model
 from eigencontact.model.outlines import section_outline
 from eigencontact.model.regions import region_lattice
@@ -17,7 +18,6 @@ from eigencontact.results.borders import LineBorders, Section
 
 __all__ = ["line_borders", "sections_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Halvings that find a border between two points of a line.
 _HALVINGS = 30
@@ -40,7 +40,7 @@ def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
     sources : sequence of Source
         Regions that results describe one by one.
     """
-    cells = {source.body for source in model.inhomogeneities if source.lattice is not None}
+    cells = {source.body for source in model.cells.inhomogeneities if source.lattice is not None}
     rows, columns = ("y", model.grid.y), ("x", model.grid.x)
     made: list[Section] = []
     copies: dict[tuple[object, ...], FloatArray] = {}
@@ -48,13 +48,13 @@ def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
         if not _is_inclusion(source):
             continue
         planes = set[tuple[str, float]]()
-        worn = model.wear is not None and source.shape.bounds[0][2] <= 0.0
-        for axis, places in (rows, columns) if worn else (rows,) if source.body in cells else ():
+        recedes = bool(model.scene.losses) and source.shape.bounds[0][2] <= 0.0
+        for axis, places in (rows, columns) if recedes else (rows,) if source.body in cells else ():
             planes |= {(axis, float(place)) for place in places}
         if source.body in cells:
             planes |= {
                 (request.normal, float(request.at))
-                for request in model.requests
+                for request in model.cells.requests
                 if request.shape == "plane" and request.body == source.body
             }
         for axis, place in sorted(planes):
@@ -88,7 +88,7 @@ def line_borders(model: Model) -> dict[str, LineBorders]:
     """Inclusions at the points of each line region of a scene; lines in bodies without inclusions are left out."""
     return {
         request.label: _along(model, request.body, np.asarray(region_lattice(request, model.grid).points).T)
-        for request in model.requests
+        for request in model.cells.requests
         if request.shape == "line"
         and any(source.body == request.body and _is_inclusion(source) for source in model.sources)
     }
@@ -102,7 +102,7 @@ def _is_inclusion(source: Source) -> bool:
 def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
     """Inclusions at points (3, n) [m] of a line."""
     edges = next(
-        (source.lattice.edges for source in model.inhomogeneities if source.body == body and source.lattice), None
+        (source.lattice.edges for source in model.cells.inhomogeneities if source.body == body and source.lattice), None
     )
     near = list(_near(model, body, points))
 
@@ -130,7 +130,7 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
 
 def _near(model: Model, body: int, points: FloatArray) -> Iterator[tuple[int, Source]]:
     """Inclusions of a body, by number from 1, whose bounds come within a cell of the box around points (3, n)."""
-    room = max(model.grid.dx, model.grid.dy, *(s.lattice.edges[0] for s in model.inhomogeneities if s.lattice))
+    room = max(model.grid.dx, model.grid.dy, *(s.lattice.edges[0] for s in model.cells.inhomogeneities if s.lattice))
     inclusions = [source for source in model.sources if source.body == body and _is_inclusion(source)]
     for number, source in enumerate(inclusions, 1):
         low, high = np.array(source.shape.bounds)

@@ -7,32 +7,24 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from eigencontact.core.units import readable, time_in_words
-from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
+from eigencontact.model.words import body_in_words, layers_in_words
+from eigencontact.planning.facts import contact_as_data, expected_lines, geometry_lines, largest_loads, law_lines
 from eigencontact.planning.memory import run_bytes
-from eigencontact.scene.steps import segments_of, solved_cycles, spaced_by_radius
+from eigencontact.scene.steps import segments_of, spaced_by_radius
 from eigencontact.warnings_.before import worst_above
-from eigencontact.warnings_.sizes import (
-    body_laws,
-    contact_as_data,
-    expected_lines,
-    geometry_lines,
-    largest_loads,
-    law_lines,
-    wear_lines,
-)
 
 if TYPE_CHECKING:
     from eigencontact.execution.blocks.block import Block
     from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Told", "as_data", "explain", "references", "told"]
+__all__ = ["PlanWords", "as_data", "explain", "plan_words", "references"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
+class PlanWords:
     """A plan in words, by paragraph.
 
     Attributes
@@ -41,7 +33,7 @@ class Told:
         Name of the scene, and its title where it has one.
     facts : list of str
         Bodies, geometry, grid ...: a name of `eigencontact.results.records.FACT_NAME` characters, empty where a line
-        continues the one before it, then what is said.
+        continues the one before it, then the text.
     cautions : list of str
         Warnings about limited accuracy.
     inclusions, blocks, kernels, predicted : list of str
@@ -60,25 +52,25 @@ class Told:
     left_out: list[tuple[str, str]]
 
 
-def told(plan: Plan) -> Told:
+def plan_words(plan: Plan) -> PlanWords:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
-    scene, grid = plan.scene, plan.grid
-    layers = layers_in_words(plan.bodies, periodic=scene.numerics.boundary == "periodic")
+    scene, grid, model = plan.scene, plan.grid, plan.model
+    layers = layers_in_words(model.bodies.solids, periodic=scene.numerics.boundary == "periodic")
     width, height = grid.size
     pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
     facts = [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
-        *law_lines(plan),
-        *geometry_lines(plan),
-        f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
+        *law_lines(model),
+        *geometry_lines(model),
+        f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {model.window.reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
         *(f"            {precision}" for precision in plan.precisions),
-        *([] if plan.friction is None else [f"friction    {plan.friction}"]),
-        *wear_lines(plan),
+        *([f"friction    {model.friction}"] if model.friction is not None else []),
+        *(line for block in plan.blocks for line in block.facts(model)),
         f"load        {_steps(plan)}{largest_loads(plan.scene)}",
-        *expected_lines(plan),
+        *expected_lines(model),
     ]
     blocks = []
     for block in plan.blocks:
@@ -87,7 +79,7 @@ def told(plan: Plan) -> Told:
             price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
             blocks.append(f"{part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
-    return Told(
+    return PlanWords(
         title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
         facts=facts,
         cautions=[f"{item.words} ({item.code})" for item in plan.cautions],
@@ -98,24 +90,25 @@ def told(plan: Plan) -> Told:
             f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(run_bytes(plan))} with libraries and pictures",
             f"            {_time(plan.seconds)} of solving",
         ],
-        left_out=[(item.what, item.why) for item in plan.left_out],
+        left_out=[(effect.what, effect.why) for effect in plan.left_out],
     )
 
 
 def explain(plan: Plan) -> str:
-    """Return a plan as text: all paragraphs of `told`."""
-    said = told(plan)
-    lines = [said.title, "", *said.facts, ""]
-    lines += ["warnings", *(f"  {words}" for words in said.cautions), ""] if said.cautions else []
-    lines += [*said.inclusions, ""] if said.inclusions else []
-    lines += ["blocks, in order", *(f"  {line}" for line in said.blocks), ""]
-    lines += [f"kernels, {len(said.kernels)} in all", *(f"  {line}" for line in said.kernels), ""]
-    lines += [*said.predicted, "", "left out, and why"]
-    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in said.left_out)])
+    """Return a plan as text: all paragraphs of `plan_words`."""
+    words = plan_words(plan)
+    lines = [words.title, "", *words.facts, ""]
+    lines += ["warnings", *(f"  {text}" for text in words.cautions), ""] if words.cautions else []
+    lines += [*words.inclusions, ""] if words.inclusions else []
+    lines += ["blocks, in order", *(f"  {line}" for line in words.blocks), ""]
+    lines += [f"kernels, {len(words.kernels)} in all", *(f"  {line}" for line in words.kernels), ""]
+    lines += [*words.predicted, "", "left out, and why"]
+    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in words.left_out)])
 
 
 def as_data(plan: Plan) -> dict[str, object]:
     """Return the plan as plain data."""
+    expected = plan.model.window.expected
     return {
         "name": plan.name,
         "title": plan.scene.title,
@@ -123,10 +116,10 @@ def as_data(plan: Plan) -> dict[str, object]:
             "cells": [plan.grid.nx, plan.grid.ny],
             "spacing": [plan.grid.dx, plan.grid.dy],
             "center": list(plan.grid.center),
-            "reason": plan.grid_reason,
+            "reason": plan.model.window.reason,
         },
         "steps": plan.steps,
-        "expected": None if plan.expected is None else contact_as_data(plan.expected, plan.grid),
+        "expected": None if expected is None else contact_as_data(expected, plan.grid),
         "warnings": [item.to_dict() for item in plan.cautions],
         "inclusions": [
             {
@@ -139,7 +132,7 @@ def as_data(plan: Plan) -> dict[str, object]:
                 "cells": 0 if source.lattice is None else source.lattice.cells,
                 "material": source.material,
             }
-            for source in plan.sources
+            for source in plan.model.sources
         ],
         "precisions": [asdict(precision) for precision in plan.precisions],
         "blocks": [_block_as_data(block, plan.steps) for block in plan.blocks],
@@ -176,23 +169,24 @@ def _block_as_data(block: Block, steps: int) -> dict[str, object]:
 
 def references(plan: Plan) -> tuple[str, ...]:
     """Sources to cite for what the plan uses, each once."""
-    texts = [text for component in plan.components for text in component.references]
-    if plan.sources:
+    model = plan.model
+    texts = [text for component in model.components for text in component.references]
+    if model.sources:
         texts += [
             "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926",
             "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135",
         ]
-    if plan.inhomogeneities:
+    if model.cells.inhomogeneities:
         texts += [
             "J. D. Eshelby, Proc. R. Soc. Lond. A 241 (1957) 376",
             "K. Zhou, W. W. Hoh, X. Wang et al., Mech. Mater. 60 (2013) 144",
         ]
-    if plan.geometries:
+    if model.interface:
         texts += [
             "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
             "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402",
         ]
-    if plan.friction is not None:
+    if model.friction is not None:
         texts += ["L. Gallego, D. Nélias, S. Deyber, Wear 268 (2010) 208, doi:10.1016/j.wear.2009.07.019"]
     return tuple(dict.fromkeys(texts))
 
@@ -206,24 +200,24 @@ _SPACES = {
 
 
 def _numerics(plan: Plan) -> str:
-    numerics = plan.scene.numerics
-    words: list[str] = [numerics.boundary] if plan.geometries else []
-    if plan.sources:
+    numerics, model = plan.scene.numerics, plan.model
+    words: list[str] = [numerics.boundary] if model.interface else []
+    if model.sources:
         words.append(_SPACES[numerics.half_space])
     auto = "precision by operator" if plan.precisions else "double precision"
     words.append(auto if numerics.precision == "auto" else f"{numerics.precision} precision")
-    if plan.friction is not None:
+    if model.friction is not None:
         words.append(f"coupling {numerics.coupling}")
-    return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if plan.geometries else words)
+    return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if model.interface else words)
 
 
 def _inclusions(plan: Plan) -> list[str]:
-    """Every region with eigenstrain and how its field is found; like ones on one line."""
-    if not plan.sources:
-        return []
-    lines = [f"eigenstrain, {_counted(plan.prescribed)}", *_alike(plan.prescribed)] if plan.prescribed else []
+    """Every region with eigenstrain and the method for its field; like ones on one line."""
+    cells, lines = plan.model.cells, list[str]()
+    if cells.prescribed:
+        lines += [f"eigenstrain, {_counted(cells.prescribed)}", *_alike(cells.prescribed)]
     for body in (1, 2):
-        sources = [source for source in plan.inhomogeneities if source.body == body]
+        sources = [source for source in cells.inhomogeneities if source.body == body]
         if not sources:
             continue
         if sources[0].lattice is None:
@@ -233,28 +227,27 @@ def _inclusions(plan: Plan) -> list[str]:
 
         box = box_of_inhomogeneities(sources)
         edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
-        worst = worst_above(plan, body)
+        worst = worst_above(plan.model, body)
         above = "" if worst is None else f"; pressure above them within some {percent(worst.error)}"
         lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}{above}")
         lines += _alike(sources)
-    if next(overlapping(plan.sources), None) is not None:
+    if next(overlapping(cells.sources), None) is not None:
         lines.append(f"  where they overlap: {WHAT_COUNTS}")
     return lines
 
 
 def _steps(plan: Plan) -> str:
-    wear = plan.scene.wear
-    repeats = [step.repeat for step in plan.scene.steps]
-    guessed = wear is not None and wear.error and any(solved_cycles(repeat, wear) < repeat for repeat in repeats)
-    count = f"{'about ' if guessed else ''}{plan.steps} step{'s' if plan.steps != 1 else ''}"
+    scene = plan.scene
+    about = "about " if any(scene.guesses_cycles(step.repeat) for step in scene.steps) else ""
+    count = f"{about}{plan.steps} step{'s' if plan.steps != 1 else ''}"
     if plan.growth is None:
         return count
-    first, repeated = spaced_by_radius(plan.scene.steps, friction=plan.friction is not None)
-    graded = sum(plan.scene.ramps[place].increments for place in first)
-    for segment in segments_of(plan.scene.steps):
-        passes = (segment.repeat if wear is None else solved_cycles(segment.repeat, wear)) - 1
+    first, repeated = spaced_by_radius(scene.steps, friction=scene.friction is not None)
+    graded = sum(scene.ramps[place].increments for place in first)
+    for segment in segments_of(scene.steps):
         places = repeated.intersection(range(segment.first, segment.first + segment.ramps))
-        graded += passes * sum(plan.scene.ramps[place].increments for place in places)
+        repeats = scene.solved_cycles(segment.repeat) - 1
+        graded += repeats * sum(scene.ramps[place].increments for place in places)
     return f"{count}, {graded} of them even in the contact radius"
 
 
@@ -274,7 +267,8 @@ def _alike(sources: Sequence[Source]) -> list[str]:
 
 
 def _body(plan: Plan, index: int) -> str:
-    return f"body {index + 1} {body_in_words(plan.bodies[index], body_laws(plan).get(index + 1))}"
+    bodies = plan.model.bodies
+    return f"body {index + 1} {body_in_words(bodies.solids[index], bodies.laws.get(index + 1))}"
 
 
 def _bytes(value: float) -> str:

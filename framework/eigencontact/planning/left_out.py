@@ -1,20 +1,18 @@
-"""What this package could model and a scene does not ask for, with the reason."""
+"""Effects that this package could model and a scene leaves out, with the reason."""
 
 from __future__ import annotations
 
-from math import inf
+from collections.abc import Iterable
 
 import numpy as np
 
+from eigencontact.core.cautions import LeftOut
+from eigencontact.execution.blocks.block import Block
 from eigencontact.model.bodies import layered_bodies
 from eigencontact.model.coupling import Coupling
+from eigencontact.model.interface import Interface
 from eigencontact.model.model import Model
-from eigencontact.model.resolution import percent
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.planning.plan import LeftOut
-from eigencontact.scene.steps import solved_cycles
-from eigencontact.scene.wear import Wear
-from eigencontact.warnings_.before import shift_by_radius
 
 __all__ = ["left_out"]
 
@@ -29,19 +27,18 @@ _PRICE = {
 }
 
 
-def left_out(model: Model) -> list[LeftOut]:
-    """Return what is not modelled, each with the reason."""
-    scene, contact = model.scene, bool(model.geometries)
-    out = _of_the_contact(model) if contact else [LeftOut("contact", "the scene has no [geometry]")]
+def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
+    """Effects that are not modelled, each with the reason."""
+    scene, contact = model.scene, model.interface
+    out = _of_the_contact(contact) if contact else [LeftOut("contact", "the scene has no [geometry]")]
     if not scene.stress:
-        asked = "no [[stress]] region asks for it"
-        out.append(LeftOut("sub-surface stress" if contact else "fields below the surface", asked))
-    if contact and model.friction is None and not scene.output.tangential_displacement:
+        fields = "sub-surface stress" if contact else "fields below the surface"
+        out.append(LeftOut(fields, "no [[stress]] region asks for it"))
+    if contact and contact.friction is None and not scene.output.tangential_displacement:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if contact and not model.periodic:
         out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
-    if scene.wear is not None:
-        out += _of_the_wear(model, scene.wear)
+    out += [effect for block in blocks for effect in block.left_out(model)]
     if model.sources:
         out += _of_the_eigenstrain(model)
     layer = _layer_that_fills(model)
@@ -54,53 +51,29 @@ def left_out(model: Model) -> list[LeftOut]:
     return out
 
 
-def _of_the_contact(model: Model) -> list[LeftOut]:
-    assert model.coupling is not None
-    if model.friction is not None:
-        out = _of_the_coupling(model.coupling)
+def _of_the_contact(contact: Interface) -> list[LeftOut]:
+    """Effects that a contact leaves out."""
+    solids = contact.solids
+    if contact.friction is not None:
+        out = _of_the_coupling(contact.coupling)
     else:
         why = "the scene prescribes no tangential load and has no friction"
         out = [LeftOut("shear tractions q_x, q_y and their kernels", why)]
-    elastic = [body for body in model.bodies if body is not None]
+    elastic = [body for body in solids if body is not None]
     if len(elastic) == 2 and elastic[0] == elastic[1]:
         out.append(
             LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
         )
-    if layered_bodies(model.bodies):
+    if layered_bodies(solids):
         out.append(LeftOut("closed form of the pressure", "a body is layered: none beside that of the bare substrate"))
-    if None in model.bodies:
-        number = model.bodies.index(None) + 1
+    if None in solids:
+        number = solids.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
     return out
 
 
-def _of_the_wear(model: Model, table: Wear) -> list[LeftOut]:
-    out = [
-        LeftOut("debris, a third body and transfer", "the law takes a depth off, and nothing is put elsewhere"),
-        LeftOut(
-            "slopes of what has worn",
-            "half-spaces stay flat, and the gap grows by the worn depth: true of depths small beside the contact",
-        ),
-    ]
-    ratio = shift_by_radius(model)
-    if ratio:
-        share = "" if ratio == inf else f", up to {percent(ratio)} of its radius"
-        out.append(
-            LeftOut(
-                f"motion of the contact over body 1 by shift-x and shift-y{share}",
-                "a shift makes the surfaces slip and keeps the contact where it is; travel-x and travel-y move it",
-            )
-        )
-    for step in model.scene.steps:
-        skipped = step.repeat - solved_cycles(step.repeat, table)
-        if step.cycle is not None and skipped:
-            most = f"{'' if table.error is None else 'about '}{skipped} of {step.repeat} cycles"
-            out.append(LeftOut(most, "what solved ones wear, and how that changes, stands for them"))
-    return out
-
-
 def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
-    """What the coupling of normal and tangential contact leaves out of the physics."""
+    """Effects that the coupling of normal and tangential contact leaves out."""
     why = f'numerics.coupling = "{coupling.level}"'
     unused = f"{why}, and no step prescribes a load or shift there"
     out = [LeftOut(f"shear and displacement along {c}", unused) for c in "xy" if c not in coupling.components]
@@ -124,8 +97,9 @@ def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
 
 
 def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
+    """Effects that eigenstrain leaves out."""
     half_space, out = model.numerics.half_space, []
-    if model.geometries and model.prescribed:
+    if model.interface and model.cells.prescribed:
         out.append(
             LeftOut(
                 "eigenstrain that follows from the contact",
@@ -148,7 +122,7 @@ def _layer_that_fills(model: Model) -> Inhomogeneity | None:
     grid = model.grid
     x0, y0 = (center - 0.5 * size for center, size in zip(grid.center, grid.size, strict=True))
     x1, y1 = x0 + grid.size[0], y0 + grid.size[1]
-    for source in model.inhomogeneities:
+    for source in model.cells.inhomogeneities:
         if source.material != "isotropic":
             continue
         low, high = source.shape.bounds

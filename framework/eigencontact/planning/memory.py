@@ -43,7 +43,7 @@ def run_bytes(plan: Plan, *, stored: bool = True, painter: bool = True) -> float
     late = _STEPS
     if stored and "h5py" not in sys.modules:
         late += _STORING
-    if plan.inhomogeneities and "numba" not in sys.modules:
+    if plan.model.cells.inhomogeneities and "numba" not in sys.modules:
         late += _COMPILING
     output = plan.scene.output
     if stored and painter and output.pictures:

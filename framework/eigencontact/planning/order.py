@@ -25,20 +25,20 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
         A quantity that nothing, or more than one block, provides; names who asked and the candidates. Blocks that
         require each other.
     """
-    known = list(blocks)
+    candidates = list(blocks)
     providers: dict[str, list[Block]] = {}
-    for block in known:
+    for block in candidates:
         for quantity in block.provides:
             providers.setdefault(quantity, []).append(block)
     needed: dict[str, Block] = {}
-    open_ends = {quantity: who for block in known for quantity, who in block.wanted.items()}
+    open_ends = {quantity: who for block in candidates for quantity, who in block.wanted.items()}
     while open_ends:
         quantity, who = open_ends.popitem()
         block = _only_provider(providers, quantity, who)
         if block.name not in needed:
             needed[block.name] = block
             open_ends.update(dict.fromkeys(sorted(block.requires), f"block {block.name!r}"))
-    places = {block.name: place for place, block in enumerate(known)}
+    places = {block.name: place for place, block in enumerate(candidates)}
     before = {name: {providers[item][0].name for item in block.requires} for name, block in needed.items()}
     sorter = TopologicalSorter(before)
     try:
@@ -61,9 +61,9 @@ def _only_provider(providers: Mapping[str, list[Block]], quantity: str, who: str
     if len(candidates) == 1:
         return candidates[0]
     if not candidates:
-        known = ", ".join(sorted(providers))
+        names = ", ".join(sorted(providers))
         raise PlanError(
-            f"{quantity!r} must be provided by a block ({who} asked for it; provided are: {known})"
+            f"{quantity!r} must be provided by a block ({who} asked for it; provided are: {names})"
             f"{nearest(quantity, providers)}"
         )
     names = ", ".join(repr(block.name) for block in candidates)

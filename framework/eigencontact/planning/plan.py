@@ -5,45 +5,72 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from eigencontact.core.cautions import Caution
+from eigencontact.core.cautions import Caution, LeftOut
+from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, by_name
 from eigencontact.execution.blocks.block import Block, Cost, Part
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
+from eigencontact.scene.schema import Numerics, Scene
+from eigencontact.solvers.contact_growth import ContactGrowth
 
-__all__ = ["LeftOut", "Plan"]
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """Something this package could model and this run does not."""
-
-    what: str
-    why: str
+__all__ = ["Plan"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan(Model):
+class Plan:
     """Everything decided before anything is computed.
 
     Attributes
     ----------
-    (those of the model)
+    model : Model
+        Physical model of the scene.
     blocks : list of Block
         In order of execution.
     left_out : sequence of LeftOut
-        What is not modelled, and why.
+        Effects that are not modelled, and why.
     cautions : sequence of Caution
         Warnings about limited accuracy that are known before the numbers are computed.
     seconds_planned : float
         Wall time that the decisions took [s].
     """
 
+    model: Model
     blocks: Sequence[Block]
     left_out: Sequence[LeftOut]
     cautions: Sequence[Caution] = ()
     seconds_planned: float = 0.0
+
+    @property
+    def scene(self) -> Scene:
+        """Scene of the plan."""
+        return self.model.scene
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.scene.label
+
+    @property
+    def numerics(self) -> Numerics:
+        """Fidelity and effort."""
+        return self.scene.numerics
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the window."""
+        return self.model.grid
+
+    @property
+    def steps(self) -> int:
+        """Number of increments that will be solved; a guess where cycles are skipped."""
+        return self.model.steps
+
+    @property
+    def growth(self) -> ContactGrowth | None:
+        """Growth of the contact radius; None where no load step is even in the radius."""
+        return self.model.window.growth
 
     @property
     def parts(self) -> list[Part]:
@@ -93,7 +120,7 @@ class Plan(Model):
             ("kernels", str(sum(kernel.count for kernel in self.kernels))),
             ("memory, predicted", readable(float(self.cost.peak), "B")),
             ("time, predicted", time_in_words(self.seconds)),
-            *(("left out", f"{one.what}: {one.why}") for one in self.left_out),
+            *(("left out", f"{effect.what}: {effect.why}") for effect in self.left_out),
         ]
         return html_table(self.scene.title or self.name, rows)
 

@@ -1,9 +1,8 @@
-"""The planner: what a scene holds decides what is built."""
+"""The planner: model of a scene, and the blocks that compute it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import ceil
 from time import perf_counter
 
@@ -11,7 +10,7 @@ from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
 from eigencontact.execution.blocks.block import Block
 from eigencontact.execution.interiors.initial import initial_states
-from eigencontact.execution.mechanics.mechanics import Mechanics, mechanics_of
+from eigencontact.execution.mechanics.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
 from eigencontact.model.sizes import MEMORY_SHARE
@@ -42,61 +41,44 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
 def _planned(scene: Scene, registry: Registry) -> Plan:
     began = perf_counter()
     model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
-    mechanics = list(_mechanics(model))
-    seen = [*mechanics, *_wear(model, mechanics)]
-    blocks = [*_beside_the_contact(model), *seen, *_regions(model), *_observers(model, seen)]
-    known = {item.name: getattr(model, item.name) for item in fields(model)}
-    plan = Plan(**known, blocks=in_order(blocks), left_out=())
+    blocks = in_order(_blocks(model))
+    plan = Plan(model=model, blocks=blocks, left_out=())
     _check_memory(plan)
-    plan = replace(plan, left_out=left_out(model), cautions=foreseen(model))
-    return replace(plan, seconds_planned=perf_counter() - began)
+    cautions = foreseen(model, blocks)
+    return replace(plan, left_out=left_out(model, blocks), cautions=cautions, seconds_planned=perf_counter() - began)
 
 
-def _mechanics(model: Model) -> Iterator[Mechanics]:
+def _blocks(model: Model) -> list[Block]:
+    """Blocks that a scene may need: before the contact, the contact, wear, regions, observers."""
+    blocks: list[Block] = []
     mechanics = mechanics_of(model)
-    if mechanics is not None:
-        yield mechanics
+    seen: list[Block] = [] if mechanics is None else [mechanics]
+    if model.interface is not None:
+        from eigencontact.execution.mechanics.separation import blocks_beside_contact, separation_blocks
 
+        blocks += [*(() if model.wear else separation_blocks(model)), *blocks_beside_contact(model)]
+    if model.wear is not None and mechanics is not None:
+        from eigencontact.execution.wear.blocks import blocks_of_wear
 
-def _beside_the_contact(model: Model) -> Iterable[Block]:
-    if not model.geometries:
-        return ()
-    from eigencontact.execution.mechanics.separation import blocks_beside_contact
+        seen += blocks_of_wear(model, mechanics)
+    blocks += seen
+    if model.cells.requests:
+        from eigencontact.execution.fields.regions import regions_of
 
-    return blocks_beside_contact(model, new_surfaces=model.wear is None)
+        blocks += regions_of(model)
+    if model.observers:
+        from eigencontact.execution.run.observers import observers_of
 
-
-def _wear(model: Model, mechanics: Iterable[Mechanics]) -> Iterable[Block]:
-    if model.wear is None:
-        return ()
-    from eigencontact.execution.wear.blocks import blocks_of_wear
-
-    return [block for one in mechanics for block in blocks_of_wear(model, one)]
-
-
-def _regions(model: Model) -> Iterable[Block]:
-    if not model.requests:
-        return ()
-    from eigencontact.execution.fields.regions import regions_of
-
-    return regions_of(model)
-
-
-def _observers(model: Model, mechanics: Iterable[Block]) -> Iterable[Block]:
-    """Observers see what mechanics and wear give of the surface."""
-    if not model.observers:
-        return ()
-    from eigencontact.execution.run.observers import observers_of
-
-    return observers_of(model, frozenset(name for block in mechanics for name in block.wanted))
+        blocks += observers_of(model, frozenset(name for block in seen for name in block.wanted))
+    return blocks
 
 
 def _check_memory(plan: Plan) -> None:
-    total, wanted = machine_bytes(), plan.cost.peak
-    if wanted > MEMORY_SHARE * total:
+    total, predicted = machine_bytes(), plan.cost.peak
+    if predicted > MEMORY_SHARE * total:
         largest = max(plan.parts, key=lambda part: part.cost.peak)
         raise PlanError(
-            f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
-            f"{largest.name!r}); use about 1/{ceil(wanted / (MEMORY_SHARE * total))} of the cells or depths, or "
-            "numerics.precision = 'single' or, with a larger tolerance, 'auto'"
+            f"plan must fit into memory, {total / 2**30:.3g} GiB (got {predicted / 2**30:.3g} GiB, most of it for "
+            f"block {largest.name!r}); use about 1/{ceil(predicted / (MEMORY_SHARE * total))} of the cells or depths, "
+            "or numerics.precision = 'single' or, with a larger tolerance, 'auto'"
         )

@@ -1,4 +1,4 @@
-"""What is stored of a plan beside its numbers: scene, versions, sources to cite, a hash of all that decides them."""
+"""Provenance that results store: scene, versions, references, and a hash of everything that decides the numbers."""
 
 from __future__ import annotations
 
@@ -28,23 +28,24 @@ _MOST = 1000
 
 
 def run_info(plan: Plan) -> RunInfo:
-    """What holds for all steps of a run of a plan."""
+    """Provenance of a run, the same for all its steps."""
     import tomli_w
 
     from eigencontact.core.material import contact_modulus
-    from eigencontact.model.bodies import layered_bodies, layers_as_data, without_layers
-    from eigencontact.planning.explain import references, told
+    from eigencontact.model.bodies import layered_bodies, without_layers
+    from eigencontact.model.words import layers_as_data
+    from eigencontact.planning.explain import plan_words, references
     from eigencontact.plugin import LayeredMedium
 
-    borders: dict[str, Any] = {}
-    if plan.sources:
+    model, solids, borders = plan.model, plan.model.bodies.solids, dict[str, Any]()
+    if model.sources:
         from eigencontact.model.outlines import outlines
         from eigencontact.planning.borders import line_borders, sections_of
 
-        sections = sections_of(plan, plan.sources[:_MOST])
-        borders = {"outlines": outlines(plan), "sections": sections, "lines": line_borders(plan)}
+        sections = sections_of(model, model.sources[:_MOST])
+        borders = {"outlines": outlines(model), "sections": sections, "lines": line_borders(model)}
     resolved = plan.scene.resolved()
-    homogeneous = bool(plan.geometries) and not layered_bodies(plan.bodies)
+    homogeneous = model.interface is not None and not layered_bodies(solids)
     return RunInfo(
         title=plan.scene.title,
         name=plan.name,
@@ -53,29 +54,29 @@ def run_info(plan: Plan) -> RunInfo:
         scene_hash=_digest(plan, resolved),
         versions=_versions(plan),
         references=references(plan),
-        precisions={one.operator: one.chosen for one in plan.precisions},
-        contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
+        precisions={choice.operator: choice.chosen for choice in plan.precisions},
+        contact_modulus=contact_modulus(*without_layers(solids)) if homogeneous else None,
         steps=plan.steps,
-        inclusions=tuple(_inclusion(source) for source in plan.sources[:_MOST]),
+        inclusions=tuple(_inclusion(source) for source in model.sources[:_MOST]),
         **borders,
         layers={
             str(number): layers_as_data(body)
-            for number, body in enumerate(plan.bodies, 1)
+            for number, body in enumerate(solids, 1)
             if isinstance(body, LayeredMedium)
         },
-        exposed=() if plan.exposed is None else plan.exposed.names,
+        exposed=() if model.exposed is None else model.exposed.names,
         cycles=tuple(_cycles(plan.scene)),
         sliding=_sliding(plan.scene),
         prestrained=_prestrained(plan.scene),
         numbers=plan.numbers,
-        observed={number.name: number for observer in plan.observers for number in observer.numbers},
+        observed={number.name: number for observer in model.observers for number in observer.numbers},
         every_history=plan.scene.output.history == "all",
-        plan=asdict(told(plan)),
+        plan=asdict(plan_words(plan)),
     )
 
 
 def _inclusion(source: Source) -> dict[str, Any]:
-    """What results say of a region, for people and pictures."""
+    """Region as results describe it, for people and pictures."""
     return {
         "name": source.name,
         "plugin": source.key,
@@ -109,15 +110,17 @@ def _prestrained(scene: Scene) -> bool:
 def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
     """Hash of the scene, of every file that it names, and of the packages that its plugins come from."""
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
-    if plan.geometries:
-        digest.update(plan.separation().tobytes())  # another surface is another scene
-    for given in plan.files:
+    if plan.model.interface is not None:
+        y, x = plan.grid.axes()
+        # Another surface is another scene.
+        digest.update(plan.model.interface.separation(x, y).tobytes())
+    for given in plan.model.files:
         path = given / RESULTS if given.is_dir() else given  # of an earlier run
         if path.is_file():
             with path.open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())
-    for component in plan.components:
-        entry = plan.registry.entry_of(component)
+    for component in plan.model.components:
+        entry = plan.model.registry.entry_of(component)
         digest.update(b"" if entry.bundled else entry.full_key.encode())  # one plain key may mean another package later
     return digest.hexdigest()
 
@@ -135,7 +138,8 @@ def _versions(plan: Plan) -> dict[str, str]:
     }
     with contextlib.suppress(PackageNotFoundError):
         versions["pyfftw"] = version("pyfftw")
-    for component in plan.components:
-        entry = plan.registry.entry_of(component)
-        versions[f"plugin {entry.kind} {plan.registry.spelling(entry)}"] = entry.origin
+    registry = plan.model.registry
+    for component in plan.model.components:
+        entry = registry.entry_of(component)
+        versions[f"plugin {entry.kind} {registry.spelling(entry)}"] = entry.origin
     return versions

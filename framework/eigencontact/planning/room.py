@@ -1,27 +1,20 @@
-"""What would make room for a contact that has reached the edge of its window: words for the error of a run."""
+"""Advice in the error of a contact that reaches the edge of its window: a load that fits, a larger window."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from math import floor, log10
-
-import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.units import readable
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.step import Step
-from eigencontact.model.kernels import PairCoefficients
 from eigencontact.model.model import Model
-from eigencontact.model.separation import sum_separations
-from eigencontact.model.window import estimate_contact
 from eigencontact.plugin import HasNativeGrid
+from eigencontact.solvers.coarse_contact import estimate_contact
 from eigencontact.solvers.control import Control
 
 __all__ = ["load_that_fits", "with_room"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells each way of the solves that look for a load that fits, the smallest part of the load, and the halvings of its
 #: logarithm: the load is found to 3 %.
@@ -45,7 +38,7 @@ def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSma
     edges = " and ".join(problem.sides)
     return DomainTooSmall(
         f"contact must stay inside the window (in load step {step.index}, at {name} {readable(value, unit)}, it reaches"
-        f" its edge along {edges}; the window is {width} x {height}, {model.grid_reason}); {lower}, {_wider(model)},"
+        f" its edge along {edges}; the window is {width} x {height}, {model.window.reason}); {lower}, {_wider(model)},"
         " set numerics.boundary = 'periodic' if the surfaces repeat, or numerics.allow-contact-at-edge = true if the"
         " bodies end there",
         problem.sides,
@@ -56,7 +49,8 @@ def _wider(model: Model) -> str:
     """How the window becomes larger."""
     if not model.scene.grid.automatic:
         return "enlarge grid size"
-    native = next((geometry for geometry in model.geometries if isinstance(geometry, HasNativeGrid)), None)
+    geometries = () if model.interface is None else model.interface.geometries
+    native = next((geometry for geometry in geometries if isinstance(geometry, HasNativeGrid)), None)
     if native is None:
         return f"raise grid.margin ({model.scene.grid.margin:g})"
     return str(getattr(native, "larger_window", f"give the geometry {native.key!r} a larger surface"))
@@ -77,29 +71,29 @@ def load_that_fits(model: Model, step: Step) -> float | None:
     control = step.control
     assert control is not None
     _, value, _ = _driven(control)
-    pressure = PairCoefficients(model.influences["p"], model.bodies, "z")
-    place = partial(sum_separations, model.geometries)
+    interface = model.interface
+    assert interface is not None
     x0, y0 = step.travel
 
     def inside(part: float) -> bool:
         forces = {"normal_load": part * value} if control.normal_load is not None else {"approach": part * value}
         names = ("moment_x", "moment_y")
         forces |= {name: part * given for name in names if (given := getattr(control, name)) is not None}
-        found = estimate_contact(
+        contact = estimate_contact(
             model.grid,
-            lambda x, y: place(x - x0, y - y0),
-            pressure,
+            lambda x, y: interface.separation(x - x0, y - y0),
+            interface.normal,
             replace(control, **forces),
             periodic=False,
             cells=_CELLS,
         )
-        if found is None:
+        if contact is None:
             return True
         (width, height), (x, y) = model.grid.size, model.grid.center
         edge = 1e-9 * max(width, height)
         return (
-            min(found.x0 - x + 0.5 * width, x + 0.5 * width - found.x1) > edge
-            and min(found.y0 - y + 0.5 * height, y + 0.5 * height - found.y1) > edge
+            min(contact.x0 - x + 0.5 * width, x + 0.5 * width - contact.x1) > edge
+            and min(contact.y0 - y + 0.5 * height, y + 0.5 * height - contact.y1) > edge
         )
 
     low, high = _LEAST, 1.0

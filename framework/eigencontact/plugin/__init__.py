@@ -1,4 +1,4 @@
-"""The one package that plugins import: kinds of plugin, grids, tensors, units, `hookimpl`, `require`.
+"""The one package that plugins import: kinds of plugin, grids, tensors, units, `hook_for`, `require`.
 
 A component is a frozen, keyword-only dataclass. Its fields are its table in a scene file; its class attribute ``key``
 is its name there. It validates itself in ``__post_init__`` with `require`, does no I/O (a measured surface or a mesh
@@ -7,7 +7,7 @@ excepted) and never changes the arrays it is given.
 
 from __future__ import annotations
 
-from eigencontact.core.arrays import real_array, real_points
+from eigencontact.core.arrays import FloatArray, real_array, real_points
 from eigencontact.core.elasticity import (
     checked_stiffness,
     factors_of_compliance,
@@ -51,7 +51,7 @@ from eigencontact.halfspace.potentials import (
     Order,
     PointSources,
 )
-from eigencontact.hooks.hookspecs import hookimpl
+from eigencontact.hooks.hookspecs import hook_for, hookimpl
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.constitutive import (
     ConstitutiveLaw,
@@ -89,6 +89,7 @@ __all__ = [
     "Direction",
     "EigenstrainField",
     "FileArrays",
+    "FloatArray",
     "Force",
     "FrictionLaw",
     "FrictionState",
@@ -153,6 +154,7 @@ __all__ = [
     "factors_of_compliance",
     "factors_of_stiffness",
     "frame_of",
+    "hook_for",
     "hookimpl",
     "implicit",
     "integrated_chi",

@@ -1,4 +1,4 @@
-"""What every plugin class has: a key, a kind, references."""
+"""Base of every plugin class: key, kind, references."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ class Component:
     def parts(self) -> list[Component]:
         """Components that the fields of this one hold, and theirs."""
         values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
-        held = [one for value in values for one in _members(value)]
-        return [part for one in held if isinstance(one, Component) for part in (one, *one.parts)]
+        members = [member for value in values for member in _members(value)]
+        return [part for member in members if isinstance(member, Component) for part in (member, *member.parts)]
 
 
 def _members(value: object) -> Iterable[object]:
-    """What a field holds: several things in a tuple or by name, or one."""
+    """Members of a field that is a tuple or a table by name; else the value itself."""
     if isinstance(value, Mapping):
         return value.values()
     return value if isinstance(value, tuple) else (value,)

@@ -1,4 +1,4 @@
-"""The kind *constitutive law*: the stress that a strain causes in a material, and what the material remembers."""
+"""The kind *constitutive law*: the stress that a strain causes in a material, and its history."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.elasticity import factors_of_stiffness
 from eigencontact.plugin.component import Component
 
@@ -23,12 +24,10 @@ __all__ = [
     "Variable",
 ]
 
-FloatArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """Something that a point of a material remembers; zero at rest.
+    """Variable of the history of a material point; zero at rest.
 
     Attributes
     ----------
@@ -64,7 +63,7 @@ class Variable:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class LawStep:
-    """Where and when a law is asked.
+    """Points and time of an evaluation of a law.
 
     Attributes
     ----------
@@ -98,7 +97,7 @@ class LawStep:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Response:
-    """What a law answers.
+    """Stress, tangent and history of an evaluation of a law.
 
     Attributes
     ----------
@@ -227,7 +226,7 @@ class ConstitutiveLaw(Component, ABC):
 
     @property
     def words(self) -> str:
-        """What a region of it is made of, for `explain`: "cells of ..."."""
+        """Material of a region in the text of `explain`: "cells of ..."."""
         return f"{self.key} material"
 
 
@@ -277,7 +276,7 @@ class LinearLaw(ConstitutiveLaw):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Surroundings:
-    """Elastic material around a cell, as the cell feels it: by the answer of a ball to its own eigenstrain.
+    """Elastic material around a cell: its stiffness by the field of a ball with an eigenstrain.
 
     The deviatoric stress of a cell is ``s = s_f - κ e``, its mean stress ``m = m_f - κ_v e_m``: what the others cause,
     less what its own eigenstrain takes away (J. D. Eshelby 1957). Its strain is that of the stress in the material
@@ -347,7 +346,7 @@ class HasCellAnswer(Protocol):
         before: Mapping[str, FloatArray],
         step: LawStep,
     ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
-        """Eigenstrain of cells, and what they then remember.
+        """Eigenstrain and history of cells.
 
         Parameters
         ----------

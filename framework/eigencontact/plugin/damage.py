@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.quantities import Length
 from eigencontact.errors import require
 from eigencontact.plugin.component import Component
 
 __all__ = ["DamageLaw", "PlasticDamage", "StrainDamage"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +73,7 @@ class DamageLaw(Component, ABC):
 
 
 class PlasticDamage(DamageLaw):
-    """Damage by plastic strain: `DamageLaw.damage` is asked of the equivalent plastic strain.
+    """Damage by plastic strain: the argument of `DamageLaw.damage` is the equivalent plastic strain.
 
     Examples
     --------
@@ -89,7 +87,7 @@ class PlasticDamage(DamageLaw):
 
 
 class StrainDamage(DamageLaw):
-    """Damage by strain: `DamageLaw.damage` is asked of the largest equivalent strain so far.
+    """Damage by strain: the argument of `DamageLaw.damage` is the largest equivalent strain so far.
 
     D stays zero up to a strain that is not: the material is elastic until then.
 

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.arrays import real_answer
-from eigencontact.errors import PluginError
+from eigencontact.core.arrays import FloatArray
+from eigencontact.plugin.answers import checked_answer
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.materials import SUBSTRATE, only_substrate
 
 __all__ = ["FrictionLaw", "FrictionState", "checked_shear_bound"]
 
-FloatArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class FrictionState:
-    """What a friction law may look at. Arrays are read-only.
+    """State of the contact that a friction law reads. Arrays are read-only.
 
     Attributes
     ----------
@@ -95,30 +93,6 @@ def checked_shear_bound(law: FrictionLaw, state: FrictionState) -> FloatArray:
     PluginError
         The law answers with another shape, with numbers that are not finite, or with negative ones.
     """
-    where = f"shear_bound of friction law {law.key!r}"
-    shape = state.pressure.shape
-    bound = real_answer(law.shear_bound(_protected(state)), where)
-    if bound.shape != shape:
-        raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {bound.shape})")
     loaded = state.pressure > 0
-    wrong = loaded & ~(np.isfinite(bound) & (bound >= 0))
-    if wrong.any():
-        row, column = (int(index) for index in np.argwhere(wrong)[0])
-        raise PluginError(
-            f"{where} must be zero or positive, and finite [Pa] (got {float(bound[row, column])!r} at x = "
-            f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m, and at {int(wrong.sum())} of "
-            f"{int(loaded.sum())} points of the contact)"
-        )
+    bound = checked_answer(law, "shear_bound", "Pa", state, loaded, "points of the contact")
     return np.where(loaded, bound, 0.0)
-
-
-def _protected(state: FrictionState) -> FrictionState:
-    """Return the state with arrays that a law cannot write to."""
-    views = {}
-    for item in fields(state):
-        value = getattr(state, item.name)
-        if isinstance(value, np.ndarray):
-            value = value.view()
-            value.flags.writeable = False
-        views[item.name] = value
-    return FrictionState(**views)

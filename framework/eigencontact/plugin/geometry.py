@@ -5,15 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.plugin.component import Component
 
 __all__ = ["Geometry", "HasNativeGrid", "HasReferencePressure"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Geometry(Component, ABC):
@@ -21,6 +17,7 @@ class Geometry(Component, ABC):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Wedge(Geometry):
     ...     key = "wedge"
     ...     def separation(self, x, y):

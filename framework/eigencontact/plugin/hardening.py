@@ -5,21 +5,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.arrays import FloatArray
 from eigencontact.plugin.component import Component
 
 __all__ = ["HardeningLaw", "IsotropicHardening", "KinematicHardening"]
 
-FloatArray = NDArray[np.float64]
-
 
 class HardeningLaw(Component, ABC):
-    """What a plastic law asks when it yields: see `IsotropicHardening` and `KinematicHardening`.
+    """Hardening of a plastic law; derive from `IsotropicHardening` or `KinematicHardening`.
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Straight(IsotropicHardening):
     ...     key = "straight"
     ...     def flow_stress(self, p):
@@ -40,6 +37,7 @@ class IsotropicHardening(HardeningLaw):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Perfect(IsotropicHardening):
     ...     key = "never-harder"
     ...     def flow_stress(self, p):
@@ -76,6 +74,7 @@ class KinematicHardening(HardeningLaw):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Fading(KinematicHardening):
     ...     key, modulus = "fading", 20e9
     ...     def recall(self, dp):

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.plugin.component import Component
 
 __all__ = ["EigenstrainField", "InclusionShape"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -41,7 +41,7 @@ class InclusionShape(Component, ABC):
 
     @property
     def method(self) -> str:
-        """How the potentials are found, in the words of `explain`; a class attribute will do."""
+        """Method of the potentials in the text of `explain`; a class attribute is enough."""
         return "closed form"
 
     @property

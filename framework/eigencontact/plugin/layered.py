@@ -9,13 +9,12 @@ from typing import ClassVar, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.halfspace.media import HasResponseAtDepths
 from eigencontact.plugin.component import Component
 
 __all__ = ["HasResponseAtDepths", "LayeredMedium", "Thinning"]
-
-FloatArray = NDArray[np.float64]
 
 
 class LayeredMedium(Component, ABC):

@@ -1,4 +1,4 @@
-"""Laws that tell the materials of a surface apart, by the names that a scene gives them."""
+"""Laws with parameters for each material of a surface, by its name in the scene."""
 
 from __future__ import annotations
 

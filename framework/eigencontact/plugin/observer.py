@@ -7,15 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.plugin.component import Component
 
 __all__ = ["Observer", "RegionView", "RememberedView", "StepView"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -34,6 +30,7 @@ class RegionView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> line = RegionView(dims=("point",), coords={"z": np.zeros(2)}, fields={"von_mises": np.array([1.0, 3.0])})
     >>> float(line.fields["von_mises"].max())
     3.0
@@ -46,7 +43,7 @@ class RegionView:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RememberedView:
-    """Something that a body remembers. Arrays are read-only.
+    """Variable of the history of a body. Arrays are read-only.
 
     Attributes
     ----------
@@ -59,6 +56,7 @@ class RememberedView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> strain = RememberedView(values=np.zeros((1, 2, 1, 1)), coords={"z": np.array([0.5, 1.5])}, unit="1")
     >>> strain.values.shape
     (1, 2, 1, 1)
@@ -71,7 +69,7 @@ class RememberedView:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StepView:
-    """What an observer sees of an accepted load step. Arrays are read-only.
+    """Results of an accepted load step for an observer. Arrays are read-only.
 
     Attributes
     ----------
@@ -91,6 +89,7 @@ class StepView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> grid = Grid(nx=2, ny=1, dx=1.0, dy=1.0)
     >>> step = StepView(index=1, grid=grid, fields={"pressure": np.ones((1, 2))}, scalars={"normal_load": 2.0})
     >>> float(step.fields["pressure"].sum() * step.grid.cell_area)
@@ -116,6 +115,7 @@ class Observer(Component, ABC):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Middle(Observer):
     ...     key, units = "middle", {"pressure": "Pa"}
     ...     def observe(self, step):

@@ -20,14 +20,12 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.core.arrays import real_points
+from eigencontact.core.arrays import FloatArray, real_points
 from eigencontact.plugin.geometry import Geometry
 
 __all__ = ["Revolution", "RevolutionSum", "contact_radius", "revolution_pressure"]
 
-FloatArray = NDArray[np.float64]
 Rate = Callable[[FloatArray], FloatArray]
 
 _X, _W = np.polynomial.legendre.leggauss(64)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from collections.abc import Callable, Sequence
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.plugin.component import Component
 
 __all__ = ["CornerInfluence", "HasWavenumberResponse", "SurfaceInfluence"]
-
-FloatArray = NDArray[np.float64]
 
 
 class SurfaceInfluence(Component, ABC):
@@ -111,6 +110,28 @@ class CornerInfluence(SurfaceInfluence):
     ) -> FloatArray:
         """Corner function of the Mandel stress, ``(len(components), ...)`` [-]."""
 
+    def at_points(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        points: tuple[FloatArray, FloatArray, FloatArray | float],
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Sum of a corner function over the four corners at points (x, y, z): `displacement` and `stress`.
+
+        A class that has better digits far from the rectangle overrides it. `quantity` is as of `sample`.
+        """
+        (x, y, z), (a, b), corner = points, half_widths, self._corner(quantity)
+        total: FloatArray = corner(components, x + a, y + b, z, material)
+        total = total - corner(components, x - a, y + b, z, material)
+        total -= corner(components, x + a, y - b, z, material)
+        total += corner(components, x - a, y - b, z, material)
+        return total
+
+    def _corner(self, quantity: str) -> Callable[..., FloatArray]:
+        return self.displacement_corner if quantity == "displacement" else self.stress_corner
+
     def displacement(
         self,
         components: Sequence[str],
@@ -120,8 +141,8 @@ class CornerInfluence(SurfaceInfluence):
         half_widths: tuple[float, float],
         material: Material,
     ) -> FloatArray:
-        """Sum of the corner function over the four corners; see `SurfaceInfluence.displacement`."""
-        return _corner_sum(self.displacement_corner, components, x, y, z, half_widths, material)
+        """Displacement at points; see `SurfaceInfluence.displacement`."""
+        return self.at_points("displacement", components, (x, y, z), half_widths, material)
 
     def stress(
         self,
@@ -132,8 +153,8 @@ class CornerInfluence(SurfaceInfluence):
         half_widths: tuple[float, float],
         material: Material,
     ) -> FloatArray:
-        """Sum of the corner function over the four corners; see `SurfaceInfluence.stress`."""
-        return _corner_sum(self.stress_corner, components, x, y, z, half_widths, material)
+        """Mandel stress at points; see `SurfaceInfluence.stress`."""
+        return self.at_points("stress", components, (x, y, z), half_widths, material)
 
     def sample(
         self,
@@ -146,8 +167,7 @@ class CornerInfluence(SurfaceInfluence):
         material: Material,
     ) -> FloatArray:
         """Evaluate the corner function once per lattice node and difference it; see `SurfaceInfluence.sample`."""
-        corner = self.displacement_corner if quantity == "displacement" else self.stress_corner
-        a, b = half_widths
+        (a, b), corner = half_widths, self._corner(quantity)
         nodes_x = np.append(x - a, x[-1] + a)
         nodes_y = np.append(y - b, y[-1] + b)
         values = corner(components, nodes_x[None, :], nodes_y[:, None], z, material)
@@ -156,23 +176,6 @@ class CornerInfluence(SurfaceInfluence):
             rows = component[1:] - component[:-1]
             np.subtract(rows[:, 1:], rows[:, :-1], out=table)
         return out
-
-
-def _corner_sum(
-    corner: Any,
-    components: Sequence[str],
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray | float,
-    half_widths: tuple[float, float],
-    material: Material,
-) -> FloatArray:
-    a, b = half_widths
-    total: FloatArray = corner(components, x + a, y + b, z, material)
-    total = total - corner(components, x - a, y + b, z, material)
-    total -= corner(components, x + a, y - b, z, material)
-    total += corner(components, x - a, y - b, z, material)
-    return total
 
 
 @runtime_checkable

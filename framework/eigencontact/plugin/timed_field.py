@@ -6,9 +6,8 @@ from abc import abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.core.arrays import real_points
+from eigencontact.core.arrays import FloatArray, real_points
 from eigencontact.core.rotation import Row
 from eigencontact.core.tensors import to_mandel
 from eigencontact.errors import require
@@ -16,7 +15,6 @@ from eigencontact.plugin.inclusion import EigenstrainField
 
 __all__ = ["Strain", "TimedField", "mandel_strain"]
 
-FloatArray = NDArray[np.float64]
 
 #: Annotation of a field that holds a strain: one number (isotropic), three (xx, yy, zz), or a symmetric 3 x 3 matrix.
 Strain = float | Row | tuple[Row, Row, Row]

@@ -1,27 +1,25 @@
-"""The kind *wear law*: the depth that sliding takes off the surfaces."""
+"""The kind *wear law*: the depth that the surfaces lose by sliding."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.arrays import real_answer
-from eigencontact.errors import PluginError
+from eigencontact.core.arrays import FloatArray
+from eigencontact.plugin.answers import checked_answer
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.materials import SUBSTRATE
 
 __all__ = ["WearLaw", "WearState", "checked_depth"]
 
-FloatArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WearState:
-    """What a wear law may look at: one load increment, or one whole cycle. Arrays are read-only.
+    """State of the contact that a wear law reads, of one load increment or one whole cycle. Arrays are read-only.
 
     Attributes
     ----------
@@ -129,29 +127,4 @@ def checked_depth(law: WearLaw, state: WearState) -> FloatArray:
     PluginError
         The law answers with another shape, with numbers that are not finite, or with negative ones.
     """
-    where = f"depth of wear law {law.key!r}"
-    depth = real_answer(law.depth(_protected(state)), where)
-    shape = state.pressure.shape
-    if depth.shape != shape:
-        raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {depth.shape})")
-    wrong = ~(np.isfinite(depth) & (depth >= 0))
-    if wrong.any():
-        row, column = (int(index) for index in np.argwhere(wrong)[0])
-        raise PluginError(
-            f"{where} must be zero or positive, and finite [m] (got {float(depth[row, column])!r} at x = "
-            f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m, and at {int(wrong.sum())} of "
-            f"{wrong.size} cells)"
-        )
-    return depth
-
-
-def _protected(state: WearState) -> WearState:
-    """Return the state with arrays that a law cannot write to."""
-    views = {}
-    for item in fields(state):
-        value = getattr(state, item.name)
-        if isinstance(value, np.ndarray):
-            value = value.view()
-            value.flags.writeable = False
-        views[item.name] = value
-    return WearState(**views)
+    return checked_answer(law, "depth", "m", state, np.ones(state.pressure.shape, dtype=bool), "cells")

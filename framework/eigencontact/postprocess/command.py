@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from eigencontact import completion
+from eigencontact.command_help import JsonOption, QuietOption, refusals
 
 __all__ = ["plot"]
 
@@ -52,8 +53,8 @@ def plot(
         bool, typer.Option("--animation", help="Also draw the history as an animation (GIF).")
     ] = False,
     mp4: Annotated[bool, typer.Option("--mp4", help="Write the animation as MP4; needs the program ffmpeg.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Draw pictures and write VTK files from stored results; with `--field`, or the name of a region, one picture.
 
@@ -63,9 +64,7 @@ def plot(
     With a table as `--region` the stress, strain or displacement in a region that the run did not have, without solving
     again: `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
     """
-    from eigencontact.errors import EigencontactError
-
-    try:
+    with refusals():
         single = field is not None or (region is not None and "=" not in region)
         options = {"component": component, "zoom": zoom, "cmap": cmap}
         if single:
@@ -91,9 +90,6 @@ def plot(
                 dpi=dpi_of(dpi),
                 style=style,
             )
-    except EigencontactError as problem:
-        typer.echo(f"eigencontact: {'; '.join(filter(None, map(str.strip, str(problem).splitlines())))}", err=True)
-        raise typer.Exit(problem.exit_code) from None
     if as_json:
         typer.echo(json.dumps({str(path): text for path, text in files.items()}, indent=2))
     elif not quiet:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,8 +80,7 @@ def plot(
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('x [µm]', 'z [µm]')
     """
-    from eigencontact.viz.fitting import finish
-    from eigencontact.viz.looks import figure_look, look_of, shown_figures
+    from eigencontact.viz.looks import figure_look, finish, look_of, shown_figures
 
     look = look_of(style)
     options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
@@ -103,24 +103,11 @@ def draw_chosen(
     style: str = "screen",
     **options: Any,
 ) -> dict[Path, str]:
-    """Store one picture; returns its file and what it shows.
+    """Store one picture; returns its file and what it shows. Arguments that are not named here are those of `plot`.
 
-    Parameters
-    ----------
-    results : str or Path
-        A folder of results or its ``results.nc``.
-    output : Path, optional
-        File with an ending of `FORMATS`, or a folder; by default the folder of the results.
-    field, step, region : optional
-        See `plot`; `region` may also be the text of a table of a new region, which has a ``=``.
-    kind : str, optional
-        Format; by default that of the file, else PNG.
-    dpi : int, optional
-        Dots per inch; by default those of the style.
-    style : str
-        See `plot`.
-    **options : optional
-        ``component``, ``zoom`` and ``cmap`` of `plot`.
+    `output` is a file with an ending of `FORMATS`, or a folder, by default that of the results. `region` may also be
+    the text of a table of a new region, which has a ``=``. `kind` is the format, by default that of the file, else PNG;
+    `dpi` the dots per inch, by default those of the style.
     """
     from eigencontact.postprocess.stored_run import region as new_region
     from eigencontact.results.atomic import writable_folder
@@ -136,7 +123,7 @@ def draw_chosen(
     dataset_or_path: Any = results
     if region is not None and "=" in region:
         dataset_or_path, region, step = new_region(results, region, step=step), None, None
-        region = next(iter(_regions(dataset_or_path)))
+        region = next(iter(json.loads(dataset_or_path.attrs["regions"])))
     with _opened(dataset_or_path) as dataset, figure_look(look):
         picture = _picture_of(dataset, field, step, {"region": region, **options})
         number = int(dataset["step"][-1]) if step is None else step
@@ -201,10 +188,3 @@ def _picture_of(dataset: Results, field: str | None, step: int | None, options: 
     from eigencontact.viz.chosen import chosen_picture
 
     return chosen_picture(dataset, field, step=-1 if step is None else place_of(dataset, step), **options)
-
-
-def _regions(dataset: Any) -> dict[str, Any]:
-    import json
-
-    regions: dict[str, Any] = json.loads(dataset.attrs["regions"])
-    return regions

@@ -53,23 +53,9 @@ def region_table(text: str) -> dict[str, Any]:
 def revisit(
     results: Path, region: Mapping[str, Any], registry: Registry, step: int | None = None
 ) -> tuple[RunInfo, StepRecord]:
-    """Fields in a region after a stored step.
+    """Fields in a region, a table as of ``[[stress]]``, after a stored step, by its number from 1; the last by default.
 
-    Parameters
-    ----------
-    results : Path
-        The results file of a finished run.
-    region : mapping
-        A table as of ``[[stress]]``.
-    registry : Registry
-        Plugins.
-    step : int, optional
-        Number of the step, from 1; the last by default.
-
-    Returns
-    -------
-    RunInfo, StepRecord
-        Of the same scene with that region alone; the record has no surface fields.
+    Returns what holds for a run of the same scene with that region alone, and a record without surface fields.
 
     Raises
     ------
@@ -111,32 +97,19 @@ def plan_of_region(
 
 
 def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] = ()) -> StepRecord:
-    """Fields in the region of a plan after a step that is known: its surface fields, and what the bodies remember.
+    """Fields in the region of a plan (`plan_of_region`) after a step, given with its surface fields and its history.
 
-    Parameters
-    ----------
-    plan : Plan
-        Of `plan_of_region`.
-    record : StepRecord
-        With its fields and its history.
-    where : str
-        Where the step came from, for messages.
-    remembered : sequence of str
-        Names of what the bodies remember after a step, kept or not.
-
-    Raises
-    ------
-    ResultsError
-        See `revisit`.
+    `where` names the origin of the step in messages, `remembered` what the bodies remember after a step, kept or not.
+    Errors are those of `revisit`.
     """
     _refuse_other_window(where, record, plan.grid.shape)
     block = next(block for block in plan.blocks if isinstance(block, Region))
     lacking = sorted(block.requires - set(record.fields) - set(record.history))
     if lacking:
-        kept = "" if set(lacking) - set(remembered) else (
+        remedy = "" if set(lacking) - set(remembered) else (
             "; it is kept after the last step alone, unless output.history = 'all'"
         )  # fmt: skip
-        raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){kept}")
+        raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){remedy}")
     seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
     Run().started(block.start).advance(seen)
     scalars = {**record.scalars, **seen.scalars}

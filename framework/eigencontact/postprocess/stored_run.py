@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from eigencontact.errors import SceneError, shown
+from eigencontact.results.reader import open_results, results_file
 from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
@@ -34,29 +35,20 @@ def draw(
 
     Parameters
     ----------
-    results : str or Path
-        A folder of results or its ``results.nc``.
-    folder : str or Path, optional
-        Where the files go; by default beside the results. Files of others there are never replaced
-        (`eigencontact.results.ownership`).
-    vtk : bool
-        Whether to write VTK files.
+    results, folder : str or Path
+        A folder of results or its ``results.nc``; where the files go, by default beside them. Files of others there are
+        never replaced (`eigencontact.results.ownership`).
     table : mapping or str, optional
         Another region: its fields are found, stored and drawn, and nothing else; see `region`.
     step : int, optional
         Number of the load step to draw, from 1.
     animation : bool or str
         Whether to draw the history as an animation, a GIF; ``"mp4"`` takes the program ffmpeg.
-    kind : str
-        Format of the pictures: ``"png"``, ``"pdf"`` or ``"svg"``.
-    dpi : int, optional
-        Dots per inch of pictures that are made of dots; by default those of the style.
-    style : str
-        ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points) or ``"talk"``.
+    kind, dpi, style : str, int, str
+        Format, dots per inch and style of the pictures; see `eigencontact.postprocess.plot`.
     """
     from eigencontact.results.atomic import of_this_version, writable_folder
     from eigencontact.results.ownership import refuse_foreign
-    from eigencontact.results.reader import results_file
     from eigencontact.results.stored import open_stored
     from eigencontact.viz.figures import draw_all
     from eigencontact.viz.looks import figure_look, look_of
@@ -145,7 +137,6 @@ def region(
     from eigencontact.results.atomic import writable_folder
     from eigencontact.results.join import dataset_of, join_steps
     from eigencontact.results.ownership import refuse_foreign_file
-    from eigencontact.results.reader import results_file
     from eigencontact.results.stepfile import step_part
 
     if not isinstance(table, str | Mapping):
@@ -160,26 +151,3 @@ def region(
     writable_folder(target.parent)
     join_steps(target, [part])
     return open_results(target)
-
-
-def open_results(path: str | Path) -> xarray.Dataset:
-    """Open stored results, a folder or its ``results.nc``, with coordinates, units and provenance.
-
-    Raises
-    ------
-    ResultsError
-        Missing, unfinished or foreign files.
-
-    Examples
-    --------
-    >>> import tempfile, eigencontact as ec
-    >>> small = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     ec.run(ec.load_scene("hertz", small), folder).dataset.close()
-    ...     with ec.open_results(folder) as data:
-    ...         print(data.pressure.dims, data.pressure.attrs["units"])
-    ('step', 'y', 'x') Pa
-    """
-    from eigencontact.results.reader import open_results as open_stored
-
-    return open_stored(path)

@@ -1,1 +1,1 @@
-"""What a scene may hold, as data: every table, every key, its meaning, unit, choices and default."""
+"""Reference of the scene as data: every table and key with its meaning, unit, choices and default."""

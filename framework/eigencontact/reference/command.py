@@ -1,4 +1,4 @@
-"""What `eigencontact schema` prints."""
+"""Text of the command `eigencontact schema`."""
 
 from __future__ import annotations
 

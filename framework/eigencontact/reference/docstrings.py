@@ -16,7 +16,7 @@ def summary(cls: type) -> str:
 
 
 def meanings(cls: type) -> dict[str, str]:
-    """What each field means, by its name in Python; fields that a base class documents are inherited.
+    """Meaning of each field by its name in Python; fields that a base class documents are inherited.
 
     Examples
     --------
@@ -24,14 +24,14 @@ def meanings(cls: type) -> dict[str, str]:
     >>> meanings(Shares)["body1"]
     'Part of the worn depth that body 1 loses.'
     """
-    found: dict[str, str] = {}
+    meaning_of: dict[str, str] = {}
     for base in reversed(cls.__mro__):
-        found |= _of_text(inspect.cleandoc(base.__dict__.get("__doc__") or ""))
-    return found
+        meaning_of |= _of_text(inspect.cleandoc(base.__dict__.get("__doc__") or ""))
+    return meaning_of
 
 
 def _of_text(text: str) -> dict[str, str]:
-    found: dict[str, str] = {}
+    meaning_of: dict[str, str] = {}
     names: list[str] = []
     heading, lines = "", text.split("\n")
     for line, after in zip(lines, [*lines[1:], ""], strict=True):
@@ -40,7 +40,7 @@ def _of_text(text: str) -> dict[str, str]:
         elif heading in _HEADINGS and line.strip() and not re.fullmatch("-{3,}", line):
             if line[0] != " ":
                 names = [name.strip() for name in line.split(" : ")[0].split(",")]
-                found |= dict.fromkeys(names, "")
+                meaning_of |= dict.fromkeys(names, "")
             else:
-                found |= {name: f"{found[name]} {line.strip()}".strip() for name in names}
-    return found
+                meaning_of |= {name: f"{meaning_of[name]} {line.strip()}".strip() for name in names}
+    return meaning_of

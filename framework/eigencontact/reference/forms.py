@@ -6,7 +6,7 @@ Beside the words of JSON Schema a form has ``x-unit``, ``x-rule``, ``x-kind`` (o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -17,10 +17,11 @@ from pydantic.fields import FieldInfo
 
 from eigencontact.core.quantities import AlikeMark, FileMark, Unit
 from eigencontact.plugin.component import Component
+from eigencontact.scene.annotations import class_within, parts_of
 from eigencontact.scene.checks import both_alike
 from eigencontact.scene.table import Also, OfKind
 
-__all__ = ["Form", "form_of", "in_words", "table_within", "unit_within"]
+__all__ = ["Form", "form_of", "in_words", "kinds_within", "table_within", "unit_within"]
 
 Form = dict[str, Any]
 _PLAIN = {bool: "boolean", int: "integer", float: "number", str: "string"}
@@ -59,8 +60,8 @@ def _any_of(forms: list[Form]) -> Form:
     """One of several; constants together."""
     flat = [inner for form in forms for inner in (form["anyOf"] if set(form) == {"anyOf"} else [form])]
     constants = [value for form in flat for value in ([form["const"]] if "const" in form else form.get("enum", []))]
-    others = [form for form in flat if "const" not in form and "enum" not in form]
-    forms = ([{"enum": constants}] if constants else []) + others
+    further = [form for form in flat if "const" not in form and "enum" not in form]
+    forms = ([{"enum": constants}] if constants else []) + further
     return forms[0] if len(forms) == 1 else {"anyOf": forms}
 
 
@@ -86,16 +87,11 @@ def _marked(form: Form, mark: Any) -> Form:
         return {**form, "x-file": True}
     elif isinstance(mark, MinLen):
         return {**form, "minItems" if "items" in form else "minLength": mark.min_length}
-    elif isinstance(mark, BeforeValidator):
-        return _before(form, mark.func)
+    elif isinstance(mark, BeforeValidator) and mark.func is both_alike:
+        return {"anyOf": [form["prefixItems"][0], form]}
     elif isinstance(mark, AfterValidator) and hasattr(mark.func, "rule"):
         return {**form, "x-rule": mark.func.rule}
     return form
-
-
-def _before(form: Form, func: Any) -> Form:
-    """Form of what a converter takes beside what it makes."""
-    return {"anyOf": [form["prefixItems"][0], form]} if func is both_alike else form
 
 
 def in_words(form: Mapping[str, Any]) -> str:
@@ -130,7 +126,7 @@ def in_words(form: Mapping[str, Any]) -> str:
 
 
 def _several(forms: Sequence[Form]) -> str:
-    """What the second of two forms is, if an array of the first."""
+    """Words for the second of two forms if it is an array of the first; else empty."""
     if len(forms) == 2 and forms[1].get("items") == forms[0]:
         return "an array of them"
     inner = forms[1].get("prefixItems") if len(forms) == 2 else None
@@ -145,23 +141,24 @@ def _toml(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else str(value)
 
 
-def _walk(hint: Any) -> Iterator[Any]:
-    yield hint
-    yield from getattr(hint, "__metadata__", ())
-    for part in get_args(hint):
-        yield from _walk(part)
+def kinds_within(form: Form) -> list[str]:
+    """Kinds of plugin in a form and in what it is made of, each once."""
+    inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
+    inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
+    below = [kind for part in inner for kind in kinds_within(part)]
+    return list(dict.fromkeys([form["x-kind"], *below] if "x-kind" in form else below))
 
 
 def table_within(hint: Any) -> type | None:
     """Class of the tables that a field holds, if they are no components."""
-    for part in _walk(hint):
-        if not isinstance(part, type) or issubclass(part, Component):
-            continue
-        if issubclass(part, BaseModel) or is_dataclass(part):
-            return part
-    return None
+
+    def fits(cls: type) -> bool:
+        return not issubclass(cls, Component) and (issubclass(cls, BaseModel) or is_dataclass(cls))
+
+    table: type | None = class_within(hint, fits)
+    return table
 
 
 def unit_within(hint: Any) -> str | None:
     """SI unit of the numbers in a field."""
-    return next((part.symbol for part in _walk(hint) if isinstance(part, Unit)), None)
+    return next((part.symbol for part in parts_of(hint) if isinstance(part, Unit)), None)

@@ -7,7 +7,7 @@ from typing import Any
 from eigencontact.core.places import place_field
 from eigencontact.hooks.registry import Registry
 from eigencontact.reference.docstrings import summary
-from eigencontact.reference.forms import Form
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -23,13 +23,13 @@ def json_schema(registry: Registry) -> dict[str, Any]:
     dict
         The scene's own keys, and ``$defs``: each class of tables, each kind of plugin, each plugin.
     """
-    found = _Definitions(registry)
-    scene = found.table(Scene)
+    definitions = _Definitions(registry)
+    scene = definitions.table(Scene)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scene of eigencontact",
         **scene,
-        "$defs": found.definitions,
+        "$defs": definitions.definitions,
     }
 
 
@@ -56,7 +56,7 @@ class _Definitions:
 
     def _define(self, key: Key) -> None:
         """Make what a key refers to."""
-        for kind in _kinds(key.form):
+        for kind in kinds_within(key.form):
             if kind not in self.definitions:
                 self.definitions[kind] = {}  # a plugin may hold others of its kind
                 self.definitions[kind] = {"anyOf": [self._plugin(entry) for entry in self.registry.of_kind(kind)]}
@@ -68,9 +68,9 @@ class _Definitions:
 
     def _with_plugins(self, cls: type[ComponentTable]) -> dict[str, Any]:
         """Table of a plugin with keys of the scene beside its own: one for each plugin of the kind."""
-        own = self.table(cls)
-        beside = {name: form for name, form in own["properties"].items() if name != "type"}
-        needed = [name for name in own["required"] if name != "type"]
+        table_form = self.table(cls)
+        beside = {name: form for name, form in table_form["properties"].items() if name != "type"}
+        needed = [name for name in table_form["required"] if name != "type"]
         choices = []
         for entry in self.registry.of_kind(cls.kind):
             table = self._plugin(entry, beside)
@@ -80,15 +80,8 @@ class _Definitions:
         return {"anyOf": choices}
 
     def _plugin(self, entry: Any, beside: dict[str, Any] | None = None) -> dict[str, Any]:
-        named = {"type": {"const": self.registry.spelling(entry), "description": summary(entry.component)}}
-        return self.table(entry.component, {**named, **(beside or {})})
-
-
-def _kinds(form: Form) -> set[str]:
-    """Kinds of plugin in a form and in what it is made of."""
-    inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
-    inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
-    return ({form["x-kind"]} if "x-kind" in form else set()).union(*map(_kinds, inner))
+        type_form = {"type": {"const": self.registry.spelling(entry), "description": summary(entry.component)}}
+        return self.table(entry.component, {**type_form, **(beside or {})})
 
 
 def _property(key: Key) -> dict[str, Any]:

@@ -47,7 +47,7 @@ class Key:
 
     @property
     def takes(self) -> str:
-        """What the key may hold, in words."""
+        """Valid values of the key in words."""
         return in_words(self.form)
 
     def to_dict(self) -> dict[str, Any]:
@@ -66,12 +66,12 @@ class Key:
 
 def keys_of(cls: type) -> Iterator[Key]:
     """Keys of a table's class: a pydantic model, or a dataclass."""
-    known = meanings(cls)
+    meaning_of = meanings(cls)
     described = _of_model(cls) if issubclass(cls, BaseModel) else _of_dataclass(cls)
     for field, hint, required, default in described:
         yield Key(
             name=field.replace("_", "-"),
-            meaning=known.get(field, ""),
+            meaning=meaning_of.get(field, ""),
             form=form_of(hint),
             unit=unit_within(hint),
             required=required,

@@ -7,6 +7,7 @@ from typing import Any
 
 from eigencontact.errors import EigencontactError
 from eigencontact.hooks.registry import Registry
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -27,32 +28,32 @@ def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | N
         Dotted; the number of an array's only entry may be left out.
     """
     classes: list[type] = [Scene]
-    held: Any = tables
+    value: Any = tables
     key: Key | None = None
-    for part in place.split("."):
-        if isinstance(held, list):
-            number = int(part) if part.isdigit() else 0
-            held = held[number] if number < len(held) else None
-            if part.isdigit():
+    for word in place.split("."):
+        if isinstance(value, list):
+            number = int(word) if word.isdigit() else 0
+            value = value[number] if number < len(value) else None
+            if word.isdigit():
                 continue
-        if not isinstance(held, Mapping):
+        if not isinstance(value, Mapping):
             return None
-        name = part.replace("_", "-")
+        name = word.replace("_", "-")
         key = next((one for cls in classes for one in keys_of(cls) if one.name == name), None)
         if key is None:
             return None
-        held = held.get(name, held.get(part))
-        classes = _classes(registry, key, held)
+        value = value.get(name, value.get(word))
+        classes = _classes(registry, key, value)
     return key
 
 
-def _classes(registry: Registry, key: Key, held: Any) -> list[type]:
+def _classes(registry: Registry, key: Key, value: Any) -> list[type]:
     """Classes whose fields are the keys of what a key holds."""
-    kind = next((form["x-kind"] for form in (key.form, *key.form.get("anyOf", ())) if "x-kind" in form), None)
+    kind = next(iter(kinds_within(key.form)), None)
     classes = [] if key.table is None else [key.table]
     if key.table is not None and issubclass(key.table, ComponentTable):
         kind = key.table.kind
-    first = held[0] if isinstance(held, list) and held else held
+    first = value[0] if isinstance(value, list) and value else value
     if kind is not None and isinstance(first, Mapping) and isinstance(first.get("type"), str):
         try:
             classes.append(registry.get(kind, first["type"]).component)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from eigencontact.errors import SceneError, nearest
 from eigencontact.hooks.registry import Registry
 from eigencontact.reference.docstrings import summary
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -54,11 +55,11 @@ def one_table(registry: Registry, place: str) -> TableReference:
         A scene has no such table; names the nearest.
     """
     tables = all_tables(registry)
-    wanted = place.strip("[] ").replace("_", "-")
-    if wanted not in tables:
+    name = place.strip("[] ").replace("_", "-")
+    if name not in tables:
         names = [name for name in tables if name]
-        raise SceneError(f"a scene has no table {place!r}; tables: {', '.join(names)}{nearest(wanted, names)}")
-    return tables[wanted]
+        raise SceneError(f"a scene has no table {place!r}; tables: {', '.join(names)}{nearest(name, names)}")
+    return tables[name]
 
 
 def _walk(cls: type, place: str, registry: Registry, above: frozenset[type]) -> Iterator[TableReference]:
@@ -67,7 +68,7 @@ def _walk(cls: type, place: str, registry: Registry, above: frozenset[type]) -> 
     yield TableReference(place, summary(cls), keys, kind, _plugins(registry, kind))
     for key in keys:
         inner = f"{place}.{key.name}".strip(".")
-        kind = next((part["x-kind"] for part in (key.form, *key.form.get("anyOf", ())) if "x-kind" in part), None)
+        kind = next(iter(kinds_within(key.form)), None)
         if kind is not None:
             yield TableReference(inner, key.meaning, (), kind, _plugins(registry, kind))
         elif key.table is not None and key.table not in above:

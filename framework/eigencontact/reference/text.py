@@ -44,7 +44,7 @@ def _table_lines(table: TableReference, width: int) -> Iterator[str]:
 
 
 def key_lines(key: Mapping[str, Any], width: int = 100, indent: str = "  ") -> Iterator[str]:
-    """One key as plain data: what it takes and its default, then what it means."""
+    """Lines of one key, given as plain data: valid values and default, then the meaning."""
     inner, default = indent + "    ", _default(key)
     head = f"{indent}{key['name']}: {key['takes']}" + (f"; {default}" if default else "")
     yield from textwrap.wrap(head, width, subsequent_indent=inner)

@@ -21,20 +21,7 @@ _MARKED, _POINTS = 40, 600
 
 
 def chart(column: Column, steps: Sequence[int]) -> Markup:
-    """One number over the steps, in the unit of its scale.
-
-    Parameters
-    ----------
-    column : Column
-        The number.
-    steps : sequence of int
-        Numbers of the steps.
-
-    Returns
-    -------
-    Markup
-        An element ``svg`` with a title for those who do not see it.
-    """
+    """One number over the steps (given by their numbers), in the unit of its scale, as ``svg`` with a title."""
     points = [
         (float(step), value * column.scale.factor)
         for step, value in zip(steps, column.values, strict=True)
@@ -64,17 +51,13 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
 
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
-    """What a chart shows: first and last value, and the largest where it is neither."""
-    held = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
-    (first, begun), (last, ended) = held[0], held[-1]
-    ends = _said(column, begun), _said(column, ended)
+    """Content of a chart in words: first and last value, and the largest where it is neither."""
+    points = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
+    (first, begun), (last, ended) = points[0], points[-1]
+    ends = column.with_unit(begun), column.with_unit(ended)
     words = f"{ends[0]} at step {first}, {ends[1]} at step {last}"
-    largest = _said(column, column.largest)
+    largest = column.with_unit(column.largest)
     return words if largest in ends else f"{words}; largest {largest} at step {steps[column.at_largest]}"
-
-
-def _said(column: Column, value: float | None) -> str:
-    return f"{column.text(value)} {column.scale.unit}".strip()
 
 
 def _ticks(low: float, high: float) -> list[float]:
@@ -92,11 +75,11 @@ def _thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     if len(points) <= _POINTS:
         return points
     size = math.ceil(2 * len(points) / _POINTS)
-    kept = [points[0]]
+    extremes = [points[0]]
     for start in range(0, len(points), size):
         stretch = points[start : start + size]
-        kept += sorted({min(stretch, key=lambda point: point[1]), max(stretch, key=lambda point: point[1])})
-    return [*kept, points[-1]]
+        extremes += sorted({min(stretch, key=lambda point: point[1]), max(stretch, key=lambda point: point[1])})
+    return [*extremes, points[-1]]
 
 
 def _text(x: float, y: float, words: str, anchor: str) -> str:

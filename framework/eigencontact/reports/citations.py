@@ -16,15 +16,7 @@ _TEX = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "$": r"\$", "{": r"\{", 
 
 @dataclass(frozen=True)
 class Citation:
-    """One source.
-
-    Attributes
-    ----------
-    text : str
-        As the plugin or the solver names it.
-    before, doi, after : str
-        The same in three: `doi` is empty where the source has none.
-    """
+    """One source: its text, and the same in three parts, of which `doi` is empty where the source has nsource."""
 
     text: str
     before: str
@@ -40,13 +32,13 @@ def citations(references: Sequence[str]) -> list[Citation]:
     >>> citations(["H. Hertz 1882, doi:10.1515/crll.1882.92.156."])[0].doi
     '10.1515/crll.1882.92.156'
     """
-    found = []
+    sources = []
     for text in references:
         match = _DOI.search(text)
         doi = "" if match is None else _closed(match[1])
         start, end = (len(text), len(text)) if match is None else (match.start(), match.start(1) + len(doi))
-        found.append(Citation(text, text[:start], doi, text[end:]))
-    return found
+        sources.append(Citation(text, text[:start], doi, text[end:]))
+    return sources
 
 
 def _closed(doi: str) -> str:
@@ -56,7 +48,7 @@ def _closed(doi: str) -> str:
     return doi
 
 
-def as_bibtex(found: Sequence[Citation]) -> str:
+def as_bibtex(sources: Sequence[Citation]) -> str:
     """Entries of kind ``misc``: the source as it is named, its year and DOI; a reference manager fills in the rest.
 
     What has neither year nor DOI is no publication and has no entry.
@@ -70,24 +62,21 @@ def as_bibtex(found: Sequence[Citation]) -> str:
       doi = {10.1098/rsta.1929.0009},
     }
     """
-    entries, taken = [], dict[str, int]()
-    for one in found:
-        plain = one.before + one.after
+    entries, uses = [], dict[str, int]()
+    for source in sources:
+        plain = source.before + source.after
         year = next((match for pattern in _YEARS if (match := pattern.search(plain))), None)
-        if year is None and not one.doi:
+        if year is None and not source.doi:
             continue
-        name = _NAME.search(one.text)
+        name = _NAME.search(source.text)
         key = f"{name[0].lower() if name else 'source'}{year[1] if year else ''}"
-        taken[key] = taken.get(key, 0) + 1
-        if taken[key] > 1:
-            key += chr(ord("a") + taken[key] - 1)
-        words = f"{one.before.rstrip(' ,;(')}{one.after}".strip()
-        lines = [f"@misc{{{key},", f"  note = {{{_tex(words)}}},"]
+        uses[key] = uses.get(key, 0) + 1
+        if uses[key] > 1:
+            key += chr(ord("a") + uses[key] - 1)
+        words = f"{source.before.rstrip(' ,;(')}{source.after}".strip()
+        tex = "".join(_TEX.get(character, character) for character in words)
+        lines = [f"@misc{{{key},", f"  note = {{{tex}}},"]
         lines += [f"  year = {{{year[1]}}},"] if year else []
-        lines += [f"  doi = {{{one.doi}}},"] if one.doi else []
+        lines += [f"  doi = {{{source.doi}}},"] if source.doi else []
         entries.append("\n".join([*lines, "}"]))
     return "\n\n".join(entries)
-
-
-def _tex(text: str) -> str:
-    return "".join(_TEX.get(character, character) for character in text)

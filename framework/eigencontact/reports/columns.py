@@ -1,4 +1,4 @@
-"""The numbers of all steps, by what they are for: results, certificates, effort."""
+"""The numbers of all steps by what they are for: results, certificates, effort; and the result in a few sentences."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from eigencontact.core.numbers import Number
+from eigencontact.core.numbers import Number, headline_numbers
 from eigencontact.viz.style import Scale, scale_for
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from eigencontact.results.stored import Results
 
-__all__ = ["Column", "columns", "telling"]
+
+__all__ = ["Column", "answer", "cards", "columns", "telling"]
 
 #: Below these parts of the largest load, of that times the contact radius, and of that radius, forces, moments and
 #: lengths are round-off. Solvers balance moments to their tolerance only; friction and wear may be very small.
@@ -22,15 +25,7 @@ _ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12
 
 @dataclass(frozen=True)
 class Column:
-    """One number of every step.
-
-    Attributes
-    ----------
-    number : Number
-        Declaration.
-    values : list of float or None
-        By step; None where a step has none.
-    """
+    """One number of every step: its declaration, and its values by step, None where a step has none."""
 
     number: Number
     values: list[float | None]
@@ -54,18 +49,21 @@ class Column:
     def scale(self) -> Scale:
         """Engineering unit for all of them."""
         # Observers spell powers with a circumflex; a prefix belongs to what is raised.
-        found = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
-        return Scale(found.factor, found.unit.replace("m2", "m²").replace("m3", "m³"))
+        scale = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
+        return Scale(scale.factor, scale.unit.replace("m2", "m²").replace("m3", "m³"))
 
     @property
     def label(self) -> str:
         """Name in words, with the unit that the texts are in."""
-        words = self.name.replace("_", " ")
-        return f"{words} [{self.scale.unit}]" if self.scale.unit else words
+        return self.scale.label(self.name.replace("_", " "))
 
     def text(self, value: float | None) -> str:
         """A value in the unit of the scale, without it."""
         return "" if value is None else f"{value * self.scale.factor:.5g}"
+
+    def with_unit(self, value: float | None) -> str:
+        """A value in the unit of the scale, with it."""
+        return f"{self.text(value)} {self.scale.unit}".strip()
 
     @property
     def last(self) -> float | None:
@@ -86,8 +84,8 @@ class Column:
     @property
     def varies(self) -> bool:
         """Whether it changes from step to step."""
-        held = [value for value in self.values if value is not None]
-        return len(held) > 1 and max(held) - min(held) > _ROUND_OFF * max(map(abs, held))
+        values = [value for value in self.values if value is not None]
+        return len(values) > 1 and max(values) - min(values) > _ROUND_OFF * max(map(abs, values))
 
 
 def columns(dataset: Results) -> list[Column]:
@@ -103,13 +101,49 @@ def columns(dataset: Results) -> list[Column]:
     return [column for _, column in sorted(listed, key=lambda item: item[0])]
 
 
-def telling(found: list[Column]) -> list[Column]:
+def telling(columns_of_run: list[Column]) -> list[Column]:
     """Results among the numbers: neither certificates nor effort, nor what is zero, or round-off, in all steps."""
-    largest = {column.name: abs(column.largest or 0.0) for column in found}
+    largest = {column.name: abs(column.largest or 0.0) for column in columns_of_run}
     load, radius = largest.get("normal_load", 0.0), largest.get("contact_radius", 0.0)
     least = {"N": _ROUND_OFF * load, "N m": _MOMENT * load * radius, "m": _LENGTH * radius}
     return [
         column
-        for column in found
+        for column in columns_of_run
         if column.number.role == "result" and largest[column.name] > least.get(column.unit, 0.0)
     ]
+
+
+def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
+    """Sentences on the numbers of a run (all of them, with the numbers of its stored steps) after the last step.
+
+    A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction is
+    that of all cycles where the run skips some.
+    """
+    listed = list(columns)
+    by_name = {column.name: column for column in listed}
+    errors = {column.number.estimates: column for column in listed if column.number.estimates}
+    sentences = [_sentence(column, errors.get(column.name), steps) for column in cards(listed) if column.largest]
+    moved = (axis for axis in "xy" if f"shift_{axis}" in by_name and by_name[f"shift_{axis}"].varies)
+    return [*sentences, *(_stroke(by_name[f"shift_{axis}"], axis) for axis in moved)]
+
+
+def cards(columns: Iterable[Column]) -> list[Column]:
+    """Headline numbers, in the order of the columns, without those that another number replaces."""
+    by_name = {column.name: column for column in columns}
+    largest = {name: column.largest for name, column in by_name.items()}
+    return [by_name[number.name] for number in headline_numbers((c.number for c in by_name.values()), largest)]
+
+
+def _sentence(column: Column, error: Column | None, steps: Sequence[int]) -> str:
+    last, largest = column.with_unit(column.last), column.with_unit(column.largest)
+    text = f"{column.meaning[:1].upper()}{column.meaning[1:]}: {last}."
+    if column.varies and last != largest:
+        text = f"{text[:-1]}; the largest value is {largest}, at step {steps[column.at_largest]}."
+    if error is not None and error.last:
+        text = f"{text[:-1]} (estimated error {100 * error.last:.2g} %)."
+    return text
+
+
+def _stroke(column: Column, axis: str) -> str:
+    values = [value for value in column.values if value is not None]
+    return f"The shift along {axis} spans {column.with_unit(max(values) - min(values))} over all steps, peak to peak."

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from eigencontact import completion
+from eigencontact.command_help import QuietOption, refusals
 
 __all__ = ["report"]
 
@@ -26,20 +27,16 @@ def report(
         Path | None,
         typer.Option("-o", "--output", metavar="FILE", help="File of the page; by default report.html in RESULTS."),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Write one HTML page about a run or a sweep: scene, plan, certificates, numbers, pictures, times, sources to cite.
 
     Example: `eigencontact run hertz && eigencontact report hertz`
     """
     from eigencontact.core.units import readable
-    from eigencontact.errors import EigencontactError
     from eigencontact.reports.report import report as write
 
-    try:
+    with refusals(" "):
         page = write(results, output)
-    except EigencontactError as problem:
-        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
-        raise typer.Exit(problem.exit_code) from None
     if not quiet:
         typer.echo(f"{page}  one page, {readable(page.stat().st_size, 'B')}, that needs no network")

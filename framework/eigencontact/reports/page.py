@@ -23,18 +23,8 @@ _TEMPLATES = Path(__file__).parent / "templates"
 
 
 def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
-    """Fill in a template.
-
-    Parameters
-    ----------
-    template : str
-        ``"report.html"`` or ``"sweep.html"``.
-    scene : str
-        TOML to show.
-    content : mapping
-        What else the template names.
-    """
-    made = (
+    """Fill in a template, ``report.html`` or ``sweep.html``, with a scene (TOML) and what else the template names."""
+    text = (
         _environment()
         .get_template(template)
         .render(
@@ -46,20 +36,17 @@ def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
             scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(scene.encode()).decode()}",
         )
     )
-    return made if made.endswith("\n") else f"{made}\n"
+    return text if text.endswith("\n") else f"{text}\n"
 
 
 @cache
 def _environment() -> Environment:
-    made = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
-    )
-    made.filters |= {"readable": readable, "facts": _facts}
-    return made
+    )  # fmt: skip
+    environment.filters |= {"readable": readable, "facts": _facts}
+    return environment
 
 
 def _own(name: str) -> Markup:
@@ -78,11 +65,11 @@ def _highlighted(text: str) -> Markup:
 
 def _facts(lines: Sequence[str]) -> list[tuple[str, list[str]]]:
     """Lines of a plan as names with what is said of each."""
-    found: list[tuple[str, list[str]]] = []
+    facts: list[tuple[str, list[str]]] = []
     for line in lines:
         name, words = line[:FACT_NAME].strip(), line[FACT_NAME:]
-        if name or not found:
-            found.append((name, [words]))
+        if name or not facts:
+            facts.append((name, [words]))
         else:
-            found[-1][1].append(words)
-    return found
+            facts[-1][1].append(words)
+    return facts

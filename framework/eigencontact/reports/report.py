@@ -10,7 +10,6 @@ from eigencontact.reports.source import opened
 from eigencontact.results.ownership import REPORT, RESULTS
 
 if TYPE_CHECKING:
-    from eigencontact.reports.columns import Column
     from eigencontact.reports.source import Source
 
 __all__ = ["report"]
@@ -109,30 +108,32 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
-    from eigencontact.reports.answer import answer, cards
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
-    from eigencontact.reports.columns import columns, telling
+    from eigencontact.reports.columns import answer, cards, columns, telling
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
 
-    found = columns(source.dataset)
-    numbers = telling(found)
+    every = columns(source.dataset)
+    numbers = telling(every)
     drawn, anew = pictures_of(source)
     cited = citations(source.references)
-    printed = _printed(len(source.steps), numbers)
+    last = len(source.steps) - 1
+    # Positions of steps that the table keeps on paper, and of all that it shows.
+    printed = {0, last, *(column.at_largest for column in numbers if column.varies)}
+    rows = sorted({*range(0, last, -(-(last + 1) // _ROWS)), *printed})
     return {
         "title": source.title,
         "sections": SECTIONS,
         "made_by": source.dataset.attrs["eigencontact_version"],
         "source": source,
-        "answer": answer(found, source.steps),
+        "answer": answer(every, source.steps),
         "cards": cards(numbers),
-        "rows": sorted({*_rows(len(source.steps)), *printed}),
+        "rows": rows,
         "printed": printed,
         "numbers": numbers,
-        "certificates": [column for column in found if column.number.role in ("certificate", "error")],
-        "effort": [column for column in found if column.number.role == "effort"],
+        "certificates": [column for column in every if column.number.role in ("certificate", "error")],
+        "effort": [column for column in every if column.number.role == "effort"],
         "charts": [
             (column, chart(column, source.steps), in_words(column, source.steps)) for column in numbers if column.varies
         ],
@@ -143,14 +144,3 @@ def _content(source: Source) -> dict[str, Any]:
         "citations": cited,
         "bibtex": as_bibtex(cited),
     }
-
-
-def _rows(count: int) -> list[int]:
-    """Positions of the steps that the table shows."""
-    every = -(-count // _ROWS)
-    return [*range(0, count - 1, every), count - 1]
-
-
-def _printed(count: int, numbers: list[Column]) -> set[int]:
-    """Positions that the table keeps on paper: the first and the last step, and those where a number is largest."""
-    return {0, count - 1, *(column.at_largest for column in numbers if column.varies)}

@@ -12,11 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.results.atomic import DAMAGE, of_this_version
+from eigencontact.results.atomic import DAMAGE, of_this_version, read_json
+from eigencontact.results.join import join_unfinished, stored_files
 from eigencontact.results.ownership import RESULTS, SUMMARY
 from eigencontact.results.reader import results_file
 from eigencontact.results.stored import open_stored
-from eigencontact.results.unfinished import join_unfinished, stored_files
 
 if TYPE_CHECKING:
     from eigencontact.results.stored import Results
@@ -26,18 +26,9 @@ __all__ = ["Source", "opened"]
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Results of a run, open.
+    """Results of a run, open: the file where they lie, or would lie, its stored steps, and whether these are all.
 
-    Attributes
-    ----------
-    file : Path
-        Where the results lie; where they would lie, of a run that is not finished.
-    dataset : Results
-        All steps that are stored.
-    finished : bool
-        Whether these are all steps.
-    summary : mapping
-        The contents of ``summary.json``; empty where there is none of this run.
+    `summary` holds the contents of ``summary.json``; it is empty where there is none of this run.
     """
 
     file: Path
@@ -88,17 +79,9 @@ class Source:
 
 @contextmanager
 def opened(results: str | Path) -> Iterator[Source]:
-    """Open the results of a run; those of an unfinished one as far as they go.
+    """Open the results of a run, a folder or its ``results.nc``; those of an unfinished one as far as they go.
 
-    Parameters
-    ----------
-    results : str or Path
-        The folder of a run, or its ``results.nc``.
-
-    Raises
-    ------
-    ResultsError
-        When there is nothing, or a file that is damaged or not ours.
+    `ResultsError` when there is nothing, or a file that is damaged or not ours.
     """
     from jinja2 import TemplateError
 
@@ -112,7 +95,9 @@ def opened(results: str | Path) -> Iterator[Source]:
         return
     file = results_file(results)
     with open_stored(file) as dataset:
-        summary = _summary(file.parent / SUMMARY, str(dataset.attrs.get("scene_hash")))
+        summary = read_json(file.parent / SUMMARY)
+        if summary.get("scene_hash") != str(dataset.attrs.get("scene_hash")):  # of another scene
+            summary = {}
         with of_this_version(file, (*DAMAGE, TemplateError)):  # the template finds no name that it shows
             yield Source(file=file, dataset=dataset, finished=True, summary=summary)
 
@@ -120,16 +105,7 @@ def opened(results: str | Path) -> Iterator[Source]:
 def _folder(results: str | Path) -> Path | None:
     """Folder that is meant, where a path is one."""
     try:
-        given = Path(results)
-        return given if given.is_dir() else given.parent if given.name == RESULTS else None
+        path = Path(results)
+        return path if path.is_dir() else path.parent if path.name == RESULTS else None
     except (OSError, TypeError, ValueError):  # `results_file` says what is wrong with it
         return None
-
-
-def _summary(path: Path, scene_hash: str) -> dict[str, Any]:
-    """The summary beside the results, unless it is that of another scene, damaged, or missing."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        return dict(found) if found["scene_hash"] == scene_hash else {}
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return {}

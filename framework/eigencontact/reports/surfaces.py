@@ -51,7 +51,7 @@ def surfaces(dataset: Results) -> list[dict[str, Any]]:
     if "x" not in dataset or "y" not in dataset:
         return []
     places = _places(dataset)
-    found = []
+    fields = []
     for name, (words, sign, cropped) in _FIELDS.items():
         values = _values(dataset, name, places)
         if values is None or not np.any(values):
@@ -60,8 +60,8 @@ def surfaces(dataset: Results) -> list[dict[str, Any]]:
         scale = scale_for(values, unit_of(_OF.get(name, name)))
         about = {"name": name, "words": words, "sign": sign, "unit": scale.unit, "factor": scale.factor}
         if min(field["shape"]) > 1:
-            found.append({**about, **field})
-    return found
+            fields.append({**about, **field})
+    return fields
 
 
 def _places(dataset: Results) -> list[int]:
@@ -77,16 +77,15 @@ def _places(dataset: Results) -> list[int]:
 def _values(dataset: Results, name: str, places: list[int]) -> NDArray[Any] | None:
     """The field at these steps, (n, ny, nx), in SI units; None where there is none. What is missing is zero."""
     if name == "shear":
-        parts = [_values(dataset, f"shear_{axis}", places) for axis in "xy"]
-        held = [part for part in parts if part is not None]
-        return np.asarray(np.sqrt(np.sum(np.square(held), axis=0))) if held else None
+        fields = [_values(dataset, f"shear_{axis}", places) for axis in "xy"]
+        components = [field for field in fields if field is not None]
+        return np.asarray(np.sqrt(np.sum(np.square(components), axis=0))) if components else None
     if name == "uplift":
         sunk = _values(dataset, _OF[name], places)
         return None if sunk is None else -sunk
     if name not in dataset or dataset[name].dims != ("step", "y", "x"):
         return None
-    held = [np.asarray(dataset[name][at].values, dtype=float) for at in places]
-    return np.asarray(np.nan_to_num(held))
+    return np.asarray(np.nan_to_num([np.asarray(dataset[name][at].values, dtype=float) for at in places]))
 
 
 def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped: bool) -> dict[str, Any]:

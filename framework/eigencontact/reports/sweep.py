@@ -10,7 +10,7 @@ from typing import Any
 
 from eigencontact.core.numbers import Number
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import DAMAGE, reason
+from eigencontact.results.atomic import DAMAGE, read_json, reason
 from eigencontact.results.ownership import RESULTS, SUMMARY, is_ours
 
 __all__ = ["Sweep", "content_of", "open_sweep"]
@@ -29,17 +29,7 @@ _SECTIONS = {
 
 @dataclass(frozen=True)
 class Sweep:
-    """A sweep as it is stored.
-
-    Attributes
-    ----------
-    folder : Path
-        Its own.
-    vary : dict of str to list
-        Values by key of the scene.
-    variants : list of dict
-        ``folder`` and ``values`` by key.
-    """
+    """A stored sweep: its folder, the values by key of the scene, ``folder`` and ``values`` of each variant."""
 
     folder: Path
     vary: dict[str, list[Any]]
@@ -48,25 +38,25 @@ class Sweep:
     @cached_property
     def summaries(self) -> list[dict[str, Any]]:
         """Contents of the ``summary.json`` of every variant; empty where it failed."""
-        return [_read(self.folder / one["folder"] / SUMMARY) for one in self.variants]
+        return [read_json(self.folder / variant["folder"] / SUMMARY) for variant in self.variants]
 
     @cached_property
     def failed(self) -> list[str]:
         """Why each variant has no numbers; empty where it has."""
-        found = []
-        for one, summary in zip(self.variants, self.summaries, strict=True):
-            told = _read(self.folder / one["folder"] / _FAILED)
-            found.append("" if summary else str(told.get("failed", "it was not run")))
-        return found
+        records = [read_json(self.folder / variant["folder"] / _FAILED) for variant in self.variants]
+        return [
+            "" if summary else str(record.get("failed", "it was not run"))
+            for record, summary in zip(records, self.summaries, strict=True)
+        ]
 
     @cached_property
     def first(self) -> dict[str, Any]:
         """Attributes of the results of the first variant that has some; empty where none has."""
         from eigencontact.results.stored import open_stored
 
-        for one, summary in zip(self.variants, self.summaries, strict=True):
+        for variant, summary in zip(self.variants, self.summaries, strict=True):
             if summary:
-                with open_stored(self.folder / one["folder"] / RESULTS) as dataset:
+                with open_stored(self.folder / variant["folder"] / RESULTS) as dataset:
                     return dict(dataset.attrs)
         return {}
 
@@ -91,9 +81,9 @@ def open_sweep(results: str | Path) -> Sweep | None:
     except (OSError, TypeError, ValueError):  # what it is instead is said where a run is opened
         return None
     try:
-        found = json.loads((folder / _SWEEP).read_text(encoding="utf-8"))
-        variants = [{"folder": str(one["folder"]), "values": dict(one["values"])} for one in found["variants"]]
-        return Sweep(folder, {str(key): list(values) for key, values in found["vary"].items()}, variants)
+        table = json.loads((folder / _SWEEP).read_text(encoding="utf-8"))
+        variants = [{"folder": str(item["folder"]), "values": dict(item["values"])} for item in table["variants"]]
+        return Sweep(folder, {str(key): list(values) for key, values in table["vary"].items()}, variants)
     except DAMAGE as problem:
         raise ResultsError(
             f"{folder / _SWEEP} must describe a sweep as this version writes it (got {type(problem).__name__}: "
@@ -108,11 +98,11 @@ def content_of(sweep: Sweep) -> dict[str, Any]:
     from eigencontact.reports.pictures import read_pictures
 
     declared = {name: table for summary in sweep.summaries for name, table in summary.get("numbers", {}).items()}
-    every = []
-    for name, table in declared.items():
-        values = [_number(summary, name) for summary in sweep.summaries]
-        if any(value is not None for value in values):
-            every.append(Column(Number(**table), values))
+    every = [
+        Column(Number(**table), [_number(summary, name) for summary in sweep.summaries])
+        for name, table in declared.items()
+    ]
+    every = [column for column in every if column.largest is not None]
     numbers = telling(every)
     drawn = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
     against = ", ".join(sweep.vary)
@@ -144,16 +134,8 @@ def _number(summary: dict[str, Any], name: str) -> float | None:
 
 def _warnings(sweep: Sweep) -> list[tuple[str, list[str]]]:
     """Each warning, and the variants that have it."""
-    found: dict[str, list[str]] = {}
-    for one, summary in zip(sweep.variants, sweep.summaries, strict=True):
+    folders: dict[str, list[str]] = {}
+    for variant, summary in zip(sweep.variants, sweep.summaries, strict=True):
         for caution in summary.get("warnings", []):
-            found.setdefault(f"{caution['words']} ({caution['code']})", []).append(one["folder"])
-    return list(found.items())
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """A JSON file of ours; empty where there is none that can be read."""
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, RecursionError):
-        return {}
+            folders.setdefault(f"{caution['words']} ({caution['code']})", []).append(variant["folder"])
+    return list(folders.items())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -12,7 +13,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["DAMAGE", "Sink", "of_this_version", "open_hdf5", "partial_name", "reason", "replacing", "writable_folder"]
+__all__ = [
+    "DAMAGE",
+    "Sink",
+    "of_this_version",
+    "open_hdf5",
+    "partial_name",
+    "read_json",
+    "reason",
+    "replacing",
+    "writable_folder",
+]
 
 
 #: What the HDF5 libraries raise on files that are damaged or not what they should be.
@@ -21,15 +32,7 @@ DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeEr
 
 @contextmanager
 def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) -> Iterator[None]:
-    """Run code that relies on the contents of a results file; damage raises one clear error.
-
-    Parameters
-    ----------
-    file : Path
-        For the message.
-    damage : tuple of types
-        Exceptions that mean damage.
-    """
+    """Run code that relies on the contents of a results file; exceptions that mean damage raise one clear error."""
     try:
         yield
     except damage as problem:
@@ -182,6 +185,14 @@ def replacing(
     except BaseException:
         _discard(partial)
         raise
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Table in a JSON file; empty where there is none that can be read."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, RecursionError):
+        return {}
 
 
 class _Inside(Exception):

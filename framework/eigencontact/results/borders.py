@@ -1,16 +1,17 @@
-"""Borders of inclusions that results store for pictures: on planes through them, and along line regions."""
+"""Variables of a results file, and borders of inclusions that it stores for pictures: on planes, and along lines."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.results.variable import Variable
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
 
-__all__ = ["LineBorders", "Section", "border_variables", "line_variables"]
+__all__ = ["LineBorders", "Section", "Variable", "border_variables", "line_variables"]
 
 FloatArray = NDArray[np.float64]
 
@@ -97,3 +98,13 @@ def line_variables(lines: Mapping[str, LineBorders]) -> Iterator[Variable]:
         for name, (values, meaning) in columns.items():
             attrs: dict[str, str | int] = {"role": "outline", "units": "1", "long_name": meaning, "region": region}
             yield Variable(name=f"{region}_{name}", dims=(f"{region}_point",), values=values, attrs=attrs)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Variable:
+    """One array of a results file: its dimensions (``step`` first where it changes), values and attributes."""
+
+    name: str
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, str | int] = field(default_factory=dict)

@@ -37,6 +37,7 @@ _MOTIONS = {
     "y": ("shift y", "m", "force y", "N"),
     "twist": ("twist", "rad", "torsion", "N m"),
 }
+_MODES = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
 
 
@@ -58,10 +59,9 @@ def driven_motions(history: Mapping[str, FloatArray]) -> list[str]:
     def largest(name: str) -> float:
         return float(np.nanmax(np.abs(history[name]), initial=0.0)) if name in history else 0.0
 
-    modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
     motions = []
-    for motion, mode in modes.items():
-        alike = [mode] if motion == "twist" else [modes["x"], modes["y"]]
+    for motion, mode in _MODES.items():
+        alike = [mode] if motion == "twist" else [_MODES["x"], _MODES["y"]]
         arm = largest("contact_radius") if motion == "twist" else 1.0
         leads = all(
             largest(getattr(mode, side)) > _BY_PRODUCT * max(largest(getattr(rival, side)) for rival in alike)
@@ -142,10 +142,9 @@ def _table_columns(columns: Mapping[str, FloatArray], motions: Sequence[str]) ->
     """Heading, unit and values of each column."""
     choice = [("load", "N", "normal_load")]
     if "slip_fraction" in columns:
-        modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
         for motion in motions:
             way, way_unit, force, force_unit = _MOTIONS[motion]
-            choice += [(way, way_unit, modes[motion].displacement), (force, force_unit, modes[motion].force)]
+            choice += [(way, way_unit, _MODES[motion].displacement), (force, force_unit, _MODES[motion].force)]
         if not motions:
             choice.append(("radius", "m", "contact_radius"))
     else:
@@ -175,8 +174,7 @@ def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[li
     positions = {0, count - 1}
     if "time" in columns:
         positions |= set(np.flatnonzero(np.abs(columns["time"] - np.round(columns["time"])) < _ROUND_OFF).tolist())
-    modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
-    for name in ("normal_load", *(modes[motion].displacement for motion in motions)):
+    for name in ("normal_load", *(_MODES[motion].displacement for motion in motions)):
         moves = np.diff(columns[name])
         moves[np.abs(moves) < _ROUND_OFF * np.nanmax(np.abs(columns[name]), initial=0.0)] = 0.0
         positions |= set((np.flatnonzero(moves[1:] * moves[:-1] < 0.0) + 1).tolist())

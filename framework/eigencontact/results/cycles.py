@@ -162,11 +162,8 @@ def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
     pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
     works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
     driven = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
-    return (
-        np.stack([values / np.ptp(values) for pair in driven for values in pair], axis=-1)
-        if driven
-        else np.zeros((0, 0))
-    )
+    scaled = [values / np.ptp(values) for pair in driven for values in pair]
+    return np.stack(scaled, axis=-1) if scaled else np.zeros((0, 0))
 
 
 def _ends(states: NDArray[np.float64]) -> tuple[int, int] | None:

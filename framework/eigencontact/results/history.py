@@ -8,13 +8,13 @@ their role is ``history``. Six components are those of a Mandel vector: shears t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.results.layout import TEXT, Variable, axis_attributes
+from eigencontact.results.layout import TEXT, Variable, axis_attributes, axis_coordinate, coordinate
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 if TYPE_CHECKING:
@@ -61,26 +61,20 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
 
 def history_variables(record: StepRecord) -> Iterator[Variable]:
     """Coordinates, and everything remembered, each once."""
-    attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "step whose history is kept"}
-    yield Variable(name=HISTORY_STEP, dims=(HISTORY_STEP,), values=np.array([record.index]), attrs=attrs)
+    yield coordinate(HISTORY_STEP, [record.index], "step whose history is kept")
     if any(len(item.values) == len(_MANDEL) for item in record.history.values()):
-        attrs = {"role": "coordinate", "units": "1", "long_name": "component of a Mandel vector"}
-        yield Variable(name="mandel", dims=("mandel",), values=np.array(_MANDEL, dtype=TEXT), attrs=attrs)
+        yield coordinate("mandel", np.array(_MANDEL, dtype=TEXT), "component of a Mandel vector")
     of_cells = {item.body: item.coords for item in record.history.values() if "z" in item.coords}
     on_surface = [item.coords for item in record.history.values() if item.coords and "z" not in item.coords]
     for body, coords in of_cells.items():
-        yield from _centres(body, coords)
+        for axis, values in coords.items():
+            name = f"cells_{body}_{axis}"
+            attrs = {**axis_attributes(axis), "long_name": f"centres of cells, {axis}"}
+            yield Variable(name=name, dims=(name,), values=np.asarray(values, dtype=float), attrs=attrs)
     for axis, values in on_surface[0].items() if on_surface else ():
-        yield Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
+        yield axis_coordinate(axis, values)
     for item in record.history.values():
         yield _variable_of(item)
-
-
-def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
-    for axis, values in coords.items():
-        name = f"cells_{body}_{axis}"
-        attrs = {**axis_attributes(axis), "long_name": f"centres of cells, {axis}"}
-        yield Variable(name=name, dims=(name,), values=np.asarray(values, dtype=float), attrs=attrs)
 
 
 def _variable_of(item: HistoryRecord) -> Variable:

@@ -1,8 +1,10 @@
-"""Steps joined along ``step``: into one results file, a few steps in memory at a time, or into a dataset in memory."""
+"""Steps joined along ``step``: into one results file, a few steps in memory at a time, or into a dataset in memory.
+
+The steps of an unfinished run are joined elsewhere as if it were finished; the run itself is left as it is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,15 +14,19 @@ import numpy as np
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
-from eigencontact.results.history import HISTORY_STEP
+from eigencontact.results.history import HISTORY_STEP, history_name
 from eigencontact.results.netcdf import fill, lay_out
+from eigencontact.results.ownership import RESULTS, STEPS
 from eigencontact.results.part import Part, open_part
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["dataset_of", "join_steps"]
+__all__ = ["dataset_of", "join_steps", "join_unfinished", "stored_files"]
 
 #: Largest size of a variable [bytes] in the group of steps that are joined together.
 _GROUP_BYTES = 2**25
@@ -29,8 +35,8 @@ _GROUP = 64
 
 
 @dataclass(slots=True)
-class _Column:
-    """A joined variable: what it looks like in a step, how many steps there are, and in how many it occurs."""
+class Column:
+    """A joined variable: its form in a step, how many steps there are, and in how many it occurs."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -57,20 +63,11 @@ class _Column:
 
 
 def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[Path | Part] = ()) -> None:
-    """Join steps into one netCDF-4 file.
+    """Join steps, and histories after some of them, in order, into one netCDF-4 file; it is replaced atomically.
 
     A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others. Numbers
     are stored as they are, but for bands of large fields that are zero, which are left out. The layout was chosen by
     ``python -m eigencontact_verification.benchmarks store``: compression takes 4 to 10 times as long as writing.
-
-    Parameters
-    ----------
-    target : Path
-        The results file; replaced atomically.
-    steps : sequence of Path or Part
-        Steps or their files, in order.
-    histories : sequence of Path or Part
-        What the bodies remember after some of them, in order.
 
     Raises
     ------
@@ -123,9 +120,9 @@ def _attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 
 def _columns(
     steps: Sequence[Path | Part], histories: Sequence[Path | Part]
-) -> tuple[dict[str, _Column], dict[str, _Column], dict[str, Any]]:
+) -> tuple[dict[str, Column], dict[str, Column], dict[str, Any]]:
     """All variables of the steps and of the last history, and the attributes of the last step."""
-    columns: dict[str, _Column] = {}
+    columns: dict[str, Column] = {}
     regions: set[str] = set()
     attrs: dict[str, Any] = {}
     for step in steps:
@@ -142,7 +139,7 @@ def _columns(
             f"sub-surface points must be the same in all steps (got {len(regions)} different sets); "
             "give every step the same regions"
         )
-    remembered: dict[str, _Column] = {}
+    remembered: dict[str, Column] = {}
     for history in histories[-1:]:  # the cells of a body only grow
         with _opened(history) as part, _damage_named(history):
             remembered = {name: _column(variable, len(histories)) for name, variable in part.items()}
@@ -153,13 +150,13 @@ def _columns(
     return columns, remembered, attrs
 
 
-def _column(variable: Any, steps: int) -> _Column:
+def _column(variable: Any, steps: int) -> Column:
     attrs = dict(variable.attrs)
     dims = tuple(str(attrs.pop("dims")).split())
-    return _Column(dims, tuple(variable.shape), np.dtype(variable.dtype), attrs, steps)
+    return Column(dims, tuple(variable.shape), np.dtype(variable.dtype), attrs, steps)
 
 
-def _values(sources: Sequence[Path | Part], columns: Mapping[str, _Column]) -> Iterator[tuple[str, NDArray[Any]]]:
+def _values(sources: Sequence[Path | Part], columns: Mapping[str, Column]) -> Iterator[tuple[str, NDArray[Any]]]:
     """Each variable of some steps, joined over them; constant variables from the last step."""
     with ExitStack() as stack:
         parts = [(source, stack.enter_context(_opened(source))) for source in sources]
@@ -179,7 +176,7 @@ def _values(sources: Sequence[Path | Part], columns: Mapping[str, _Column]) -> I
             yield name, values
 
 
-def _place(part: Any, variable: Any, column: _Column, columns: Mapping[str, _Column]) -> tuple[Any, ...]:
+def _place(part: Any, variable: Any, column: Column, columns: Mapping[str, Column]) -> tuple[Any, ...]:
     """Position of the cells of an earlier, smaller box in the box of the last step."""
     if variable.shape[1:] == column.shape[1:]:
         return ()
@@ -215,3 +212,30 @@ def _damage_named(source: Path | Part) -> Iterator[None]:
             f"{source} must be a complete step (got: {reason(error)}); --resume computes it and those after it again "
             "and keeps the steps before it"
         ) from error
+
+
+def stored_files(folder: Path) -> list[Path]:
+    """Files of the steps 1, 2, ... of an unfinished run, up to the first gap; none where a run is finished."""
+    steps = folder / STEPS
+    if (folder / RESULTS).exists() or not steps.is_dir():
+        return []
+    files: list[Path] = []
+    while True:
+        candidates = [steps / f"{len(files) + 1:04d}.{ending}" for ending in ("step", "h5")]  # .h5 of earlier versions
+        existing = [path for path in candidates if path.exists()]
+        if not existing:
+            return files
+        files.append(existing[0])
+
+
+def join_unfinished(folder: Path, target: Path) -> int:
+    """Join the stored steps of an unfinished run, and what its bodies remember after the last, into another file.
+
+    Returns the number of steps; nothing is written where it is 0. `ResultsError` when a step is damaged, or the file
+    cannot be stored.
+    """
+    steps = stored_files(folder)
+    if steps:
+        beside = history_name(steps[-1])
+        join_steps(target, steps, [beside] if beside.exists() else [])
+    return len(steps)

@@ -18,8 +18,7 @@ from eigencontact.core.numbers import Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import ResultsError
-from eigencontact.results.borders import border_variables, line_variables
-from eigencontact.results.variable import Variable
+from eigencontact.results.borders import Variable, border_variables, line_variables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,7 +26,8 @@ if TYPE_CHECKING:
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
 __all__ = [
-    "AXES", "FORMAT", "TEXT", "Variable", "attributes", "axis_attributes", "described", "variables",
+    "AXES", "FORMAT", "TEXT", "Variable", "attributes", "axis_attributes", "axis_coordinate", "coordinate",
+    "described", "variables",
 ]  # fmt: skip
 
 #: Value of the attribute ``format`` of every file of this layout.
@@ -115,31 +115,29 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     return listed
 
 
+def coordinate(name: str, values: Any, meaning: str, dim: str = "", unit: str = "1") -> Variable:
+    """Coordinate along a dimension, by default its own."""
+    attrs: dict[str, str | int] = {"role": "coordinate", "units": unit, "long_name": meaning}
+    return Variable(name=name, dims=(dim or name,), values=np.asarray(values), attrs=attrs)
+
+
+def axis_coordinate(axis: str, values: Any) -> Variable:
+    """Coordinate of the cells of the surface along x or y."""
+    return Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
+
+
 def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
-    yield Variable(
-        name="step",
-        dims=("step",),
-        values=np.array([record.index]),
-        attrs={"role": "coordinate", "units": "1", "long_name": "accepted step"},
-    )
-    yield Variable(
-        name="time",
-        dims=("step",),
-        values=np.array([record.time]),
-        attrs={"role": "coordinate", "units": "1", "long_name": "position in the load history, in load steps"},
-    )
-    for axis, values in (("y", info.grid.y), ("x", info.grid.x)):
-        yield Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
+    yield coordinate("step", [record.index], "accepted step")
+    yield coordinate("time", [record.time], "position in the load history, in load steps", "step")
+    yield axis_coordinate("y", info.grid.y)
+    yield axis_coordinate("x", info.grid.x)
     fields = {name for region in record.regions.values() for name in region.fields}
     if fields & {"stress", "strain"}:
-        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "component of stress or strain"}
-        yield Variable(name="component", dims=("component",), values=np.array(COMPONENTS, dtype=TEXT), attrs=attrs)
+        yield coordinate("component", np.array(COMPONENTS, dtype=TEXT), "component of stress or strain")
     if "displacement" in fields:
-        attrs = {"role": "coordinate", "units": "1", "long_name": "direction"}
-        yield Variable(name="axis", dims=("axis",), values=np.array(["x", "y", "z"], dtype=TEXT), attrs=attrs)
+        yield coordinate("axis", np.array(["x", "y", "z"], dtype=TEXT), "direction")
     if "principal" in fields:
-        attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
-        yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)
+        yield coordinate("principal", [1, 2, 3], "principal stress, 1 is the largest")
 
 
 def _load_history(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
@@ -150,12 +148,10 @@ def _load_history(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
             cycle = before + int(np.ceil((record.time - begin) / ramps - SAME_TIME))
         before += repeat
     if info.cycles:
-        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "cycle of the load history"}
-        yield Variable(name="load_cycle", dims=("step",), values=np.array([cycle]), attrs=attrs)
+        yield coordinate("load_cycle", [cycle], "cycle of the load history", "step")
     if info.sliding:
         path = np.interp([record.time], np.arange(len(info.sliding)), info.sliding)
-        attrs = {"role": "coordinate", "units": "m", "long_name": "path that the surfaces slid all over the contact"}
-        yield Variable(name="sliding_path", dims=("step",), values=path, attrs=attrs)
+        yield coordinate("sliding_path", path, "path that the surfaces slid all over the contact", "step", "m")
 
 
 def _outlines(info: RunInfo) -> Iterator[Variable]:

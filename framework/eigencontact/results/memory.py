@@ -19,13 +19,7 @@ __all__ = ["MemoryStore"]
 
 @dataclass(slots=True)
 class MemoryStore:
-    """Steps of one run, as `eigencontact.results.store.ResultStore` would store them.
-
-    Attributes
-    ----------
-    info : RunInfo
-        What holds for all steps.
-    """
+    """Steps of one run, as `eigencontact.results.store.ResultStore` would store them; `info` holds for all steps."""
 
     info: RunInfo
     _steps: list[Part] = field(default_factory=list)

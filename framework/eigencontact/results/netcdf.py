@@ -11,7 +11,7 @@ netCDF-4 files with HDF5"; HDF5 dimension scale specification.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import DTypeLike, NDArray
 
-__all__ = ["Layout", "fill", "lay_out"]
+    from eigencontact.results.join import Column
+
+__all__ = ["fill", "lay_out"]
 
 #: Size of fields [bytes] from which on they are stored in bands; smaller ones are written faster whole.
 _LARGE = 2**22
@@ -33,41 +35,12 @@ _BAND = 2**20
 _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
-class Layout(Protocol):
-    """Dimensions, type and attributes of a variable."""
-
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """Names of its dimensions."""
-
-    @property
-    def dtype(self) -> DTypeLike:
-        """Numbers, or texts of any length (`eigencontact.results.layout.TEXT`)."""
-
-    @property
-    def attrs(self) -> Mapping[str, Any]:
-        """Texts, numbers, or lists of numbers."""
-
-    @property
-    def missing(self) -> bool:
-        """Whether values may be missing; they are NaN."""
-
-
 def lay_out(
-    file: Any, dimensions: Mapping[str, int], variables: Mapping[str, Layout], attrs: Mapping[str, Any]
+    file: Any, dimensions: Mapping[str, int], variables: Mapping[str, Column], attrs: Mapping[str, Any]
 ) -> None:
-    """Make all variables of an empty HDF5 file; they are filled afterwards.
+    """Make all variables of an empty HDF5 file, with the size of every dimension; they are filled afterwards.
 
-    Parameters
-    ----------
-    file : h5py.File
-        Where to.
-    dimensions : mapping of str to int
-        Size of every dimension.
-    variables : mapping of str to Layout
-        One that bears the name of a dimension is its coordinate.
-    attrs : mapping
-        Attributes of the whole.
+    A variable that bears the name of a dimension is its coordinate.
     """
     import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]
 

@@ -8,12 +8,12 @@ them. Any other file is left alone, and what would have its name is refused befo
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
 from eigencontact.core.names import ANIMATION, OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import read_json
 
 __all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
 
@@ -44,10 +44,10 @@ def is_ours(path: Path) -> bool:
 
 def listed_files(folder: Path) -> list[str]:
     """Names of the files in the list of a folder's summary; none without a summary of this program."""
+    summary = read_json(folder / SUMMARY)
     try:
-        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         return [str(name) for name in summary["files"]] if "scene_hash" in summary else []
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (KeyError, TypeError):
         return []
 
 
@@ -60,21 +60,10 @@ def refuse_foreign(
     vtk: bool,
     animation: bool = False,
 ) -> None:
-    """Refuse a folder with foreign files under names of a run or of its pictures.
+    """Refuse a folder, missing or not, with foreign files under names of a run, of its regions or of its pictures.
 
-    Parameters
-    ----------
-    folder : Path
-        Where files will go; it may be missing.
-    regions : list of str
-        Names of the sub-surface regions.
-    summary, pictures, vtk, animation : bool
-        What will be written; of pictures the ending, where it is not ``png``.
-
-    Raises
-    ------
-    ResultsError
-        Names the first such file.
+    The flags say what will be written; `pictures` may be their ending where it is not ``png``. The `ResultsError` names
+    the first such file.
     """
     try:
         present = sorted(folder.iterdir())
@@ -88,14 +77,11 @@ def refuse_foreign(
     used = [rf"({stems})\.{ending}"] * bool(pictures) + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
     used += [re.escape(SUMMARY)] * summary + [rf"{ANIMATION}\.(gif|mp4)"] * animation
     for path in present:
-        if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used) and not is_ours(path):
-            raise ResultsError(
-                f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "
-                "would be replaced); move it away, rename the region that asks for it, or choose another folder with -o"
-            )
+        if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used):
+            refuse_foreign_file(path, "rename the region that asks for it, ")
 
 
-def refuse_foreign_file(path: Path) -> None:
+def refuse_foreign_file(path: Path, remedy: str = "") -> None:
     """Refuse to replace one file that this package did not write.
 
     Raises
@@ -106,7 +92,7 @@ def refuse_foreign_file(path: Path) -> None:
     if path.exists() and not is_ours(path):
         raise ResultsError(
             f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "
-            "would be replaced); move it away, or choose another folder with -o"
+            f"would be replaced); move it away, {remedy}or choose another folder with -o"
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from eigencontact.errors import ResultsError, shown
 from eigencontact.results.atomic import DAMAGE, reason
@@ -12,11 +12,15 @@ from eigencontact.results.layout import FORMAT
 from eigencontact.results.ownership import RESULTS, STEPS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
     from eigencontact.results.stored import _Stored
 
-__all__ = ["open_results", "refuse_damaged", "results_file"]
+Opened = TypeVar("Opened", "xr.Dataset", "_Stored")
+
+__all__ = ["open_results", "opened_whole", "results_file"]
 
 
 def open_results(path: str | Path) -> xr.Dataset:
@@ -37,22 +41,31 @@ def open_results(path: str | Path) -> xr.Dataset:
     ------
     ResultsError
         When there is nothing, only the steps of an interrupted run, or a file that is damaged, edited or not ours.
+
+    Examples
+    --------
+    >>> import tempfile, eigencontact as ec
+    >>> small = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     ec.run(ec.load_scene("hertz", small), folder).dataset.close()
+    ...     with ec.open_results(folder) as data:
+    ...         print(data.pressure.dims, data.pressure.attrs["units"])
+    ('step', 'y', 'x') Pa
     """
     import xarray as xr
 
+    return opened_whole(path, lambda file: xr.open_dataset(file, engine="h5netcdf"))
+
+
+def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:
+    """Open the results of a finished run; refuse a file of another format, or without the variables that it lists."""
     file = results_file(path)
     try:
-        dataset = xr.open_dataset(file, engine="h5netcdf")
+        dataset = opener(file)
     except DAMAGE as error:
         raise ResultsError(
             f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
         ) from error
-    refuse_damaged(dataset, file)
-    return dataset
-
-
-def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:
-    """Refuse and close an open file of another format, or without the variables that it lists."""
     file_format = dataset.attrs.get("format")
     if file_format != FORMAT:
         dataset.close()
@@ -64,6 +77,7 @@ def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:
             f"{file} must hold what it says of its regions (got {missing}); it was changed: run the scene again with "
             "--overwrite"
         )
+    return dataset
 
 
 def results_file(path: str | Path) -> Path:

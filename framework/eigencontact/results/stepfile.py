@@ -1,15 +1,18 @@
-"""One accepted step in one file: written whole, read back whole, checked for damage."""
+"""One accepted step in one file: written whole, read back whole, checked for damage; or one of a dataset in memory.
+
+Functions that read a file raise `ResultsError` when it is damaged, not ours, or of another scene where one is given,
+or does not hold the step.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.results.atomic import DAMAGE, reason, replacing
 from eigencontact.results.history import history_name, history_of, history_variables
 from eigencontact.results.layout import FORMAT, attributes, variables
@@ -17,7 +20,10 @@ from eigencontact.results.part import Part, open_part, part_of, write_part
 from eigencontact.results.records import HistoryRecord, RegionRecord, RunInfo, StepRecord
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
+
+    import xarray as xr
 
 __all__ = [
     "history_part",
@@ -25,6 +31,7 @@ __all__ = [
     "read_attributes",
     "read_history",
     "read_step",
+    "step_of",
     "step_part",
     "stored_rows",
     "stored_steps",
@@ -45,12 +52,8 @@ def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> P
 def write_step(path: Path, info: RunInfo, record: StepRecord, *, lasting: bool = True) -> None:
     """Store one step atomically, and before it, in a file beside it, what the bodies remember after it.
 
-    `lasting` is that of `eigencontact.results.atomic.replacing`.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored; nothing is left behind then.
+    `lasting` is that of `eigencontact.results.atomic.replacing`. `ResultsError` when it cannot be stored; nothing is
+    left behind then.
     """
     listed = variables(info, record)
     if record.history:
@@ -65,37 +68,19 @@ def _marked(info: RunInfo) -> dict[str, str]:
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
-    """Attributes of a file of ours.
-
-    Raises
-    ------
-    ResultsError
-        When the file is damaged or not ours.
-    """
+    """Attributes of a file of ours."""
     with _opened(path) as file:
         return dict(file.attrs)
 
 
 def stored_steps(path: Path) -> list[int]:
-    """Indices of the steps in a results file.
-
-    Raises
-    ------
-    ResultsError
-        When the file is damaged.
-    """
+    """Indices of the steps in a results file."""
     with _opened(path) as file:
         return [int(index) for index in file["step"][...]]
 
 
 def stored_rows(path: Path) -> list[dict[str, Any]]:
-    """Numbers of each step in a file by name; NaN where a step has none.
-
-    Raises
-    ------
-    ResultsError
-        When the file is damaged.
-    """
+    """Numbers of each step in a file by name; NaN where a step has none."""
     with _opened(path) as file:
         roles = {name: str(variable.attrs.get("role")) for name, variable in file.items()}
         names = ["step", "time", *(name for name, role in roles.items() if role in ("scalar", "observed"))]
@@ -104,13 +89,7 @@ def stored_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
-    """Read one step back from its own file or from the results of a run, without its history.
-
-    Raises
-    ------
-    ResultsError
-        When the file is damaged, not ours, of another scene, or does not hold that step.
-    """
+    """Read one step back, without its history, from its own file or from the results of a run."""
     with _opened(path, scene_hash) as file:
         steps = [int(step) for step in file["step"][...]]
         if index not in steps:
@@ -122,11 +101,6 @@ def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRe
     """Read what the bodies remembered after a step, from beside the file of the step or from the results of a run.
 
     Empty where they remember nothing, or where it was not kept.
-
-    Raises
-    ------
-    ResultsError
-        When the file is damaged, not ours or of another scene.
     """
     beside = history_name(path)
     with _opened(beside if beside.exists() else path, scene_hash) as file:
@@ -189,3 +163,40 @@ def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRe
 
 def _refusal(path: Path, rule: str, content: str) -> str:
     return f"{path} must be a results file {rule} (got: {content}); it is not used"
+
+
+class _Variable:
+    """Variable of a dataset with the face of one in a file."""
+
+    def __init__(self, array: xr.DataArray) -> None:
+        self.attrs, self._array = array.attrs, array
+
+    def __getitem__(self, place: Any) -> Any:
+        """Values at a place."""
+        return self._array.values[place]
+
+
+def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, list[str]]:
+    """Step of results, the last by default, with its surface fields and what the bodies remember after it.
+
+    The record has no regions; the names of what the bodies remember after a step, kept or not, come with it.
+    `SceneError` for a step that the results do not hold.
+    """
+    steps = [int(step) for step in dataset["step"].values]
+    number = steps[-1] if index is None else index
+    if number not in steps:
+        raise SceneError(f"step must be one that was solved, {steps[0]} to {steps[-1]} (got {shown(index)})")
+    at = steps.index(number)
+    fields, scalars = dict[str, Any](), dict[str, Any]()
+    for name, variable in dataset.data_vars.items():
+        role = variable.attrs.get("role")
+        if role in ("field", "scalar") and not np.all(np.isnan(values := variable.values[at])):
+            (fields if role == "field" else scalars)[str(name)] = values
+    record = StepRecord(
+        index=number,
+        time=float(dataset["time"][at]),
+        scalars={name: float(value) for name, value in scalars.items()},
+        fields=fields,
+        history=history_of({name: _Variable(dataset[name]) for name in dataset.variables}, number),
+    )
+    return record, [str(name) for name in json.loads(dataset.attrs.get("history", "[]"))]

@@ -157,19 +157,16 @@ class ResultStore:
             When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
         """
         if self.info.steps == 1:
-            self._write_all(record)
+            # A file of its own for the only step would be written, read and removed.
+            histories = [history_part(self.info, record, copied=False)] if record.history else []
+            join_steps(self.folder / RESULTS, [step_part(self.info, record, copied=False)], histories)
+            _remove_steps(self.folder)
             return
         lasting = monotonic() - self._lasting > _LASTING
         write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record, lasting=lasting)
         self._lasting = monotonic() if lasting else self._lasting
         if record.history and not self.info.every_history:
             history_name(self.folder / STEPS / f"{record.index - _KEPT:04d}.step").unlink(missing_ok=True)
-
-    def _write_all(self, record: StepRecord) -> None:
-        """Store the only step of a run as its results at once: a file of its own would be written, read and removed."""
-        histories = [history_part(self.info, record, copied=False)] if record.history else []
-        join_steps(self.folder / RESULTS, [step_part(self.info, record, copied=False)], histories)
-        _remove_steps(self.folder)
 
     def accepted(self) -> list[int]:
         """Indices 1, 2, ... n of the stored steps from which the run can continue.

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
-from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import DAMAGE, open_hdf5, reason
-from eigencontact.results.reader import refuse_damaged, results_file
+from eigencontact.results.atomic import open_hdf5
+from eigencontact.results.reader import opened_whole
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,17 +23,6 @@ __all__ = ["Results", "open_stored"]
 
 #: Attributes of variables that belong to the format.
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
-
-
-class Values(Protocol):
-    """Numbers, or texts, that were read."""
-
-    @property
-    def values(self) -> Any:
-        """Array of them."""
-
-    def __float__(self) -> float: ...
-    def __int__(self) -> int: ...
 
 
 class Variable(Protocol):
@@ -60,7 +48,7 @@ class Variable(Protocol):
     def attrs(self) -> Mapping[Any, Any]:
         """Attributes: units, long name, role."""
 
-    def __getitem__(self, index: Any) -> Values: ...
+    def __getitem__(self, index: Any) -> Any: ...
     def __float__(self) -> float: ...
 
 
@@ -96,15 +84,7 @@ def open_stored(path: str | Path) -> _Stored:
     ResultsError
         As `eigencontact.results.reader.open_results` does.
     """
-    file = results_file(path)
-    try:
-        results = _Stored(open_hdf5(file, "r"))
-    except DAMAGE as error:
-        raise ResultsError(
-            f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
-        ) from error
-    refuse_damaged(results, file)
-    return results
+    return opened_whole(path, lambda file: _Stored(open_hdf5(file, "r")))
 
 
 @dataclass(slots=True)

@@ -22,20 +22,13 @@ __all__ = ["headlines", "summary_of", "write_summary"]
 def summary_of(
     info: RunInfo, record: StepRecord, history: Sequence[Mapping[str, Any]], extra: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Contents of ``summary.json``.
+    """Contents of ``summary.json``, from the last accepted step and the numbers of every step by name, in order.
 
     Parameters
     ----------
-    info : RunInfo
-        What holds for all steps.
-    record : StepRecord
-        The last accepted step.
-    history : sequence of mapping
-        Numbers of every step by name, in order.
     extra : mapping
-        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings``
-        (limits of the accuracy: code, words, error), ``files`` (names relative
-        to the folder; what ``--overwrite`` later may remove).
+        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings`` (limits of the
+        accuracy: code, words, error), ``files`` (names relative to the folder; what ``--overwrite`` later may remove).
 
     Returns
     -------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Iterator
 from math import isfinite
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from eigencontact.core.names import FOLDER_RULE, is_folder_name
 from eigencontact.core.quantities import Unit
 from eigencontact.core.units import LARGEST, NUMBER, SMALLEST
 from eigencontact.errors import SceneError
+from eigencontact.scene.annotations import parts_of
 
 __all__ = [
     "at_least",
@@ -37,11 +38,11 @@ def _check(rule: str, holds: Callable[[float], bool]) -> Check:
             raise ValueError(rule)
         return value
 
-    return _told(validate, rule)
+    return _with_rule(validate, rule)
 
 
-def _told(validate: Check, rule: str) -> Check:
-    """Check that tells its rule, for the reference of the scene."""
+def _with_rule(validate: Check, rule: str) -> Check:
+    """Check with its rule as an attribute, for the reference of the scene."""
     validate.rule = rule  # type: ignore[attr-defined]
     return validate
 
@@ -67,7 +68,7 @@ def _sized(unit: str, check: Check, smallest: float = SMALLEST) -> Check:
             raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit}]")
         return value
 
-    return _told(validate, check.rule)  # type: ignore[attr-defined]
+    return _with_rule(validate, check.rule)  # type: ignore[attr-defined]
 
 
 def at_least(low: float) -> Callable[[Any], Any]:
@@ -112,7 +113,7 @@ def only_numbers(hint: Any, value: Any) -> None:
     ValueError
         The rule.
     """
-    parts = list(_parts(hint))
+    parts = list(parts_of(hint))
     if not any(part in (int, float) or (isinstance(part, int) and not isinstance(part, bool)) for part in parts):
         return
     choices = [part for part in parts if isinstance(part, str)]
@@ -127,17 +128,6 @@ def only_numbers(hint: Any, value: Any) -> None:
             good = not (isinstance(item, complex) or kind == "c" or np.ma.is_masked(item))
         if not good:
             raise ValueError("a number")
-
-
-def _parts(hint: Any) -> Iterator[Any]:
-    """Types, units and choices that an annotation is made of."""
-    yield hint
-    if get_origin(hint) is Literal:
-        yield from get_args(hint)
-        return
-    yield from getattr(hint, "__metadata__", ())
-    for part in get_args(hint):
-        yield from _parts(part)
 
 
 def _items(value: Any) -> Iterator[Any]:

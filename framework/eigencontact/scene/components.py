@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from types import UnionType
@@ -13,11 +13,12 @@ from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin.component import Component
+from eigencontact.scene.annotations import class_within
 from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
 from eigencontact.scene.plain import plain
 
-__all__ = ["build_component", "converted", "instantiate", "kind_within"]
+__all__ = ["build_component", "build_components", "converted", "instantiate", "kind_within"]
 
 
 def build_component(
@@ -33,9 +34,15 @@ def build_component(
     parameters = dict(table)
     key = parameters.pop("type", None)
     if not isinstance(key, str) or not key:
-        known = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
-        raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {known}")
+        names = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
+        raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {names}")
     return instantiate(registry, registry.get(kind, key, where=where), parameters, where, beside)
+
+
+def build_components(registry: Registry, kind: str, tables: Sequence[Mapping[str, Any]], group: str) -> list[Any]:
+    """Components of an array of tables; messages name a table by the array, and by its number where there are more."""
+    places = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
+    return [build_component(registry, kind, table, place) for table, place in zip(tables, places, strict=True)]
 
 
 def instantiate(
@@ -43,8 +50,9 @@ def instantiate(
 ) -> Any:
     """Component of a registered class from named parameters, each converted to its annotated type."""
     values = converted(registry, entry, parameters, where, beside)
+    failed = f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with"
     try:
-        with plugin_code(lambda problem: _failure(entry, where, problem), passing=(SceneError,)):
+        with plugin_code(lambda problem: f"{failed} {reason_of(problem)}", passing=(SceneError,)):
             return entry.component(**values)
     except SceneError as problem:
         if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
@@ -52,25 +60,21 @@ def instantiate(
         raise
 
 
-def _failure(entry: Entry, where: str, problem: BaseException) -> str:
-    return f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {reason_of(problem)}"
-
-
 def converted(
     registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str, beside: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """Parameters with the names and types of a registered class; its own rules are not asked yet.
+    """Parameters with the names and types of a registered class, before the class checks them.
 
     A field whose annotation is a kind of plugin holds the table of a component of that kind.
     """
     cls = entry.component
-    known = {item.name: item for item in fields(cls)}
-    refuse_unknown(parameters, [*known, *beside], f"{where} ({entry.key})", f"plugins {registry.spelling(entry)}")
-    given = {name.replace("-", "_"): value for name, value in parameters.items()}
-    if len(given) < len(parameters):
+    names = {item.name: item for item in fields(cls)}
+    refuse_unknown(parameters, [*names, *beside], f"{where} ({entry.key})", f"plugins {registry.spelling(entry)}")
+    values = {name.replace("-", "_"): value for name, value in parameters.items()}
+    if len(values) < len(parameters):
         raise SceneError(f"{where} must give each key once (got {', '.join(parameters)}); '-' and '_' are one")
-    for name, item in known.items():
-        if name not in given and item.default is MISSING and item.default_factory is MISSING:
+    for name, item in names.items():
+        if name not in values and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
     try:
         adapters, hints = _adapters(cls), _hints(cls)
@@ -80,19 +84,20 @@ def converted(
             f"(got {type(problem).__name__}: {' '.join(str(problem).split())})"
         ) from problem
     out = {}
-    for name, value in given.items():
+    for name, value in values.items():
         place = f"{where}.{name.replace('_', '-')}"
         kind = kind_within(hints[name])
-        held = kind is not None and _parts(registry, kind, hints[name], value, place)
-        out[name] = _convert(adapters[name], held or _named(hints[name], plain(value, place), place), place)
+        components = kind is not None and _parts(registry, kind, hints[name], value, place)
+        out[name] = _convert(
+            adapters[name], components or _with_field_names(hints[name], plain(value, place), place), place
+        )
     return out
 
 
 def kind_within(hint: Any) -> type[Component] | None:
     """Kind of plugin that an annotation such as ``tuple[HardeningLaw, ...]`` or ``HardeningLaw | None`` holds."""
-    if isinstance(hint, type) and issubclass(hint, Component):
-        return hint
-    return next((found for found in map(kind_within, get_args(hint)) if found is not None), None)
+    kind: type[Component] | None = class_within(hint, lambda cls: issubclass(cls, Component))
+    return kind
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
@@ -105,11 +110,11 @@ def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, whe
         return (_parts(registry, kind, kind, value, where),)
     if not isinstance(value, Mapping):
         return value
-    found = build_component(registry, kind.kind, value, where)
-    if not isinstance(found, kind):
+    component = build_component(registry, kind.kind, value, where)
+    if not isinstance(component, kind):
         fit = [repr(entry.key) for entry in registry.of_kind(kind.kind) if issubclass(entry.component, kind)]
-        raise SceneError(f"{where}.type must be one of {', '.join(fit)} (got {found.key!r})")
-    return found
+        raise SceneError(f"{where}.type must be one of {', '.join(fit)} (got {component.key!r})")
+    return component
 
 
 @cache
@@ -144,12 +149,11 @@ def _as_instances(hint: Any) -> Any:
 
 def _table_class(hint: Any) -> type | None:
     """Dataclass inside an annotation such as ``tuple[Region, ...]``, whose tables a field holds."""
-    if isinstance(hint, type) and is_dataclass(hint):
-        return None if issubclass(hint, Component) else hint
-    return next((found for found in map(_table_class, get_args(hint)) if found is not None), None)
+    table: type | None = class_within(hint, lambda cls: is_dataclass(cls) and not issubclass(cls, Component))
+    return table
 
 
-def _named(hint: Any, value: Any, where: str) -> Any:
+def _with_field_names(hint: Any, value: Any, where: str) -> Any:
     """Value of a field with the tables in it under the names of their class; names that it does not know are refused.
 
     A single table stands for an array of one.
@@ -162,13 +166,13 @@ def _named(hint: Any, value: Any, where: str) -> Any:
             raise SceneError(f"{where} must be {problem} (got {shown(value)})") from None
         return value
     if isinstance(value, list | tuple):
-        return [_named(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
+        return [_with_field_names(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
     if not isinstance(value, Mapping):
         return value
     refuse_unknown(value, [item.name for item in fields(cls)], where)
     hints = _hints(cls)
     table = {
-        field: _named(hints[field], part, f"{where}.{name.replace('_', '-')}")
+        field: _with_field_names(hints[field], part, f"{where}.{name.replace('_', '-')}")
         for name, part in value.items()
         for field in [name.replace("-", "_")]
     }

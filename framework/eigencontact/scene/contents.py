@@ -10,6 +10,7 @@ from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.labels import ordinal
 from eigencontact.scene.steps import Step, expected_points, named_ramps
+from eigencontact.scene.table import ComponentTable
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
@@ -29,7 +30,11 @@ def check_contents(scene: Scene) -> None:
             "contact, [[inclusions]] or [[eigenstrain]] for the field of a prescribed eigenstrain"
         )
     _check_steps(scene)
-    _check_wear(scene)
+    for name in type(scene).model_fields:
+        value = getattr(scene, name)
+        for table in value if isinstance(value, list) else [value]:
+            if isinstance(table, ComponentTable):
+                table.check_in(scene)
     _check_eigenstrain(scene)
     _check_materials(scene)
     _check_initial(scene)
@@ -76,8 +81,8 @@ def _check_steps(scene: Scene) -> None:
     _check_number_of_steps(scene)
     controlled = False
     for where, step in named_ramps(scene.steps):
-        given = bool({"normal-load", "approach"} & set(step.prescribed))
-        controlled = given or (controlled and scene.friction is not None)  # with friction a step keeps what was
+        controls = bool({"normal-load", "approach"} & set(step.prescribed))
+        controlled = controls or (controlled and scene.friction is not None)  # with friction a step keeps what was
         if scene.geometry and not controlled:
             got = ", ".join(step.prescribed) or "neither"
             raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {got})")
@@ -100,7 +105,7 @@ def _check_steps(scene: Scene) -> None:
 
 
 def _check_spacing(scene: Scene) -> None:
-    """Where a radius starts from follows from one control that goes on, in a cycle from its end as well."""
+    """Increments even in the radius need the same control in the step before, in a cycle from its end on as well."""
     before: str | None = ""
     for where, step in named_ramps(scene.steps, again=True):
         own = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
@@ -117,13 +122,13 @@ def _check_spacing(scene: Scene) -> None:
 
 
 def _check_number_of_steps(scene: Scene) -> None:
-    counts = [expected_points([step], scene.wear) for step in scene.steps]
+    counts = [expected_points([step], scene.solved_cycles) for step in scene.steps]
     if sum(counts) > _MOST_STEPS:
         largest = max(range(len(counts)), key=counts.__getitem__)
         step, left = scene.steps[largest], _MOST_STEPS - sum(counts) + counts[largest]
         where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
         name = "repeat" if step.cycle else "increments"
-        if step.cycle and expected_points(step.cycle, None) > left:
+        if step.cycle and expected_points(step.cycle) > left:
             place, step = max(enumerate(step.cycle), key=lambda item: item[1].increments)
             where, name = f"{where}.cycle.{place}", "increments"
         own = getattr(step, name)
@@ -147,24 +152,6 @@ def _check_sliding(scene: Scene, where: str, step: Step) -> None:
         raise ValueError(
             f"!{where} must slide (sliding-distance) with friction, with wear, or both (got neither); add [friction] "
             "or [wear], or leave it out"
-        )
-
-
-def _check_wear(scene: Scene) -> None:
-    """Wear is of a contact that slides."""
-    if scene.wear is None:
-        return
-    if not scene.geometry:
-        raise ValueError("!wear must not be given without a geometry (got no contact that wears); add [geometry]")
-    if scene.friction is None and not any(ramp.slides for ramp in scene.ramps):
-        raise ValueError(
-            "!wear must be of surfaces that slide (got a contact without friction, and no step that slides); give a "
-            "step sliding-distance or travel-x, or add [friction] and move the bodies by shift-x"
-        )
-    if scene.wear.update == "cycle" and any(ramp.travels for step in scene.steps for ramp in step.cycle or ()):
-        raise ValueError(
-            "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts (got "
-            "'cycle'); set update = \"increment\""
         )
 
 
@@ -198,12 +185,12 @@ def _check_eigenstrain(scene: Scene) -> None:
         )
     for group in ("inclusions", "eigenstrain"):
         for number, item in enumerate(getattr(scene, group)):
-            if (scene.body1, scene.body2)[item.body - 1].rigid:
+            if scene.bodies[item.body - 1].rigid:
                 raise ValueError(
                     f"!{group}.{number} must lie in an elastic body (body{item.body} is rigid); set body, or give "
                     f"body{item.body} young-modulus and poisson-ratio"
                 )
-            if (scene.body1, scene.body2)[item.body - 1].medium is not None:
+            if scene.bodies[item.body - 1].medium is not None:
                 raise ValueError(
                     f"!{group}.{number} must lie in a homogeneous body (body{item.body} is a layered medium, and the "
                     "kernels of eigenstrain are those of a homogeneous half-space); set body, leave the medium out, or "
@@ -226,7 +213,7 @@ def _check_materials(scene: Scene) -> None:
             raise ValueError(
                 f"!numerics.boundary must be 'non-periodic' with {where}.material (got 'periodic'); leave it out"
             )
-        if getattr((scene.body1, scene.body2)[item.body - 1], "medium", None) is not None:
+        if scene.bodies[item.body - 1].medium is not None:
             raise ValueError(
                 f"!{where}.material must lie in a body of one material (body{item.body} is a layered medium); "
                 "give the layers as inclusions with a material, or leave them out"
@@ -235,7 +222,7 @@ def _check_materials(scene: Scene) -> None:
 
 def _check_initial(scene: Scene) -> None:
     """A state is one of cells with a law."""
-    for number, body in ((1, scene.body1), (2, scene.body2)):
+    for number, body in enumerate(scene.bodies, start=1):
         laws = body.law is not None or any(
             item.material is not None and item.body == number for item in scene.inclusions
         )
@@ -247,7 +234,7 @@ def _check_initial(scene: Scene) -> None:
 
 
 def _check_region(scene: Scene, request: StressRequest) -> None:
-    if (scene.body1, scene.body2)[request.body - 1].rigid:
+    if scene.bodies[request.body - 1].rigid:
         raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
     if request.around is not None or request.refinement is not None:
         _check_close_up(scene, request)

@@ -39,19 +39,19 @@ def anchored(scene: Scene, registry: Registry) -> tuple[Scene, tuple[Path, ...]]
     Scene, tuple of Path
         The files in the order of the scene, each once, those of the gallery too; they need not exist.
     """
-    folder, found = scene.folder, dict[Path, None]()
+    folder, places = scene.folder, dict[Path, None]()
 
     def place(name: str) -> str:
         if name.startswith(GALLERY):
-            found[Path(str(files("eigencontact") / "gallery")) / name.removeprefix(GALLERY)] = None
+            places[Path(str(files("eigencontact") / "gallery")) / name.removeprefix(GALLERY)] = None
             return name
         if name.startswith(PREFIX):
             return name
         path = Path(name) if folder is None else folder / name
-        found[path] = None
+        places[path] = None
         return str(path)
 
-    return _in_model(scene, registry, place), tuple(found)
+    return _in_model(scene, registry, place), tuple(places)
 
 
 def _in_model(model: Any, registry: Registry, place: Place) -> Any:
@@ -71,8 +71,8 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
         elif isinstance(value, list) and value and isinstance(value[0], Table):
             changes[name] = [_in_model(one, registry, place) for one in value]
     if model.model_extra:  # the fields of a component stand in the table itself
-        found = _in_component({"type": model.type, **model.model_extra}, model.kind, registry, place)
-        changes |= {key: found[key] for key in model.model_extra}
+        table = _in_component({"type": model.type, **model.model_extra}, model.kind, registry, place)
+        changes |= {key: table[key] for key in model.model_extra}
     return model.model_copy(update=changes)
 
 

@@ -1,4 +1,4 @@
-"""What a step of a contact with friction prescribes, and what it keeps of the steps before."""
+"""Loads and motions of a step of a contact with friction, with those that it keeps from earlier steps."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def held_steps(steps: Sequence[Step]) -> list[Step]:
     >>> [(step.normal_load, step.shift_x, step.tangential_load_x) for step in held]
     [(1.0, None, None), (1.0, 1e-08, None), (1.0, None, 0.0)]
     """
-    kept: dict[str, float | None] = {}
+    prescribed: dict[str, float | None] = {}
     out = []
     for step in steps:
         for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
             values = {name: getattr(step, name) for name in mode}
             if any(value is not None for value in values.values()):
-                kept |= values
-        out.append(step.model_copy(update=kept))
+                prescribed |= values
+        out.append(step.model_copy(update=prescribed))
     return out
 
 
@@ -51,7 +51,7 @@ def held_travel(steps: Sequence[Step]) -> list[tuple[float, float]]:
     """
     places = [(0.0, 0.0)]
     for step in steps:
-        given = (step.travel_x, step.travel_y)
-        x, y = (old if new is None else new for old, new in zip(places[-1], given, strict=True))
+        target = (step.travel_x, step.travel_y)
+        x, y = (old if new is None else new for old, new in zip(places[-1], target, strict=True))
         places.append((x, y))
     return places[1:]

@@ -18,7 +18,7 @@ _Layers = Annotated[int, AfterValidator(at_least(1))]
 
 
 class _Component(ComponentTable):
-    """Table of what lies in a body.
+    """Table of a region of a body.
 
     Parameters
     ----------

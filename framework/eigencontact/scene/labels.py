@@ -1,4 +1,4 @@
-"""What tables of a scene are called in messages: by their name where they have one, else by their number."""
+"""Labels of tables of a scene in messages: their name, or their number where they have none."""
 
 from __future__ import annotations
 
@@ -54,13 +54,14 @@ def labelled(text: str, scene: Any) -> str:
     "stress.0.normal must be one of 'x', 'y' or 'z' (got 'w')"
     """
 
-    def named(found: re.Match[str]) -> str:
-        number = int(found["number"])
-        name = _name(scene, found["group"], number, text)
+    def named(match: re.Match[str]) -> str:
+        number = int(match["number"])
+        name = _name(scene, match["group"], number, text)
         if not name:
-            return found[0]
-        one = f"{_ONE[found['group']]} {name!r} ({ordinal(number)})" + (f" of {found['body']}" if found["body"] else "")
-        return f"{found['rest'][1:]} of {one}" if found["rest"] else one
+            return match[0]
+        body = f" of {match['body']}" if match["body"] else ""
+        label = f"{_ONE[match['group']]} {name!r} ({ordinal(number)}){body}"
+        return f"{match['rest'][1:]} of {label}" if match["rest"] else label
 
     return _PLACE.sub(named, text)
 
@@ -81,8 +82,8 @@ def _name(scene: Any, group: str, number: int, text: str) -> str:
         tables = [_get(_get(_get(scene, body), "medium"), "layers") for body in bodies]
     else:
         tables = [_get(scene, group)]
-    found = [_get(table[number], "name") for table in tables if isinstance(table, list | tuple) and number < len(table)]
-    return found[0] if len(found) == 1 and isinstance(found[0], str) else ""
+    names = [_get(table[number], "name") for table in tables if isinstance(table, list | tuple) and number < len(table)]
+    return names[0] if len(names) == 1 and isinstance(names[0], str) else ""
 
 
 def _get(table: Any, name: str) -> Any:

@@ -133,7 +133,7 @@ def value_of_text(text: str) -> Any:
         return text
 
 
-def _put(table: Any, key: str, value: Any, told: str) -> None:
+def _put(table: Any, key: str, value: Any, change_text: str) -> None:
     path = [part.strip() for part in key.strip().split(".")]
     for position, part in enumerate(path):
         last = position == len(path) - 1
@@ -150,9 +150,9 @@ def _put(table: Any, key: str, value: Any, told: str) -> None:
             else:
                 choice = f"give a number from 0 to {len(table) - 1}" if table else "give all of it"
                 place = ".".join(path[:position])
-                raise SceneError(f"{told}: {place} is an array of {len(table)}; {choice} (got {part!r})")
+                raise SceneError(f"{change_text}: {place} is an array of {len(table)}; {choice} (got {part!r})")
         if not isinstance(table, dict):
-            raise SceneError(f"{told}: {'.'.join(path[:position])} is no table (got {table!r})")
+            raise SceneError(f"{change_text}: {'.'.join(path[:position])} is no table (got {table!r})")
         name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)
         if last:
             table[name] = value

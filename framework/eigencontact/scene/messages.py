@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from eigencontact.errors import SceneError, nearest, shown
+from pydantic import BaseModel
 
-__all__ = ["explain_error", "refuse_unknown"]
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.scene.annotations import class_within
+
+__all__ = ["explain_error", "find_unknown", "refuse_unknown"]
 
 _RULES = {
     "float_type": "a number",
@@ -60,3 +64,19 @@ def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str, see: 
                 f"unknown key {key!r} in {where or 'the scene'}; known: {', '.join(known)}"
                 f"{nearest(key.replace('_', '-'), known)}" + (f"; `eigencontact {see}` explains them" if see else "")
             )
+
+
+def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
+    """Raise `SceneError` for the first unknown key of `data` or of a table in it."""
+    if not isinstance(data, dict):
+        return
+    if model.model_config.get("extra") != "allow":  # else other keys belong to a plugin, which checks them
+        place = re.sub(r"\.\d+|\.cycle\b", "", where)
+        refuse_unknown(data, model.model_fields, where, f"schema {place}".strip())
+    for key, value in data.items():
+        field = model.model_fields.get(key.replace("-", "_"))
+        inner = None if field is None else class_within(field.annotation, lambda cls: issubclass(cls, BaseModel))
+        if inner is not None:
+            for number, item in enumerate(value if isinstance(value, list) else [value]):
+                place = f"{where}.{key}".strip(".") + (f".{number}" if isinstance(value, list) else "")
+                find_unknown(item, inner, place)

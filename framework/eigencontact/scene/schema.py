@@ -8,11 +8,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
-from eigencontact.core.quantities import DataFile, FileMark, Stress
+from eigencontact.core.quantities import DataFile
 from eigencontact.core.units import LARGEST
+from eigencontact.errors import SceneError
+from eigencontact.hooks.files import with_files
 from eigencontact.hooks.registry import Registry
+from eigencontact.scene.as_tables import with_tables
+from eigencontact.scene.body import Body
 from eigencontact.scene.checks import (
     at_least,
     both_alike,
@@ -20,12 +24,13 @@ from eigencontact.scene.checks import (
     in_range,
     non_negative,
     one_or_many,
-    positive,
     printable,
     refuse_deep,
 )
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
+from eigencontact.scene.labels import labels_in_messages
+from eigencontact.scene.messages import explain_error, find_unknown
 from eigencontact.scene.plain import plain
 from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
@@ -33,76 +38,6 @@ from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength,
 from eigencontact.scene.wear import Wear
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
-
-
-def _medium_table(value: Any) -> Any:
-    """Table of a medium that is given as a component."""
-    return _table(value)
-
-
-class InitialTable(Table):
-    """State of a body after a step of an earlier run: what its cells remember.
-
-    Of that run everything but the state of the body is forgotten. In the same cells the state is what it was, in others
-    the means over them.
-
-    Parameters
-    ----------
-    results : str
-        Folder of that run, or its ``results.nc``.
-    step : int, optional
-        Load step of that run, from 1; the last by default.
-    """
-
-    results: Annotated[str, FileMark()]
-    step: Annotated[int, AfterValidator(at_least(1))] | None = None
-
-
-class Body(Table):
-    """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
-
-    Parameters
-    ----------
-    rigid : bool
-        A body that nothing deforms; it has no constants.
-    young_modulus : float, optional
-        Young's modulus [Pa].
-    poisson_ratio : float, optional
-        Poisson's ratio; 0.5 is incompressible.
-    medium : table or component, optional
-        Layered medium in place of the two constants; ``type`` names the plugin.
-    law : table or component, optional
-        Constitutive law that an elastic body obeys under the contact; its constants are those of the body.
-    initial : InitialTable, optional
-        State of an earlier run that the laws in the body begin with.
-    """
-
-    rigid: bool = False
-    young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
-    poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
-    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("layered-medium")] = None
-    law: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("constitutive-law")] = None
-    initial: InitialTable | None = None
-
-    @model_validator(mode="after")
-    def _complete(self) -> Body:
-        if self.rigid and self.law is not None:
-            raise ValueError("rigid without a law, or elastic: leave out rigid or law")
-        if self.medium is not None:
-            own = ("rigid", "young_modulus", "poisson_ratio", "law")
-            others = [name for name in own if getattr(self, name) not in (None, False)]
-            if others:
-                way = f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-")
-                if self.law is not None:
-                    way += '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
-                raise ValueError(way)
-            return self
-        given = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
-        if self.rigid and len(given) < 2:
-            raise ValueError("rigid without elastic constants, or elastic: leave out rigid or young-modulus")
-        if not self.rigid and given:
-            raise ValueError(f"rigid = true, or elastic with {' and '.join(given)} given, or layered with medium given")
-        return self
 
 
 class GridSpec(Table):
@@ -143,9 +78,9 @@ class GridSpec(Table):
 
     @model_validator(mode="after")
     def _determined(self) -> GridSpec:
-        given = [name for name in ("cells", "size", "spacing") if getattr(self, name) is not None]
-        if given and len(given) != 2:
-            raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {given}")
+        sizes = [name for name in ("cells", "size", "spacing") if getattr(self, name) is not None]
+        if sizes and len(sizes) != 2:
+            raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {sizes}")
         if self.cells is not None and min(self.cells) < 1:
             raise ValueError("of at least 1 cell each way")
         if self.cells is not None and max(self.cells) > LARGEST:
@@ -335,21 +270,13 @@ class Scene(Table):
         return self
 
     def __init__(self, **data: Any) -> None:
-        from pydantic import ValidationError
-
-        from eigencontact.errors import SceneError
-        from eigencontact.scene.labels import labels_in_messages
-        from eigencontact.scene.messages import explain_error
-
         refuse_deep(data)
         data = plain(data)
         try:
-            super().__init__(**_with_tables(data))
+            super().__init__(**with_tables(type(self), data))
         except ValidationError as problem:
-            from eigencontact.scene.unknown import find_unknown
-
             with labels_in_messages(data):
-                find_unknown(data, Scene)
+                find_unknown(data, type(self))
                 errors = problem.errors()
                 more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
                 raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
@@ -360,6 +287,19 @@ class Scene(Table):
     def ramps(self) -> list[Step]:
         """Plain steps of the load history in order, those of each cycle once."""
         return ramps_of(self.steps)
+
+    @property
+    def losses(self) -> dict[int, float]:
+        """Part of the lost depth by body, of bodies whose surface loses any."""
+        return {} if self.wear is None else self.wear.parts
+
+    def solved_cycles(self, repeat: int) -> int:
+        """Repeats of a cycle that will be solved: all where the surfaces lose nothing, else a guess."""
+        return repeat if self.wear is None else self.wear.solved_cycles(repeat)
+
+    def guesses_cycles(self, repeat: int) -> bool:
+        """Whether the number of solved cycles follows from errors, so that it is a guess."""
+        return self.wear is not None and self.wear.error is not None and self.solved_cycles(repeat) < repeat
 
     @property
     def folder(self) -> Path | None:
@@ -380,7 +320,6 @@ class Scene(Table):
         PluginError
             A file in ``plugins`` that cannot be used; says which line of it, and why.
         """
-        from eigencontact.hooks.files import with_files
         from eigencontact.scene.installed import installed_plugins
 
         return with_files(installed_plugins() if registry is None else registry, self.plugin_files)
@@ -395,6 +334,11 @@ class Scene(Table):
         """Name for folders and headings: `name`, or the title's first words."""
         words = "".join(letter.lower() if letter.isalnum() else " " for letter in self.title).split()
         return self.name or "-".join(words[:6]) or "scene"
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Tables of body 1 and body 2."""
+        return self.body1, self.body2
 
     def resolved(self) -> dict[str, Any]:
         """Return every field with its default filled in, SI units, TOML names, data files by absolute paths."""
@@ -412,41 +356,3 @@ def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
     if len(place) > 1 and place[1] == 0 and isinstance(data.get(place[0]), dict):
         place = (place[0], *place[2:])
     return {**error, "loc": place}
-
-
-def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
-    """Accept component objects, and arrays, where a table is expected."""
-    out = dict(data)
-    for name in ("geometry", "friction", "wear", "observers", "inclusions", "eigenstrain"):
-        if name in out:
-            value = out[name]
-            out[name] = [_table(item) for item in value] if isinstance(value, list | tuple) else _table(value)
-    return out
-
-
-def _type_of(component: Any) -> str:
-    """What a scene writes to name the class of a component."""
-    from eigencontact.scene.installed import installed_plugins
-
-    registry = installed_plugins()
-    entry = next((entry for entry in registry if entry.component is type(component)), None)
-    return str(getattr(component, "key", "")) if entry is None else registry.spelling(entry)
-
-
-def _table(item: Any) -> Any:
-    """Table of a component, or of a table that has one as its ``type`` or its ``eigenstrain``."""
-    from dataclasses import fields, is_dataclass
-
-    from eigencontact.plugin.component import Component
-
-    if is_dataclass(item) and not isinstance(item, type):
-        given = {field.name: getattr(item, field.name) for field in fields(item)}
-        table = {name: _table(value) for name, value in given.items() if value is not None}
-        return {"type": _type_of(item), **table} if isinstance(item, Component) else table
-    if isinstance(item, list | tuple) and any(map(is_dataclass, item)):
-        return [_table(one) for one in item]
-    if not isinstance(item, dict):
-        return plain(item)
-    nested = ("type", "eigenstrain", "material", "value")
-    out = {key: _table(value) if key in nested else value for key, value in item.items()}
-    return out if not isinstance(out.get("type"), dict) else {**out, **out["type"]}

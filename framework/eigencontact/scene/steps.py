@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from random import Random
 from typing import Annotated, Any, Literal
@@ -14,7 +14,6 @@ from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES, RigidM
 from eigencontact.scene.checks import at_least, both_alike, finite, in_range, non_negative, one_or_many
 from eigencontact.scene.holding import TRAVEL, held_steps, held_travel
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
-from eigencontact.scene.wear import Wear
 
 __all__ = [
     "MOST_CYCLES",
@@ -27,7 +26,6 @@ __all__ = [
     "normal_control",
     "ramps_of",
     "segments_of",
-    "solved_cycles",
     "spaced_by_radius",
     "start_of_normal",
 ]
@@ -269,12 +267,12 @@ def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str
 
 def segments_of(steps: Sequence[Step]) -> list[Segment]:
     """Plain steps, and cycles, by their place among the ramps of `ramps_of`."""
-    found, first = list[Segment](), 0
+    segments, first = list[Segment](), 0
     for step in steps:
         count = 1 if step.cycle is None else len(step.cycle)
-        found.append(Segment(first, count, step.repeat, step.cycle is not None))
+        segments.append(Segment(first, count, step.repeat, step.cycle is not None))
         first += count
-    return found
+    return segments
 
 
 def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozenset[int], frozenset[int]]:
@@ -370,22 +368,10 @@ def start_of_normal(before: Step | None, control: Literal["normal_load", "approa
     return value if other == control else 0.0 if value <= 0.0 else None
 
 
-def solved_cycles(repeat: int, wear: Wear) -> int:
-    """Repeats of a cycle that will be solved; where their number follows from errors, a guess.
-
-    Of 100, 5000 and 10⁶ repeats of a partial slip that wears from nothing to all that can wear, 8 to 24, 15 to 45 and
-    43 to 50 were solved at an error of 0.01, and about half as many at 0.1.
-    """
-    if wear.error is None:
-        return min(repeat, 3 + repeat // (wear.cycles_per_update or 1))
-    more: float = (0.01 / wear.error) ** 0.3
-    return min(repeat, 3 + round(2 * more * repeat.bit_length()))
-
-
-def expected_points(steps: Sequence[Step], wear: Wear | None) -> int:
-    """Increments that will be solved: of cycles that wear some."""
+def expected_points(steps: Sequence[Step], solved_cycles: Callable[[int], int] | None = None) -> int:
+    """Increments that will be solved; `solved_cycles` gives those of a number of repeats, by default all."""
     total = 0
     for step, segment in zip(steps, segments_of(steps), strict=True):
-        solved = segment.repeat if wear is None else solved_cycles(segment.repeat, wear)
+        solved = segment.repeat if solved_cycles is None else solved_cycles(segment.repeat)
         total += solved * sum(ramp.increments for ramp in ramps_of([step]))
     return total

@@ -1,4 +1,4 @@
-"""What all tables of a scene have in common: kebab-case names, no unknown keys, no change after validation."""
+"""Base of all tables of a scene: kebab-case names, no unknown keys, no change after validation."""
 
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ class ComponentTable(Table):
         if isinstance(data, dict) and "type" not in data:
             from eigencontact.scene.installed import installed_plugins
 
-            known = " or ".join(repr(entry.key) for entry in installed_plugins().of_kind(cls.kind))
-            raise ValueError(f"given a type, {known}")
+            keys = " or ".join(repr(entry.key) for entry in installed_plugins().of_kind(cls.kind))
+            raise ValueError(f"given a type, {keys}")
         return data
 
     @property
@@ -92,3 +92,12 @@ class ComponentTable(Table):
     def beside(self) -> list[str]:
         """Keys that are not fields of the plugin."""
         return [name for name in type(self).model_fields if name != "type"]
+
+    def check_in(self, scene: Any) -> None:
+        """Rules between the table and the rest of its scene; none by default.
+
+        Raises
+        ------
+        ValueError
+            A broken rule, as a whole sentence after ``!``.
+        """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, model_validator
 
@@ -88,5 +88,31 @@ class Wear(ComponentTable):
 
     @property
     def error(self) -> float | None:
-        """Error that the jumps may make; None where the scene gives their size."""
+        """Allowed error of the jumps; None where the scene sets their size."""
         return None if self.cycles_per_update is not None else self.jump_error or 1e-2
+
+    def check_in(self, scene: Any) -> None:
+        """Wear needs a contact that slides; see `ComponentTable.check_in`."""
+        if not scene.geometry:
+            raise ValueError("!wear must not be given without a geometry (got no contact that wears); add [geometry]")
+        if scene.friction is None and not any(ramp.slides for ramp in scene.ramps):
+            raise ValueError(
+                "!wear must be of surfaces that slide (got a contact without friction, and no step that slides); give "
+                "a step sliding-distance or travel-x, or add [friction] and move the bodies by shift-x"
+            )
+        if self.update == "cycle" and any(ramp.travels for step in scene.steps for ramp in step.cycle or ()):
+            raise ValueError(
+                "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts "
+                "(got 'cycle'); set update = \"increment\""
+            )
+
+    def solved_cycles(self, repeat: int) -> int:
+        """Repeats of a cycle that will be solved; where their number follows from errors, a guess.
+
+        Of 100, 5000 and 10⁶ repeats of a partial slip that wears from nothing to all that can wear, 8 to 24, 15 to 45
+        and 43 to 50 were solved at an error of 0.01, and about half as many at 0.1.
+        """
+        if self.error is None:
+            return min(repeat, 3 + repeat // (self.cycles_per_update or 1))
+        more: float = (0.01 / self.error) ** 0.3
+        return min(repeat, 3 + round(2 * more * repeat.bit_length()))

@@ -17,11 +17,11 @@ _MODULE = ".module.py.txt"
 
 def _examples() -> dict[str, str]:
     """Kinds that have templates, and what the example in each is: the words after "The example is" in its docstring."""
-    found = {}
+    examples = {}
     for path in sorted(_FOLDER.glob(f"*{_MODULE}")):
         words = re.search(r"The example is (.+?);", path.read_text(encoding="utf-8"))
-        found[path.name.removesuffix(_MODULE)] = words[1] if words else "one of its kind"
-    return found
+        examples[path.name.removesuffix(_MODULE)] = words[1] if words else "one of its kind"
+    return examples
 
 
 #: Kinds that have a template of their own, and what the example in it is.
@@ -82,7 +82,7 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
     PluginError
         A name that cannot be used or is taken, an unknown kind, a folder that holds something.
     """
-    words = _words(name, kind)
+    words = _mark_values(name, kind)
     key = words["key"]
     target = Path(f"{_PREFIX}{key}") if folder is None else folder
     written = []
@@ -115,7 +115,7 @@ def write_file(name: str, *, kind: str = "inclusion-shape", path: Path | None = 
     PluginError
         As of `write_package`; a file that is there already.
     """
-    words = _words(name, kind)
+    words = _mark_values(name, kind)
     target = Path(f"{words['key'].replace('-', '_')}.py") if path is None else path
     try:
         with target.open("x", encoding="utf-8") as file:
@@ -126,8 +126,8 @@ def write_file(name: str, *, kind: str = "inclusion-shape", path: Path | None = 
     return target
 
 
-def _words(name: str, kind: str) -> dict[str, str]:
-    """What stands for the marks of a template, of a name and a kind that can be used."""
+def _mark_values(name: str, kind: str) -> dict[str, str]:
+    """Values of the marks of a template; an unusable name or kind is refused."""
     key = name.removeprefix(_PREFIX)
     if not _NAME.fullmatch(key):
         suggestion = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-0123456789")
@@ -166,7 +166,7 @@ def _fill(template: str, words: dict[str, str]) -> str:
 
 
 def _version() -> str:
-    """Version that the package asks for: this one, without its last part."""
+    """Required version of the program: this one, without its last part."""
     from eigencontact import __version__
 
     return ".".join(__version__.split(".")[:2])

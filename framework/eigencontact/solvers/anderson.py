@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = ["Anderson"]
-
-FloatArray = NDArray[np.float64]
 
 #: Share of the largest singular value (of differences scaled to one) below which a combination is left out.
 _DEPENDENT = 1e-6

@@ -29,15 +29,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import (
     Elasticity,
     ElasticityOfCells,
     checked_stiffness,
     factors_of_stiffness,
+    isotropic,
     isotropic_factors,
     mandel_rotation,
 )
 from eigencontact.core.material import Material
+from eigencontact.core.tensors import INDICES, SQRT2
 from eigencontact.errors import require
 
 __all__ = [
@@ -51,7 +54,6 @@ __all__ = [
     "mixed",
 ]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
 
 # Part of a ball's T in that of cells with a known normal. Cells are no endless layers: by a layer's T alone a void (or
@@ -178,9 +180,10 @@ def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint:
     """Conditions of cut cells, all ``(n, 6, 6)``; `fraction` ``(n,)`` is the share of the first material."""
     f = fraction[:, None, None]
     (P1, Q1, _), (P2, Q2, _) = first, second
-    own1, own2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
+    difference1, difference2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
     # What the difference of the two eigenstrains adds to the mean condition, by what it does to their difference.
-    weight = _right_divided(own1 - own2, (1.0 - f) * own1 + f * own2)
+    mean = (1.0 - f) * difference1 + f * difference2
+    weight = np.linalg.solve(mean.swapaxes(1, 2), (difference1 - difference2).swapaxes(1, 2)).swapaxes(1, 2)
     stress = f * P1 + (1.0 - f) * P2 - f * (1.0 - f) * weight @ (P1 - P2)
     strain = f * Q1 + (1.0 - f) * Q2 - f * (1.0 - f) * weight @ (Q1 - Q2)
     return Condition(stress, strain, Q1 - (1.0 - f) * weight @ Q1)
@@ -189,10 +192,8 @@ def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint:
 def constraint_of_ball(matrix: Material) -> FloatArray:
     """T = C_m (I - S) [Pa] of a ball in the matrix, ``(6, 6)``; finite for ν = 0.5."""
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
-    volume = np.zeros((6, 6))
-    volume[:3, :3] = 1.0 / 3.0
-    shear = 2.0 * G * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))
-    return np.asarray(4.0 * G * (1.0 + nu) / (3.0 * (1.0 - nu)) * volume + shear * (np.eye(6) - volume))
+    of_volume = 4.0 * G * (1.0 + nu) / (3.0 * (1.0 - nu))
+    return isotropic(np.array(of_volume), np.array(2.0 * G * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))))
 
 
 def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
@@ -203,13 +204,7 @@ def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
     n = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     planes = np.eye(3) - n[:, :, None] * n[:, None, :]
-    trace = np.stack(
-        [
-            planes[:, i, j] * (1.0 if i == j else np.sqrt(2.0))
-            for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-        ],
-        axis=1,
-    )
+    trace = np.stack([planes[:, i, j] * (1.0 if i == j else SQRT2) for i, j in INDICES], axis=1)
     return np.asarray(2.0 * G * (mandel_rotation(planes) + nu / (1.0 - nu) * trace[:, :, None] * trace[:, None, :]))
 
 
@@ -219,8 +214,3 @@ def compliance(material: Material) -> FloatArray:
     out = (1.0 + nu) * np.eye(6)
     out[:3, :3] -= nu
     return out / material.young_modulus
-
-
-def _right_divided(a: FloatArray, b: FloatArray) -> FloatArray:
-    """``a b^-1``."""
-    return np.asarray(np.linalg.solve(b.swapaxes(1, 2), a.swapaxes(1, 2)).swapaxes(1, 2))

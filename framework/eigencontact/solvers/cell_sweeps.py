@@ -1,8 +1,8 @@
-"""Cells of any law, swept: one application of the volume operator, then the answer of every cell by itself.
+"""Cells of any law, swept: one application of the volume operator, then each cell by itself.
 
-A sweep gives every cell the eigenstrain that it would take if the others stayed as they are. Repeated, and sped up by
-Anderson's combination, it converges for ratios of stiffness up to about 20 in fewer applications than a Krylov solve in
-every round with a contact, and it is the same for laws that yield or degrade. A contact is solved inside the iteration.
+A sweep computes the eigenstrain of every cell under the present eigenstrain of the others. With Anderson's combination
+it converges for ratios of stiffness up to about 20 in fewer applications than a Krylov solve in every round with a
+contact, also for laws that yield or degrade. A contact is solved inside the iteration.
 """
 
 from __future__ import annotations
@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import norm_of
 from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 from eigencontact.solvers.law_cells import LawCells, Remembered
 
 __all__ = ["CellSweeps", "Sweep"]
-
-FloatArray = NDArray[np.float64]
 
 #: Part of the eigenstrain of the last increment that counts beside the strain of the load: all is unloaded at times.
 _LEFT = 1e-2
@@ -28,20 +27,19 @@ _LEFT = 1e-2
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """Answer of one sweep.
+    """Result of one sweep.
 
     Attributes
     ----------
     image : (6, nz, ny, nx)
-        Eigenstrain that the cells would take; cells of no law the prestrain alone.
+        Eigenstrain of each cell under the present eigenstrain of the others; without a law the prestrain alone.
     residual : float
-        Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
-        strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment; without
-        either to the answer.
+        Root mean square of the change, over the cells of laws, relative to the load's strain σ / 2G, or if that is less
+        to a hundredth of the eigenstrain at the start of the increment; without either to the result.
     size : float
-        What the residual is relative to: root of the sum over the cells of the squares of a strain.
+        Reference of the residual: root of the sum over the cells of the squares of a strain.
     remembered : list of mappings
-        What the cells of each law that is not linear would then remember.
+        History variables of the cells of each law that is not linear.
     """
 
     image: FloatArray
@@ -66,7 +64,7 @@ class CellSweeps:
         # Where the cells of the laws are the whole box in its order, nothing is copied.
         fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
         self._at: slice | NDArray[np.intp] = slice(None) if fills_box else laws.cells
-        self._own: tuple[FloatArray, FloatArray] | None = None
+        self._prestrain_stress: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
         self.applications = 0
 
@@ -131,9 +129,9 @@ class CellSweeps:
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
-        if self._own is None or self._own[0] is not prestrain:
-            self._own = prestrain, self._stress_of(prestrain)
-        load = (applied_stress + self._own[1]).reshape(6, -1)
+        if self._prestrain_stress is None or self._prestrain_stress[0] is not prestrain:
+            self._prestrain_stress = prestrain, self._stress_of(prestrain)
+        load = (applied_stress + self._prestrain_stress[1]).reshape(6, -1)
         sizes = [norm_of(load[:, cells]) for cells in (self._linear.cells, self._at)]
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["Cells", "offset_in_cells"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 # Fraction of a cell below which an offset counts as a multiple of half a cell.

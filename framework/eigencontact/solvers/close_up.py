@@ -1,8 +1,8 @@
 """Field of the eigenstrain in a box of cells on a lattice much finer than the cells, over a small part of the box.
 
-What cells near the part cause is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
-by parts of a cell, and each of these is one convolution. What all other cells cause is smooth there; it is found once
-on the cells' pitch and interpolated.
+The field of cells near the part is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
+by parts of a cell, each of them one convolution. The field of all other cells is smooth there; it is computed once on
+the cells' pitch and interpolated.
 """
 
 from __future__ import annotations
@@ -11,16 +11,15 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.eigenstrain import VolumeField
 
 __all__ = ["close_up"]
-
-FloatArray = NDArray[np.float64]
 
 #: Cells within this many of their longest edges from the points are summed exactly. The field of the rest is
 #: interpolated, with an error of some 1e-5 of its largest value.

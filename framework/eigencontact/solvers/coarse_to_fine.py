@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.parallel import available_threads
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
 from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, solve_box
-from eigencontact.solvers.control import Control, mode_field
+from eigencontact.solvers.control import MODES, Control, mode_field
 from eigencontact.solvers.levels import coarse_factors, prolong, restrict, restrict_springs
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import SpringPreconditioner
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from eigencontact.solvers.normal import NormalSolver
 
 __all__ = ["CoarseToFine", "margin", "refuse_edge"]
-
-FloatArray = NDArray[np.float64]
 
 # Tolerance of the last grid before the finest: the start need not be better than the error of that grid, and a tighter
 # start saves iterations on the finest grid.
@@ -44,7 +43,7 @@ class CoarseToFine:
         solver: NormalSolver,
         separation: FloatArray,
         control: Control,
-        report: SolveReport,
+        report: SolveReport[Certificate],
         progress: Progress | None,
         tolerance: float | None = None,
         springs: FloatArray | None = None,
@@ -119,7 +118,9 @@ class CoarseToFine:
             solution, overlapping = self._certify(compliance, fixed, pressure, box)
             certificate = solution.report.certificate
             if certificate is not None and certificate.holds:
-                return self._checked(solution)
+                if not (options.periodic or options.allow_contact_at_edge):
+                    refuse_edge(solution.pressure, grid)
+                return solution
             grown = box if overlapping is None else box.union(overlapping).grown(*margin(box), grid.shape)
             if grown == box:
                 if residual > tolerance or left <= 0 or tolerance < 0.05 * options.tolerance:
@@ -159,18 +160,19 @@ class CoarseToFine:
         gap = fixed - approach if 0 in self.free else fixed.copy()
         zero = np.zeros(self.grid.shape)
         self.report.certificate = Certificate(gap=0.0, penetration=0.0, load=0.0, tolerance=self.options.tolerance)
+        rigid = self.control.displacements() | dict.fromkeys(self.free, 0.0) | {0: approach}
+        return self._solution(zero, gap, zero.copy(), rigid, [0.0, 0.0, 0.0])
+
+    def _solution(
+        self, pressure: FloatArray, gap: FloatArray, displacement: FloatArray, rigid: dict[int, float],
+        forces: list[float],
+    ) -> NormalSolution:  # fmt: skip
+        """Solution with rigid displacements and forces by number of mode."""
         return NormalSolution(
-            pressure=zero,
-            gap=gap,
-            displacement=zero.copy(),
-            approach=approach,
-            tilt_x=float(self.control.tilt_x or 0.0),
-            tilt_y=float(self.control.tilt_y or 0.0),
-            normal_load=0.0,
-            moment_x=0.0,
-            moment_y=0.0,
-            report=self.report,
-        )
+            pressure=pressure, gap=gap, displacement=displacement, report=self.report,
+            **{mode.displacement: rigid[number] for number, mode in enumerate(MODES)},
+            **{mode.force: forces[number] for number, mode in enumerate(MODES)},
+        )  # fmt: skip
 
     def _on_box(
         self,
@@ -187,7 +189,7 @@ class CoarseToFine:
         unit = compliance.unit
         separation = fixed[box.slices]
         modes, forces, _ = self._modes(grid, box)
-        dtype = np.float64 if compliance.precision == "double" else np.float32
+        dtype = np.float64 if compliance.options.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
         length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
         scale = length / unit
@@ -200,7 +202,7 @@ class CoarseToFine:
             p = p / scale
         circulant = self.solver.circulant(compliance, box)
         # The circulant is cheaper and knows the energy of pressures without a load, away from the edges, to a few %.
-        energy = circulant.energy if 0 in self.free and box.shape != grid.shape else operator.energy
+        energy = circulant.forward.energy if 0 in self.free and box.shape != grid.shape else operator.energy
         problem = BoxProblem(
             apply=operator,
             precondition=circulant.inverse,
@@ -209,7 +211,7 @@ class CoarseToFine:
             forces=forces / (scale * grid.cell_area),
             least_deflection=self._least_deflection(compliance) / length,
             energy=energy,
-            threads=compliance.threads or available_threads(),
+            threads=compliance.options.threads or available_threads(),
         )
         if grid in self._springs:
             springs = self._springs[grid][box.slices] / unit
@@ -292,22 +294,10 @@ class CoarseToFine:
             gap=inside, penetration=overlap, load=self._load_error(forces), tolerance=options.tolerance
         )
         rigid |= self.control.displacements()
-        solution = NormalSolution(
-            pressure=pressure,
-            gap=gap,
-            displacement=displacement,
-            approach=rigid[0],
-            tilt_x=rigid[1],
-            tilt_y=rigid[2],
-            normal_load=forces[0],
-            moment_x=forces[1],
-            moment_y=forces[2],
-            report=self.report,
-        )
-        over = None
+        overlapping = None
         if overlap > options.tolerance:
-            over = Box.around((pressure == 0) & (gap < -options.tolerance * deflection))
-        return solution, over
+            overlapping = Box.around((pressure == 0) & (gap < -options.tolerance * deflection))
+        return self._solution(pressure, gap, displacement, rigid, forces), overlapping
 
     def _least_deflection(self, compliance: Compliance) -> float:
         """Displacement of a cell by its share of the prescribed load, spread over the window [m]; 0 without a load.
@@ -324,11 +314,6 @@ class CoarseToFine:
         arm = 0.5 * max(self.grid.size)
         errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
         return max(errors, default=0.0)
-
-    def _checked(self, solution: NormalSolution) -> NormalSolution:
-        if not (self.options.periodic or self.options.allow_contact_at_edge):
-            refuse_edge(solution.pressure, self.grid)
-        return solution
 
 
 def refuse_edge(pressure: FloatArray, grid: Grid) -> None:

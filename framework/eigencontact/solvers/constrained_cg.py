@@ -14,17 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import Array
 from eigencontact.solvers.rigid import RigidModes, dot
 from eigencontact.solvers.sweeps import Sweeps
 
-__all__ = ["BoxProblem", "BoxState", "relative", "solve_box", "without_forces"]
-
-Array = NDArray[Any]
+__all__ = ["BoxProblem", "BoxState", "relative", "solve_box"]
 
 # Iterations without half the best residual after which the loaded cells only change sides.
 _STALLED = 60
@@ -32,7 +29,7 @@ _STALLED = 60
 
 @dataclass(frozen=True, slots=True)
 class BoxProblem:
-    """A contact problem on one box, in the solver's own units.
+    """A contact problem on one box, in units in which all numbers are of order one.
 
     Attributes
     ----------
@@ -47,15 +44,14 @@ class BoxProblem:
     forces : (m,) array
         Their forces: ``sum(mode * p)``.
     share : (ny, nx) array, optional
-        What each loaded cell takes part in a rigid motion: where cells give way very differently, one that yields to
-        the least pressure must not be asked for as much as the others. By default all the same.
+        Weight of each loaded cell in a rigid motion, 1 by default: cells that yield to the least pressure have less.
     least_deflection : float
         Gaps are measured against the largest deflection of loaded cells, but never against less than this.
     energy : callable, optional
-        Sum of a pressure times its displacement, roughly: it tells the cells to release before the displacement of a
-        step is computed, which is then computed once and not twice.
+        Approximate sum of a pressure times its displacement. It selects the cells to release before the displacement of
+        a step is computed, which is then computed once and not twice.
     threads : int
-        Cores for the fields; they do not change the answer.
+        Cores for the fields; they do not change the result.
     """
 
     apply: Callable[[Array], Array]
@@ -91,19 +87,13 @@ def solve_box(
 
     Parameters
     ----------
-    problem : BoxProblem
-        The problem.
     pressure : (ny, nx) array
         Start; positive at loaded cells. Its memory is used.
     loaded : (ny, nx) bool array
         Loaded cells of the start (a pressure of zero may still count as loaded).
     on_iteration : callable
-        Told the residual of each iteration.
-
-    Returns
-    -------
-    BoxState
-        ``residual`` tells whether it got there; of moments that no pressure on the box carries it is the part missed.
+        Called with the residual of each iteration. The residual of the result is the part of moments that no pressure
+        on the box carries, where that is larger than the tolerance.
     """
     return _Iteration(problem, pressure, loaded).run(tolerance, max_iterations, on_iteration)
 
@@ -119,7 +109,7 @@ class _Iteration:
         self.c = loaded.astype(bool)
         if not self.modes.carries(self.p, problem.forces):  # these cells cannot: start with all of the box
             self.p, self.c = self.modes.carry(np.ones_like(pressure), problem.forces), np.ones_like(self.c)
-        self.rest = pressure if self.p is not pressure else np.empty_like(pressure)
+        self.trial = pressure if self.p is not pressure else np.empty_like(pressure)
         self.r, self.r_old = np.empty_like(self.p), np.zeros_like(self.p)
         self.direction = np.empty_like(self.p)
         self.z = self.r  # of the preconditioner, then what a step adds to the pressure
@@ -224,10 +214,10 @@ class _Iteration:
         return sum(self.sweep(correct_block))
 
     def go(self, step: float) -> tuple[float, Array]:
-        """Pressure after a step, to `rest`, zero where it would pull; its smallest value before, and its forces."""
+        """Pressure after a step, to `trial`, zero where it would pull; its smallest value before, and its forces."""
 
         def step_block(k: int, rows: slice) -> tuple[float, Array]:
-            stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.rest[rows])
+            stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.trial[rows])
             stepped += self.p[rows]
             least = float(stepped.min())
             if least < 0:
@@ -238,12 +228,12 @@ class _Iteration:
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Scale `rest` from its present forces to the prescribed ones; returns whether a positive pressure can."""
+        """Scale `trial` from its present forces to the prescribed ones; returns whether a positive pressure can."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
-            self.rest = self.modes.carry(self.rest, self.problem.forces)
-            return self.modes.carries(self.rest, self.problem.forces)
-        self.rest *= self.dtype.type(factor)
+            self.trial = self.modes.carry(self.trial, self.problem.forces)
+            return self.modes.carries(self.trial, self.problem.forces)
+        self.trial *= self.dtype.type(factor)
         return True
 
     def release(self, descent: float) -> bool | None:
@@ -261,12 +251,12 @@ class _Iteration:
             return None
         if not self.carry(forces):
             return False
-        self.sweep(lambda _, rows: np.subtract(self.rest[rows], self.p[rows], out=self.z[rows]))
+        self.sweep(lambda _, rows: np.subtract(self.trial[rows], self.p[rows], out=self.z[rows]))
         response = problem.apply(self.z)
         sums = self.sweep(lambda _, rows: (dot(self.r[rows], self.z[rows]), dot(self.z[rows], response[rows])))
         if sum(gain for gain, _ in sums) < 0.5 * sum(cost for _, cost in sums):
             return False
-        self.p, self.rest = self.rest, self.p
+        self.p, self.trial = self.trial, self.p
         self.hold()
         self.gauge(response)
         return True
@@ -320,7 +310,7 @@ class _Iteration:
             step = descent / curvature
             least, forces = self.go(step)
             if least >= 0:
-                self.p, self.rest = self.rest, self.p
+                self.p, self.trial = self.trial, self.p
                 self.gauge(response, step)
                 del response
                 continue
@@ -328,7 +318,7 @@ class _Iteration:
             releasing = problem.energy is not None
             del self.g, response
             if self.carry(forces):
-                self.p, self.rest = self.rest, self.p
+                self.p, self.trial = self.trial, self.p
                 self.hold()
             else:  # too few cells are left for the moments: go to the first that would pull, and release that one
                 careful = True
@@ -342,14 +332,6 @@ class _Iteration:
             self.g = problem.apply(self.p)
             self.gauge(problem.separation)
         return state
-
-
-def without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:
-    """Take the forces out of a search direction, in place."""
-    if share is None:
-        modes.remove(direction, loaded)
-    else:
-        modes.unload(direction, loaded * share)
 
 
 def relative(worst: float, deflection: float) -> float:

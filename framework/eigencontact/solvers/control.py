@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.rigid_modes import NORMAL_MODES as MODES
 from eigencontact.core.rigid_modes import RigidMode
 from eigencontact.errors import SceneError, require
 
 __all__ = ["MODES", "Control", "PrescribedModes", "mode_field"]
-
-FloatArray = NDArray[np.float64]
 
 
 class PrescribedModes:

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.convolution.volume import VolumeConvolver
 from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 from eigencontact.halfspace.forms import INSIDE, Kernel
@@ -42,8 +43,6 @@ from eigencontact.solvers.potential_tables import (
 )
 
 __all__ = ["VolumeField", "check_request", "local_matrix"]
-
-FloatArray = NDArray[np.float64]
 
 
 class VolumeField:
@@ -113,8 +112,8 @@ class VolumeField:
         kernels = cell_kernels(forms)
         images = [origin == "image" for origin, *_ in kernels]
         store = VolumeKernels(layout, [parity_of(kernel) for kernel in kernels], images, precision=precision)
-        x, y = nodes_around(layout.lattice_x, pitch[0], unit), nodes_around(layout.lattice_y, pitch[1], unit)
-        real = nodes_around(layout.lattice_z, pitch[2], unit)
+        x, y = nodes_around(layout.x.lattice, pitch[0], unit), nodes_around(layout.y.lattice, pitch[1], unit)
+        real = nodes_around(layout.z.lattice, pitch[2], unit)
         lowest = snapped((self.source.first[2] + self.target.first[2]) / pitch[2])
         image = nodes_around(lowest + layout.lattice_sum, pitch[2], unit)
         numbers = {kernel: number for number, kernel in enumerate(kernels)}

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import fast_even
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.tensors import SQRT2
@@ -34,9 +35,6 @@ from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.wave_layers import ALONG_WAVE, LayerSums, Plane, coefficients, plane_at
 
 __all__ = ["PeriodicHalfSpace"]
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _HERE = "periodic half-space"
 #: Waves finished together: the sums of all layers of a batch stay in the second-level cache.

@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
-from eigencontact.halfspace.forms import Form, Kernel, reduced
+from eigencontact.halfspace.forms import Kernel, reduced
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, snapped
@@ -40,9 +41,7 @@ from eigencontact.solvers.potential_tables import (
     unit_of_length,
 )
 
-__all__ = ["PlaneFields", "SurfaceDisplacement"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["PlaneFields"]
 
 # Layers sampled together, which share their corners.
 _LAYERS = 8
@@ -131,7 +130,7 @@ class PlaneFields:
             forms = tuple(tuple(form.on_surface().replaced(reduced) for form in row) for row in forms)
         x, y = (
             nodes_around(lattice, pitch, self._unit)
-            for lattice, pitch in ((self._layout.lattice_x, dx), (self._layout.lattice_y, dy))
+            for lattice, pitch in ((self._layout.x.lattice, dx), (self._layout.y.lattice, dy))
         )
         # Offsets of the real cells descend with the layer: sampled in reverse.
         offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}
@@ -215,68 +214,16 @@ class PlaneFields:
         return [(int(layer), float(weights[layer])) for layer in np.flatnonzero(face | (distances < 0.5))]
 
 
-class SurfaceDisplacement(PlaneFields):
-    """Displacement of the free surface from the eigenstrain in a box of cells below it.
-
-    Parameters
-    ----------
-    cell, source, target, origin, precision, threads
-        See `PlaneFields`.
-    poisson_ratio : float
-        In (-1, 0.5].
-    components : str
-        Which of "xyz".
-
-    Notes
-    -----
-    Independent of Young's modulus. z points into the body: a swelling body rises, u_z < 0.
-    """
-
-    def __init__(
-        self,
-        cell: HasCornerPotentials,
-        source: Cells,
-        *,
-        target: tuple[int, int],
-        origin: tuple[float, float] = (0.0, 0.0),
-        poisson_ratio: float,
-        components: str = "xyz",
-        precision: str = "double",
-        threads: int | None = None,
-    ) -> None:
-        require(components and set(components) <= set("xyz"), "surface", "components", components, "some of 'xyz'")
-        super().__init__(
-            cell,
-            source,
-            target=target,
-            origin=origin,
-            depths=[0.0],
-            poisson_ratio=poisson_ratio,
-            quantity="displacement",
-            components=["xyz".index(name) for name in components],
-            precision=precision,
-            threads=threads,
-        )
-
-    def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
-        """Displacement [m] from the Mandel eigenstrain ``(6, nz, ny, nx)``, ``(n_components, ty, tx)``."""
-        return super().apply(eigenstrain)[:, 0]
-
-
 def _weights(forms: Forms, kernels: Sequence[Kernel], depth: float) -> FloatArray:
     """Coefficients at one depth, ``(outputs, 6, kernels)``."""
     numbers = {kernel: number for number, kernel in enumerate(kernels)}
     out = np.zeros((len(forms), 6, len(kernels)))
     for row, columns in enumerate(forms):
         for column, form in enumerate(columns):
-            _add(out[row, column], form, numbers, depth)
+            for power, kernel, value in form:
+                if kernel in numbers:
+                    out[row, column, numbers[kernel]] += value * depth**power
     return out
-
-
-def _add(out: FloatArray, form: Form, numbers: dict[Kernel, int], depth: float) -> None:
-    for power, kernel, value in form:
-        if kernel in numbers:
-            out[numbers[kernel]] += value * depth**power
 
 
 def _parity(quantity: str, component: int, strain: int) -> tuple[int, int]:

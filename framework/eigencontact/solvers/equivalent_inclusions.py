@@ -5,7 +5,7 @@ compliance M_m),
 
     σ = σ_0 + A ε*,    C_i (M_m σ + ε* - ε_p) = σ,
 
-where A gives the stress that all eigenstrains cause, and M_m σ + ε* is the total strain. The unknown is the part x
+where A ε* is the stress by all eigenstrains, and M_m σ + ε* is the total strain. The unknown is the part x
 that the difference of the constants adds, ε* = ε_p + x. The condition of each cell is multiplied by (C_i + 2 μ_m)^-1,
 so that neither a void (it then says σ = 0) nor a rigid cell (total strain = ε_p) nor C_m, infinite for an
 incompressible matrix, makes an entry large; and then by the inverse of what the cell would answer if it were alone.
@@ -21,36 +21,28 @@ in Solids, section 22; K. Zhou, W. W. Hoh, X. Wang, L. M. Keer, J. H. L. Pang, B
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
-from time import perf_counter
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
-from eigencontact.core.products import norm_of
-from eigencontact.errors import NotConverged, require
+from eigencontact.errors import require
 from eigencontact.solvers.cell_conditions import Conditions, Shares
 from eigencontact.solvers.cells import Cells
-from eigencontact.solvers.gmres import gmres
-from eigencontact.solvers.report import Progress
+from eigencontact.solvers.inclusion_system import InclusionSystem
 
 __all__ = [
-    "EquivalentInclusions",
-    "InclusionReport",
     "InhomogeneousCells",
     "StressOperator",
-    "solve_equivalent_inclusions",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 class StressOperator(Protocol):
-    """Operator that gives the stress in the cells of an eigenstrain (``MeanVolumeField``)."""
+    """Stress in the cells by their eigenstrain (``MeanVolumeField``)."""
 
     source: Cells
     target: Cells
@@ -60,79 +52,21 @@ class StressOperator(Protocol):
 
     def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
         """Stress [Pa] of an eigenstrain, both ``(6, nz, ny, nx)``."""
-        ...
 
 
-@dataclass(slots=True)
-class InclusionReport:
-    """Course of a solve.
-
-    Attributes
-    ----------
-    residual : float
-        Certificate, from a fresh application of the operator: root mean square, over the inhomogeneous cells, of the
-        eigenstrain that each would still add by itself, relative to that of the load's strain σ / 2 μ_m.
-    tolerance : float
-        Its bound.
-    history : list of float
-        Relative residual after each iteration.
-    applications : int
-        Of the operator, all of them.
-    seconds, operator_seconds : float
-        Wall time of the solve, and of the operator within it.
-    """
-
-    residual: float = np.inf
-    tolerance: float = 0.0
-    history: list[float] = field(default_factory=list)
-    applications: int = 0
-    seconds: float = 0.0
-    operator_seconds: float = 0.0
-
-    @property
-    def iterations(self) -> int:
-        """Number of iterations."""
-        return len(self.history)
-
-    @property
-    def holds(self) -> bool:
-        """Whether the certificate is within the tolerance (NaN is not)."""
-        return self.residual <= self.tolerance
-
-
-@dataclass(frozen=True, slots=True)
-class EquivalentInclusions:
-    """Answer.
-
-    Attributes
-    ----------
-    eigenstrain : (6, nz, ny, nx)
-        ε* [-], prestrain included; it causes, in a body of the matrix alone, everything the inhomogeneities cause.
-    stress : (6, nz, ny, nx)
-        σ_0 + A ε* [Pa]: the total.
-    report : InclusionReport
-        Certificate and course.
-    """
-
-    eigenstrain: FloatArray
-    stress: FloatArray
-    report: InclusionReport
-
-
-class InhomogeneousCells:
-    """The linear system of one arrangement of materials, for any number of loads.
+class InhomogeneousCells(InclusionSystem):
+    """The linear system of one arrangement of materials; `solve` takes fields ``(6, nz, ny, nx)``.
 
     Parameters
     ----------
     operator : StressOperator
-        Stress by eigenstrain in the same cells, for the matrix's constants. Take the means over the cells
-        (`eigencontact.solvers.mean_stress.MeanVolumeField`); with values in the centres cells of less than a fifth of
-        the matrix's stiffness may need a thousand iterations, and voids have no answer.
+        Stress by eigenstrain in the same cells, for the matrix's constants, in the mean over each cell
+        (`eigencontact.solvers.mean_stress.MeanVolumeField`). With values in the centres, cells of less than a fifth of
+        the matrix's stiffness may need a thousand iterations, and voids have no solution.
     matrix : Material
         The material around; ν up to 0.5.
     materials : sequence of Elasticity, ElasticityOfCells or (6, 6)
-        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`), the same in all its cells or not, or a
-        Mandel stiffness [Pa].
+        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa].
     material_index : (nz, ny, nx) of int
         Material of each cell, 0 is the matrix.
     fraction : (nz, ny, nx), optional
@@ -140,14 +74,14 @@ class InhomogeneousCells:
     beside : (nz, ny, nx) of int, optional
         Material of the rest of cells with a fraction below 1; by default 0, the matrix.
     normal : (3, nz, ny, nx), optional
-        Normal of the boundary in cells with a fraction below 1, of any length and sign; zero, or left out: unknown.
+        Normal of the boundary in cells with a fraction below 1, of any length and sign; zero if unknown.
 
-    Notes
-    -----
-    The answer of a cell alone is found once, by six applications of the operator to the middle cell. Where cells are
-    more than about a hundred times stiffer than the matrix, their mean stress is found as well as elsewhere, but not
-    how it is distributed among them: it barely strains them, and the steps of a boundary made of cells spoil it.
+    Notes ----- Six applications of the operator to the middle cell determine the response of a cell alone. Where cells
+    are more than about a hundred times stiffer than the matrix, their mean stress is as good as elsewhere, but not its
+    distribution among them: it barely strains them, and the steps of a boundary made of cells spoil it.
     """
+
+    tolerance, max_iterations, restart = 1e-6, 500, 60
 
     def __init__(
         self,
@@ -168,7 +102,6 @@ class InhomogeneousCells:
         # Whole cells first, by material, then those with a boundary in them.
         order = np.lexsort((flat, shares.mixed))
         self._cells = order[flat[order] > 0]
-        self._report = InclusionReport()
         self._parts: list[tuple[slice, FloatArray]] = []
         self._offset: FloatArray | None = None
         if self._cells.size == 0:
@@ -190,83 +123,6 @@ class InhomogeneousCells:
             out[:, component] = self.operator.apply(strain)[:, k, j, i]
         return out
 
-    def solve(
-        self,
-        applied_stress: ArrayLike,
-        prestrain: ArrayLike | None = None,
-        *,
-        start: ArrayLike | None = None,
-        tolerance: float = 1e-6,
-        max_iterations: int = 500,
-        restart: int = 60,
-        progress: Progress | None = None,
-    ) -> EquivalentInclusions:
-        """Find the eigenstrain of all cells under a load.
-
-        Parameters
-        ----------
-        applied_stress : (6, nz, ny, nx)
-            Stress σ_0 [Pa] in the cells that the load would cause in the matrix alone.
-        prestrain : (6, nz, ny, nx), optional
-            Eigenstrain ε_p of the cells' own, in the matrix too where it is not zero there.
-        start : (6, nz, ny, nx), optional
-            Eigenstrain ε* to start from, that of a similar load.
-        tolerance : float
-            Bound of ``InclusionReport.residual``.
-        max_iterations : int
-            Iterations allowed.
-        restart : int
-            Vectors of 6 components in all inhomogeneous cells that may be kept.
-        progress : callable, optional
-            Called after each iteration.
-
-        Raises
-        ------
-        NotConverged
-            With the report.
-        """
-        began = perf_counter()
-        self._report = report = InclusionReport(tolerance=tolerance)
-        applied = _field("applied_stress", applied_stress, self.shape)
-        fixed = np.zeros((6, *self.shape)) if prestrain is None else _field("prestrain", prestrain, self.shape)
-        load = applied + self._apply(fixed)
-        cells = load.reshape(6, -1)[:, self._cells]
-        shift = self._shift(fixed)
-        size = norm_of(cells) / (2.0 * self.matrix.shear_modulus)
-        equivalent = np.zeros_like(cells)
-        if start is not None:
-            equivalent = (_field("start", start, self.shape) - fixed).reshape(6, -1)[:, self._cells]
-
-        def watch(norm: float) -> None:
-            report.history.append(norm / size)
-            if progress is not None:
-                progress("equivalent inclusions", norm / size, tolerance)
-
-        if size > 0.0:
-            residual = (
-                self._residual(equivalent, cells + (self._caused(equivalent) if equivalent.any() else 0.0)) + shift
-            )
-            equivalent = equivalent + gmres(
-                lambda x: self._row(x.reshape(6, -1)).ravel(),
-                residual.ravel(),
-                bound=0.9 * tolerance * size,
-                max_iterations=max_iterations,
-                restart=restart,
-                watch=watch,
-            ).reshape(6, -1)
-        eigenstrain = fixed + self._spread(equivalent)
-        stress = applied + self._apply(eigenstrain)
-        left = norm_of(self._residual(equivalent, stress.reshape(6, -1)[:, self._cells]) + shift)
-        report.residual = left / size if size > 0.0 else 0.0
-        report.seconds = perf_counter() - began
-        if not report.holds:
-            raise NotConverged(
-                f"equivalent inclusions: residual {report.residual:.1e} after {report.iterations} iterations "
-                f"(tolerance {tolerance:.1e}); allow more iterations or a larger tolerance",
-                report,
-            )
-        return EquivalentInclusions(eigenstrain, stress, report)
-
     @property
     def cells(self) -> NDArray[np.intp]:
         """Cells of other constants, by flat index."""
@@ -280,12 +136,9 @@ class InhomogeneousCells:
         eigenstrain, stress, prestrain : (6, nz, ny, nx)
             The eigenstrain as it is, the total stress [Pa] under it, and the cells' own.
         """
-        flat = [values.reshape(6, -1)[:, self._cells] for values in (eigenstrain, stress, prestrain)]
+        flat = [self._unknowns(values) for values in (eigenstrain, stress, prestrain)]
         equivalent = flat[0] - flat[2]
         return flat[0] + self._residual(equivalent, flat[1]) + self._shift(prestrain)
-
-    def _row(self, x: FloatArray) -> FloatArray:
-        return -self._residual(x, self._caused(x))
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
         """Residual of each cell's condition, as the eigenstrain that removes it in this cell."""
@@ -305,39 +158,16 @@ class InhomogeneousCells:
         out[:, last] = _product(self._offset, prestrain.reshape(6, -1)[:, self._cells[last]])
         return out
 
-    def _caused(self, x: FloatArray) -> FloatArray:
-        return self._apply(self._spread(x)).reshape(6, -1)[:, self._cells]
+    def _unknowns(self, values: FloatArray) -> FloatArray:
+        return values.reshape(6, -1)[:, self._cells]
 
     def _spread(self, x: FloatArray) -> FloatArray:
         out = np.zeros((6, int(np.prod(self.shape))))
         out[:, self._cells] = x
         return out.reshape(6, *self.shape)
 
-    def _apply(self, eigenstrain: FloatArray) -> FloatArray:
-        if not eigenstrain.any():
-            return np.zeros_like(eigenstrain)
-        began = perf_counter()
-        out = np.asarray(self.operator.apply(eigenstrain), dtype=float)
-        self._report.applications += 1
-        self._report.operator_seconds += perf_counter() - began
-        return out
-
-
-def solve_equivalent_inclusions(
-    operator: StressOperator,
-    matrix: Material,
-    materials: Sequence[Elasticity | ArrayLike],
-    material_index: ArrayLike,
-    applied_stress: ArrayLike,
-    prestrain: ArrayLike | None = None,
-    *,
-    tolerance: float = 1e-6,
-    max_iterations: int = 500,
-    progress: Progress | None = None,
-) -> EquivalentInclusions:
-    """Equivalent eigenstrain and total stress for one load; see `InhomogeneousCells` for what is given."""
-    cells = InhomogeneousCells(operator, matrix, materials, material_index)
-    return cells.solve(applied_stress, prestrain, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+    def _stress_of(self, eigenstrain: FloatArray) -> FloatArray:
+        return np.asarray(self.operator.apply(eigenstrain), dtype=float)
 
 
 def _by_component(matrices: NDArray[np.floating]) -> FloatArray:
@@ -364,10 +194,3 @@ def _check(operator: StressOperator, matrix: Material, materials: int, index: ND
     require(index.shape == shape, where, "material_index", index.shape, f"of shape {shape}")
     rule = f"from 0 (the matrix) to {materials}, the number of materials given"
     require(index.min() >= 0 and index.max() <= materials, where, "material_index", int(index.max()), rule)
-
-
-def _field(name: str, values: ArrayLike, shape: tuple[int, int, int]) -> FloatArray:
-    out = np.asarray(values, dtype=float)
-    require(out.shape == (6, *shape), "inclusions", name, out.shape, f"of shape {(6, *shape)}")
-    require(np.isfinite(out).all(), "inclusions", name, "NaN or infinity", "finite")
-    return out

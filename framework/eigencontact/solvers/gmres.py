@@ -13,13 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import norm_of
 
 __all__ = ["gmres"]
-
-FloatArray = NDArray[np.float64]
 
 # Part of the largest pivot, below which a pivot is rounding that a singular operator leaves: 3e-16 to 3e-13 were met
 # with random singular matrices of 20 to 200 rows.

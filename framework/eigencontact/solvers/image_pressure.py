@@ -22,9 +22,9 @@ from functools import partial
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, in_parallel
@@ -36,9 +36,8 @@ from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, offset_in_cells
 from eigencontact.solvers.eigenstrain import VolumeField
 
-__all__ = ["FullSpaceField", "ImagePressure", "ImagePressureVolume", "PressureKernel", "reflected"]
+__all__ = ["ImagePressure", "ImagePressureVolume", "PressureKernel", "reflected"]
 
-FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
 _AXES = ("x", "y", "z")
@@ -48,18 +47,6 @@ _SIGNS = {
     "strain": np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0]),
     "stress": np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0]),
 }
-
-
-class FullSpaceField(Protocol):
-    """Field of an eigenstrain in an infinite body."""
-
-    def __call__(self, quantity: str, points: Points) -> FloatArray:
-        """Displacement [m], strain [-] or stress [Pa] (Mandel), ``(3, n)`` or ``(6, n)``.
-
-        Asked at z >= 0, and at z <= 0 for the image. Where a face of the source lies in z = 0 either the mean of both
-        sides or, by the sign of z, the limits: the sum with the image is the same, but for the strains xz and yz.
-        """
-        ...
 
 
 class PressureKernel(Protocol):
@@ -76,7 +63,6 @@ class PressureKernel(Protocol):
         material: Material,
     ) -> FloatArray:
         """Displacement or Mandel stress per unit pressure on a lattice of offsets, ``(n, ny, nx)``."""
-        ...
 
 
 def reflected(quantity: str, field: FloatArray) -> FloatArray:
@@ -86,7 +72,7 @@ def reflected(quantity: str, field: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ImagePressure:
-    """Half-space field from the field in full space.
+    """Field of the pressure that takes the place of the doubled normal traction of source and image.
 
     Parameters
     ----------
@@ -105,80 +91,9 @@ class ImagePressure:
     material: Material
     threads: int | None = None
 
-    def pressure(self, field: FullSpaceField) -> FloatArray:
-        """Pressure that frees the surface, ``(ny, nx)`` [Pa]: the doubled normal traction at the cells' middles."""
-        y, x = np.broadcast_arrays(*self.grid.axes())
-        traction = field("stress", (x.ravel(), y.ravel(), np.zeros(x.size)))[2]
-        return np.asarray(2.0 * traction.reshape(self.grid.shape))
-
-    def surface(self, field: FullSpaceField, pressure: FloatArray | None = None) -> FloatArray:
-        """Displacement of the surface at the cells' middles, ``(3, ny, nx)`` [m]."""
-        planes = self.on_lattice(
-            field, "displacement", target=self.grid.shape, origin=(0.0, 0.0), depths=np.zeros(1), pressure=pressure
-        )
-        return planes[:, 0]
-
-    def on_lattice(
-        self,
-        field: FullSpaceField,
-        quantity: str,
-        *,
-        target: tuple[int, int],
-        origin: tuple[float, float],
-        depths: FloatArray,
-        pressure: FloatArray | None = None,
-    ) -> FloatArray:
-        """Field on planes of points of the grid's pitch.
-
-        Parameters
-        ----------
-        field : FullSpaceField
-            The eigenstrain in an infinite body.
-        quantity : {"displacement", "strain", "stress"}
-            [m], [-] or [Pa]; tensors are Mandel vectors.
-        target : (int, int)
-            Points along (y, x).
-        origin : (float, float)
-            First point relative to the grid's first cell, in cells along (y, x).
-        depths : (nz,) [m]
-            Depths of the planes.
-        pressure : (ny, nx) [Pa], optional
-            What `pressure` returned, where it is at hand.
-
-        Returns
-        -------
-        (3 or 6, nz) + target
-        """
-        self._check(quantity)
-        load = self.pressure(field) if pressure is None else pressure
-        x = self.grid.x[0] + (origin[1] + np.arange(target[1])) * self.grid.dx
-        y = self.grid.y[0] + (origin[0] + np.arange(target[0])) * self.grid.dy
-        z, y, x = (axis.ravel() for axis in np.meshgrid(np.abs(depths), y, x, indexing="ij"))
-        out = self._pair(field, quantity, (x, y, z)).reshape(-1, len(depths), *target)
-        self.add_pressure(out, quantity, load, origin, depths)
-        return out
-
-    def at_points(
-        self, field: FullSpaceField, quantity: str, points: Points, pressure: FloatArray | None = None
-    ) -> FloatArray:
-        """Field at scattered points, ``(3 or 6, n)``; the cells' contributions are summed one by one."""
-        self._check(quantity)
-        load = self.pressure(field) if pressure is None else pressure
-        x, y, z = points
-        out = self._pair(field, quantity, (x, y, np.abs(z)))
-        self.add_pressure_at(out, quantity, load, points)
-        return out
-
-    def _check(self, quantity: str) -> None:
+    def _names(self, quantity: str) -> list[str]:
         rule = f"one of {', '.join(map(repr, QUANTITIES))}"
         require(quantity in QUANTITIES, "image-pressure", "quantity", quantity, rule)
-
-    def _pair(self, field: FullSpaceField, quantity: str, points: Points) -> FloatArray:
-        """Source and image in the infinite body; `points` at z >= 0, of which the image takes -0.0."""
-        x, y, z = points
-        return field(quantity, points) + reflected(quantity, field(quantity, (x, y, -z)))
-
-    def _names(self, quantity: str) -> list[str]:
         return list(_AXES if quantity == "displacement" else COMPONENTS)
 
     def add_pressure_at(self, out: FloatArray, quantity: str, load: FloatArray, points: Points) -> None:
@@ -208,7 +123,7 @@ class ImagePressure:
         grid, names = self.grid, self._names(quantity)
         layout = Layout(grid.shape, (out.shape[2], out.shape[3]), origin)
         convolver = Convolver(layout, threads=self.threads)
-        x, y, widths = layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
+        x, y, widths = layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
         for k, depth in enumerate(depths):
             tables = self.kernel.sample(_kernel_of(quantity), names, x, y, abs(float(depth)), widths, self.material)
             unit = float(np.abs(tables).max())

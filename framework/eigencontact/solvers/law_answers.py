@@ -10,12 +10,11 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.errors import NotConverged, PluginError
 
 __all__ = ["Answer", "AnsweringLaw", "Law", "answer_of", "cell_answer_of", "place_of", "refuse"]
-
-FloatArray = NDArray[np.float64]
 
 #: A strain beyond which numbers that are not finite are blamed on the iteration, not on the law.
 _FAR = 1.0
@@ -27,21 +26,17 @@ class Law(Protocol):
     @property
     def key(self) -> Any:
         """Name in messages."""
-        ...
 
     @property
     def advice(self) -> str:
         """Advice to the user where the law softens."""
-        ...
 
     @property
     def variables(self) -> Any:
         """Mapping of names to what is remembered, with ``components`` each."""
-        ...
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
         """Stress, tangent and variables after."""
-        ...
 
 
 @runtime_checkable
@@ -52,7 +47,6 @@ class AnsweringLaw(Protocol):
         self, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
     ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
         """Eigenstrain of the cells, and variables after."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,10 +1,9 @@
 """Cells with a constitutive law: each cell finds the eigenstrain that satisfies its law under the others' stress.
 
-The stress of a cell is ``σ = σ_f + A e``: what the others cause, and its own eigenstrain e by the answer A of a cell
-alone. Its strain is ``M σ + e``, M the compliance of the matrix. The law must give σ for the strain less the
-prestrain: six equations for e in each cell, solved by Newton's method with the tangent of the law. A law that answers
-as cells do (`AnsweringLaw`) is asked for e itself, with the answer of a ball in place of A: the local step need not be
-exact, and the answer of a ball serves cells of any shape.
+The stress of a cell is ``σ = σ_f + A e``: that by the other cells, and that by its own eigenstrain e. Its strain is
+``M σ + e``, M the compliance of the matrix. The law must return σ for the strain less the prestrain: six equations for
+e in each cell, solved by Newton's method with the tangent of the law. An `AnsweringLaw` computes e itself, with the
+response of a ball in place of A: the local step need not be exact, and the ball serves cells of any shape.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.products import product
@@ -27,7 +27,6 @@ from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_o
 
 __all__ = ["Around", "LawCells", "Remembered"]
 
-FloatArray = NDArray[np.float64]
 Remembered = dict[str, FloatArray]
 
 
@@ -37,12 +36,10 @@ class Around(Protocol):
     @property
     def shear_stiffness(self) -> float:
         """Deviatoric stress that a unit of its own eigenstrain takes from a ball [Pa]."""
-        ...
 
     @property
     def bulk_stiffness(self) -> float:
         """The same of the means."""
-        ...
 
 
 #: Most Newton steps of one sweep.
@@ -70,12 +67,12 @@ class LawCells:
         Stress in a cell by its own eigenstrain [Pa].
     groups : sequence of (law, cells)
         Flat indices of the cells of each law.
-    around : Surroundings, optional
-        The matrix as laws that answer as cells are told of it; without it no law is asked so.
+    around : Around, optional
+        The matrix, for laws that answer as cells (`AnsweringLaw`); without it no law is asked so.
     shape : (int, int, int), optional
-        Of the box that the indices count in, for messages.
+        Of the box, for messages.
     threads : int, optional
-        In which laws are asked for the answers of cells; by default all cores that this process may use.
+        For laws that answer as cells; by default all cores that this process may use.
     """
 
     def __init__(
@@ -88,7 +85,7 @@ class LawCells:
         threads: int | None = None,
     ) -> None:
         self._around, self._shape, self._threads = around, shape, threads or available_threads()
-        self._body = _Body(alone, compliance(matrix), 2.0 * matrix.shear_modulus)
+        self.alone, self.compliance, self.modulus = alone, compliance(matrix), 2.0 * matrix.shear_modulus
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
         self.groups = [
@@ -126,8 +123,8 @@ class LawCells:
                 if self._around is not None and isinstance(law, AnsweringLaw):
                     remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
-                foreign = s - product(self._body.alone, e)
-                solution = _solved(_Question(self._body, law, foreign, fixed, records, step), e)
+                foreign = s - product(self.alone, e)
+                solution = _solved(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
                 remembered.append(solution.answer.variables)
         return out, remembered
@@ -201,7 +198,7 @@ class LawCells:
         A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
         the parameters.
         """
-        strain = product(self._body.compliance, stress) + eigenstrain - prestrain
+        strain = product(self.compliance, stress) + eigenstrain - prestrain
         worst = 0.0
         for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
             count = cells.stop - cells.start
@@ -223,19 +220,10 @@ class LawCells:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Body:
-    """Matrix around a cell: stress of the cell by its own eigenstrain, compliance, 2 G."""
-
-    alone: FloatArray
-    compliance: FloatArray
-    size: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class _Question:
     """Equations of the cells of one law."""
 
-    body: _Body
+    body: LawCells
     law: Law
     foreign: FloatArray
     prestrain: FloatArray
@@ -254,9 +242,9 @@ class _Question:
     def limit(self, state: _State) -> FloatArray:
         """Residual that is round-off."""
         sizes = [np.linalg.norm(tensor, axis=0) for tensor in (state.eigenstrain, self.prestrain, self.foreign)]
-        strain = sizes[0] + sizes[1] + sizes[2] / self.body.size
+        strain = sizes[0] + sizes[1] + sizes[2] / self.body.modulus
         stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
-        scale = np.maximum.reduce([self.body.size * sizes[0], self.body.size * sizes[1], sizes[2]])
+        scale = np.maximum.reduce([self.body.modulus * sizes[0], self.body.modulus * sizes[1], sizes[2]])
         return np.asarray(_ROUND_OFF * scale + _ROUNDINGS * stiffness * strain + np.finfo(float).tiny)
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 
 __all__ = ["coarse_factors", "prolong", "restrict", "restrict_springs"]
-
-FloatArray = NDArray[np.float64]
 
 #: An axis is not coarsened below this many cells.
 COARSEST = 16

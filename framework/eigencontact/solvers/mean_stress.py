@@ -1,9 +1,9 @@
 """Means of a field over the cells around the points, by the same sums as its values at the points.
 
-Values in the centres of cells hardly see an eigenstrain that alternates from cell to cell. Where the eigenstrain is to
-be found from the stress it causes one needs the means: as an exact operator from eigenstrain to mean stress in the same
-cells is symmetric and never releases energy, while that to values in the centres does (its eigenvalues of the wrong
-sign reach 10 % of the largest in a box of 5 x 5 x 5 cubes), so that an equation for soft cells may have no good answer.
+Values in the centres of cells hardly see an eigenstrain that alternates from cell to cell. An equation for the
+eigenstrain needs the means: the exact operator from eigenstrain to mean stress in the same cells is symmetric and never
+releases energy. That to values in the centres does (its eigenvalues of the wrong sign reach 10 % of the largest in a
+box of 5 x 5 x 5 cubes), so that an equation for soft cells may have no good solution.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-r"""A contact and cells of eigenstrain below it, each seen by the other in the mean over a cell.
+r"""Mean stress in cells by tractions on the surface, and mean displacement of the surface by eigenstrain in the cells.
 
-Betti's theorem joins the two: the mean displacement of a surface cell of area A by an eigenstrain ε* in a cell of
+Betti's theorem relates the two: the mean displacement of a surface cell of area A by an eigenstrain ε* in a cell of
 volume V, and the mean stress in that cell by a unit traction t on that of the surface, obey
 
     A ū_t = V σ̄_t : ε*.
 
-With one table of coefficients for both, what the cells answer to the contact is a symmetric operator, and so is the
-compliance of the surface that follows: positive for any inhomogeneity if the means are exact. With values in the
-centres instead it is not, and a stiff coating at the surface lets the pressure alternate from cell to cell.
+With one table of coefficients for both, the response of the cells to the contact is a symmetric operator, and so is the
+compliance of the surface: positive for any inhomogeneity if the means are exact. With values in the centres it is not,
+and a stiff coating at the surface lets the pressure alternate from cell to cell.
 
 References
 ----------
@@ -17,17 +17,17 @@ E. Betti 1872, Nuovo Cimento 7, 69 (reciprocity); T. Mura 1987, Micromechanics o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eigencontact.convolution import Convolver, Layout
-from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import require
 from eigencontact.solvers.cells import Cells, snapped
@@ -35,15 +35,12 @@ from eigencontact.solvers.subsurface import StressKernel
 
 __all__ = ["MeanStressKernel", "SurfaceAndCells"]
 
-FloatArray = NDArray[np.float64]
-
 # Gauss points along each edge of a cell.
 _POINTS = 2
 # Gauss points along each edge of a cell that touches the surface.
 _FLUSH = 3
 
 
-@dataclass(frozen=True, slots=True)
 class MeanStressKernel:
     """Stress coefficients averaged over cells around the points.
 
@@ -55,34 +52,22 @@ class MeanStressKernel:
         Of the cells [m]; along x and y they are as wide as the loaded rectangle.
     """
 
-    kernel: StressKernel
-    height: float
-
-    @property
-    def components(self) -> Sequence[str]:
-        """See `StressKernel`."""
-        return self.kernel.components
-
-    def parity(self, component: str) -> tuple[int, int]:
-        """Parity (in y, in x)."""
-        return self.kernel.parity(component)
+    def __init__(self, kernel: StressKernel, height: float) -> None:
+        self._kernel, self._height, self.components = kernel, height, kernel.components
+        self.parity, self.response = kernel.parity, kernel.response  # waves have no cells to average over
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Means over the cells around a lattice of offsets, at one depth of their middles, ``(n, ny, nx)``."""
-        count = _FLUSH if z < 0.75 * self.height else _POINTS
+        count = _FLUSH if z < 0.75 * self._height else _POINTS
         points, weights = np.polynomial.legendre.leggauss(count)
         rule = list(zip(0.5 * points, 0.5 * weights, strict=True))
         out = np.zeros((len(components), y.size, x.size))
         for (k, of_z), (j, of_y), (i, of_x) in product(rule, repeat=3):
-            at = x + 2.0 * i * half_widths[0], y + 2.0 * j * half_widths[1], z + k * self.height
-            out += of_z * of_y * of_x * self.kernel.table(components, *at, half_widths)
+            at = x + 2.0 * i * half_widths[0], y + 2.0 * j * half_widths[1], z + k * self._height
+            out += of_z * of_y * of_x * self._kernel.table(components, *at, half_widths)
         return out
-
-    def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
-        """Amplitudes for a traction wave at one depth: those of the kernel, which has no cells here."""
-        return self.kernel.response(components, kx, ky, z)
 
 
 class SurfaceAndCells:
@@ -139,7 +124,7 @@ class SurfaceAndCells:
 
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
         (dx, dy, _), z = self.cells.pitch, float(self.cells.centres(2)[layer])
-        x, y = self._down.lattice_x * dx, self._down.lattice_y * dy
+        x, y = self._down.x.lattice * dx, self._down.y.lattice * dy
         tables = kernel.table(list(COMPONENTS), x, y, z, (0.5 * dx, 0.5 * dy))
         for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
             parity = kernel.parity(name)

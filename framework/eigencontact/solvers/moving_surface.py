@@ -17,13 +17,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import NotConverged, require
 
 __all__ = ["Moved", "Pressed", "moved"]
 
-FloatArray = NDArray[np.float64]
 #: Contact pressure [Pa] from the worn depth [m], springs on the surface [m/Pa] and a pressure near by.
 Pressed = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
@@ -79,28 +78,21 @@ def moved(
     Parameters
     ----------
     pressed : callable
-        ``pressed(depth, springs, start)`` solves the contact of the surface worn by `depth` (ny, nx) [m] under a
-        layer of `springs` (ny, nx) [m/Pa], from the pressure `start`; see `NormalSolver.solve`.
-    depth : (ny, nx) float64
-        Worn depth at the start [m].
-    pressure : (ny, nx) float64
-        Contact pressure at the start [Pa].
+        ``pressed(depth, springs, start)``: contact pressure of the surface worn by `depth` under a layer of `springs`;
+        see `NormalSolver.solve`.
+    depth, pressure : (ny, nx) float64
+        Worn depth [m] and contact pressure [Pa] at the start.
     rate : (ny, nx) float64
         Depth per pressure and cycle [m/(Pa cycle)], zero or positive.
     cycles : float
-        How many; need not be a whole number.
+        Number of cycles; need not be whole.
     steady : (ny, nx) float64, optional
         Depth per cycle whatever the pressure [m/cycle], zero or positive; none by default.
     tolerance : float
         Bound on the estimated relative error of the depth added [-]; the pressure at the end may be off by five times
         as much.
     least : float
-        Sum of the depth over all cells [m] that the error is relative to where less is added.
-
-    Returns
-    -------
-    Moved
-        Its errors are within the tolerance.
+        The error is relative to this sum of the depth over all cells [m] where less is added.
 
     Raises
     ------
@@ -109,17 +101,15 @@ def moved(
     SceneError
         A rate below zero, no tolerance.
 
-    Notes
-    -----
-    T(m) from m sub-steps has an error of first order, ``2 T(2m) - T(m)`` of second order. A cell is extrapolated only
-    so far that its pressure does not fall below zero; on a bed of springs the depth then stays below its limit.
-    Depth does not decrease: where it would, it is clipped. Errors are differences between the last two tries, that is
-    errors of the coarser one, and too large by a factor of two to four. Where the pressure changes many times over and
-    edges of contact cross many cells, extrapolation does harm: T(2m) is the answer where its estimate is the smaller.
+    Notes ----- T(m) from m sub-steps has an error of first order, ``2 T(2m) - T(m)`` of second order. A cell is
+    extrapolated only so far that its pressure stays at zero or more; on a bed of springs the depth then stays below its
+    limit. Depth does not decrease: where it would, it is clipped. Errors are differences between the last two tries,
+    too large by a factor of two to four. Where the pressure changes many times over and edges of contact cross many
+    cells, extrapolation does harm: T(2m) is the result where its estimate is the smaller.
 
-    Steps of errors that are small each by itself are no match: a local error counts as if the surface kept it, but
-    wear levels it. A sphere worn to 100 times the volume of its first contact takes 15 solves here at 1e-2 (depth off
-    by .1 %, pressure by 2 %), and there 277 for an estimate that is too large by a factor of 700.
+    Steps with small local errors cost far more: a local error counts as if the surface kept it, but wear levels it. A
+    sphere worn to 100 times the volume of its first contact takes 15 solves here at 1e-2 (depth off by .1 %, pressure
+    by 2 %), and there 277 for an estimate that is too large by a factor of 700.
 
     Examples
     --------

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = ["Neighbourhood", "reach_of"]
-
-FloatArray = NDArray[np.float64]
 
 #: Means below this part of the largest are rounding of the transforms, and zero.
 _ROUNDING = 1e-12
@@ -58,6 +57,8 @@ class Neighbourhood:
     def _summed(self, values: FloatArray) -> FloatArray:
         if self._weight.size == 1:
             return np.array(values)
+        from scipy.signal import fftconvolve  # half a second to import, and few scenes have a length
+
         box = np.zeros((len(values), *self._cells.shape))
         box[:, self._cells] = values
         return np.asarray(fftconvolve(box, self._weight[None], mode="same", axes=(1, 2, 3)))[:, self._cells]

@@ -1,74 +1,35 @@
-"""Frictionless normal contact of two elastic bodies, by itself or again and again on one grid."""
+"""Frictionless normal contact of two elastic bodies."""
 
 from __future__ import annotations
 
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import SceneError, require
 from eigencontact.solvers.coarse_to_fine import CoarseToFine, margin
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.operator import Coefficients, Compliance
 from eigencontact.solvers.preconditioner import Circulant
-from eigencontact.solvers.report import Progress, SolveReport
+from eigencontact.solvers.report import Certificate, Progress, SolveReport
 from eigencontact.solvers.solution import NormalOptions, NormalSolution
 
-__all__ = ["NormalOptions", "NormalSolution", "NormalSolver", "solve_normal"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["NormalOptions", "NormalSolution", "NormalSolver"]
 
 
-def solve_normal(
-    grid: Grid,
-    separation: FloatArray,
-    coefficients: Coefficients,
-    control: Control,
-    options: NormalOptions | None = None,
-    *,
-    springs: FloatArray | None = None,
-    start: FloatArray | None = None,
-    progress: Progress | None = None,
-) -> NormalSolution:
-    """Pressure of two elastic bodies pressed together without friction.
-
-    Finds p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x`` (thesis eqs 2.67-2.72, there
-    without k).
+class NormalSolver:
+    """Normal contact on one grid for any number of solves: coefficients, spectra and FFT plans are kept.
 
     Parameters
     ----------
     grid : Grid
         Cells; the pressure is uniform on each.
-    separation : (ny, nx) float64
-        Initial separation h [m].
     coefficients : Coefficients
         Normal displacement of a uniformly loaded rectangle, both bodies summed [m/Pa].
-    control : Control
-        Load or approach, moments or tilts.
     options : NormalOptions, optional
         Tolerance, precision, periodicity and so on.
-    springs : (ny, nx) float64, optional
-        Layer of springs k that give way each by itself [m/Pa], zero or positive; none by default.
-    start : (ny, nx) float64, optional
-        A pressure near the answer; the coarse grids are then skipped.
-    progress : callable, optional
-        Told the residual of each iteration.
-
-    Returns
-    -------
-    NormalSolution
-        Its certificate holds.
-
-    Raises
-    ------
-    NotConverged
-        With the report; no half result is returned.
-    DomainTooSmall
-        Contact at the edge of the window, unless allowed or periodic.
-    SceneError
-        A separation or springs not finite, springs below zero, a moment that the window cannot carry.
 
     Examples
     --------
@@ -77,22 +38,9 @@ def solve_normal(
     ...         return np.where((x[None] == 0) & (y[:, None] == 0), 1.0, 0.0)
     >>> grid = Grid(nx=8, ny=8, dx=1.0, dy=1.0)
     >>> h = 0.1 * (grid.x[None] ** 2 + grid.y[:, None] ** 2)
-    >>> solution = solve_normal(grid, h, Winkler(), Control(approach=0.3))
+    >>> solution = NormalSolver(grid, Winkler()).solve(h, Control(approach=0.3))
     >>> round(float(solution.pressure.max()), 6)
     0.25
-    """
-    return NormalSolver(grid, coefficients, options).solve(
-        separation, control, springs=springs, start=start, progress=progress
-    )
-
-
-class NormalSolver:
-    """Normal contact on one grid, to be solved again and again: coefficients, spectra and FFT plans are kept.
-
-    Parameters
-    ----------
-    grid, coefficients, options
-        See `solve_normal`.
     """
 
     def __init__(self, grid: Grid, coefficients: Coefficients, options: NormalOptions | None = None) -> None:
@@ -110,15 +58,44 @@ class NormalSolver:
         tolerance: float | None = None,
         progress: Progress | None = None,
     ) -> NormalSolution:
-        """Solve for one separation and control; see `solve_normal` for parameters, errors and the result.
+        """Find p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x``.
 
-        `tolerance` takes the place of that of the options: an outer iteration need not solve to the end at once.
+        Thesis eqs 2.67-2.72, there without k.
+
+        Parameters
+        ----------
+        separation : (ny, nx) float64
+            Initial separation h [m].
+        control : Control
+            Load or approach, moments or tilts.
+        springs : (ny, nx) float64, optional
+            Layer of independent springs k [m/Pa], zero or positive; none by default.
+        start : (ny, nx) float64, optional
+            A pressure near the solution; the coarse grids are then skipped.
+        tolerance : float, optional
+            Replaces that of the options, for outer iterations.
+        progress : callable, optional
+            Called with the residual of each iteration.
+
+        Returns
+        -------
+        NormalSolution
+            Its certificate holds.
+
+        Raises
+        ------
+        NotConverged
+            With the report; no half result is returned.
+        DomainTooSmall
+            Contact at the edge of the window, unless allowed or periodic.
+        SceneError
+            A separation or springs not finite, springs below zero, a moment that the window cannot carry.
         """
         began = perf_counter()
         _check(self.grid, separation, control, start)
         if springs is not None:
             _check_springs(self.grid, springs)
-        report, before = SolveReport(), self.convolutions
+        report, before = SolveReport[Certificate](), self.convolutions
         try:
             return CoarseToFine(self, separation, control, report, progress, tolerance, springs).run(start)
         finally:
@@ -137,14 +114,7 @@ class NormalSolver:
         round-off of the input grow to 1e-9 of the pressure, and scaled scenes must agree to 1e-10.
         """
         if grid not in self._compliances:
-            options = self.options
-            self._compliances[grid] = Compliance(
-                grid,
-                self.coefficients,
-                periodic=options.periodic,
-                precision=options.precision,
-                threads=options.threads,
-            )
+            self._compliances[grid] = Compliance(grid, self.coefficients, self.options)
         return self._compliances[grid]
 
     def circulant(self, compliance: Compliance, box: Box) -> Circulant:

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
+from eigencontact.solvers.solution import SolverOptions
 
-__all__ = ["BoxOperator", "Coefficients", "Compliance"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["BoxOperator", "Coefficients", "Compliance", "layout_between", "offsets", "sampled"]
 
 # Operators kept for each grid: the box of the iteration and the check on the whole window, now and one box ago.
 _KEPT = 4
@@ -21,15 +21,29 @@ _WORTH_THREADS = 200_000
 
 
 class Coefficients(Protocol):
-    """Influence coefficients of one response to one traction; both even in x and y for the normal problem."""
+    """Influence coefficients of one response to one traction; of the normal problem even in x and y."""
 
     def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
         """Response at offsets x, y [m] of a rectangle of the given half-widths under unit traction, ``(ny, nx)``."""
-        ...
 
     def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
         """Amplitude of the response to a unit traction wave, ``(nky, nkx)``; for periodic contact."""
-        ...
+
+
+def layout_between(source: Box, target: Box) -> Layout:
+    """Layout of a convolution from one box of a grid to another."""
+    return Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
+
+
+def offsets(layout: Layout) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Magnitudes of the offsets along y and x [cells]."""
+    return np.abs(layout.y.lattice).astype(int), np.abs(layout.x.lattice).astype(int)
+
+
+def sampled(coefficients: Coefficients, grid: Grid, ny: int, nx: int) -> FloatArray:
+    """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells."""
+    x, y = np.arange(nx, dtype=np.float64) * grid.dx, np.arange(ny, dtype=np.float64) * grid.dy
+    return coefficients.table(x, y, (0.5 * grid.dx, 0.5 * grid.dy))
 
 
 class BoxOperator:
@@ -62,9 +76,8 @@ class Compliance:
         Cells.
     coefficients : Coefficients
         Where the numbers come from.
-    periodic : bool
-        Whether the window repeats.
-    precision, threads : see `eigencontact.convolution.Convolver`
+    options : SolverOptions
+        Periodic window, precision and threads.
 
     Notes
     -----
@@ -72,20 +85,14 @@ class Compliance:
     underflows for cells of a nanometre or a metre.
     """
 
-    def __init__(
-        self, grid: Grid, coefficients: Coefficients, *, periodic: bool, precision: str, threads: int | None
-    ) -> None:
-        self.grid = grid
-        self.periodic = periodic
-        self.precision = precision
-        self.threads = threads
-        self._coefficients = coefficients
+    def __init__(self, grid: Grid, coefficients: Coefficients, options: SolverOptions) -> None:
+        self.grid, self.options, self._coefficients = grid, options, coefficients
         self._table = np.empty((0, 0))
         self._whole: Spectrum | None = None
         self.unit = 1.0
         self._operators: dict[tuple[Box, Box], BoxOperator] = {}
         self._retired = 0
-        if periodic:
+        if options.periodic:
             self._sample_periodic()
 
     @property
@@ -95,15 +102,13 @@ class Compliance:
 
     def table(self, ny: int, nx: int) -> FloatArray:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, in units of ``unit``."""
-        if self.periodic:
+        if self.options.periodic:
             indices = (np.arange(ny), np.arange(nx))
             wrap = [np.minimum(i % n, n - i % n) for i, n in zip(indices, self.grid.shape, strict=True)]
             return self._table[np.ix_(*wrap)]
         if self._table.shape[0] < ny or self._table.shape[1] < nx:
             rows, columns = max(ny, self._table.shape[0]), max(nx, self._table.shape[1])
-            dx, dy = self.grid.dx, self.grid.dy
-            x, y = np.arange(columns, dtype=np.float64) * dx, np.arange(rows, dtype=np.float64) * dy
-            table = self._coefficients.table(x, y, (0.5 * dx, 0.5 * dy))
+            table = sampled(self._coefficients, self.grid, rows, columns)
             self.unit = float(table[0, 0])
             table /= self.unit
             self._table = table
@@ -121,28 +126,24 @@ class Compliance:
         window = Box(0, self.grid.ny, 0, self.grid.nx)
         if self._whole is not None and source == target == window:
             layout = Layout(window.shape, window.shape, periodic=True)
-            return self._operator(layout, self._whole)
-        layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
-        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+            return BoxOperator(self.convolver(layout), self._whole)
+        layout = layout_between(source, target)
+        y, x = offsets(layout)
         table = self.table(int(y.max()) + 1, int(x.max()) + 1)
         if not (layout.y.symmetric and layout.x.symmetric):
             table = table[np.ix_(y, x)]
-        return self._operator(layout, layout.spectrum(table, (1, 1), precision=self.precision))
+        return BoxOperator(self.convolver(layout), layout.spectrum(table, (1, 1), precision=self.options.precision))
 
     def reserve(self, source: Box, target: Box) -> None:
         """Sample at once what both this pair of boxes and smaller ones will need."""
-        if not self.periodic:
-            layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
-            y, x = np.abs(layout.lattice_y), np.abs(layout.lattice_x)
+        if not self.options.periodic:
+            y, x = offsets(layout_between(source, target))
             self.table(int(y.max()) + 1, int(x.max()) + 1)
-
-    def _operator(self, layout: Layout, spectrum: Spectrum) -> BoxOperator:
-        return BoxOperator(self.convolver(layout), spectrum)
 
     def convolver(self, layout: Layout) -> Convolver:
         """Convolver of one spectrum, with threads where they save time."""
-        threads = self.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
-        return Convolver(layout, precision=self.precision, threads=threads)
+        threads = self.options.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
+        return Convolver(layout, precision=self.options.precision, threads=threads)
 
     def _sample_periodic(self) -> None:
         """Spectrum of the whole window, and the coefficients of one period from it."""
@@ -156,4 +157,4 @@ class Compliance:
         full = fft.irfft2(response.real[rows], s=(ny, nx))
         self.unit = float(full[0, 0]) or 1.0
         self._table = full[: ny // 2 + 1, : nx // 2 + 1] / self.unit
-        self._whole = layout.spectrum_from_response(response / self.unit, (1, 1), precision=self.precision)
+        self._whole = layout.spectrum_from_response(response / self.unit, (1, 1), precision=self.options.precision)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced
 from eigencontact.halfspace.potentials import HasCornerPotentials
@@ -31,7 +32,6 @@ __all__ = [
     "unit_of_length",
 ]
 
-FloatArray = NDArray[np.float64]
 Forms = tuple[tuple[Form, ...], ...]
 
 # Distance from an edge of the points around it, in shortest edges of a cell.
@@ -136,10 +136,10 @@ def sample_tables(
         last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
-            some = x[begin:end], y, z
-            values = cell.corner(name, orders, *_open(some))
+            planes_of_nodes = x[begin:end], y, z
+            values = cell.corner(name, orders, *_open(planes_of_nodes))
             if singular:
-                _around_edges(values, partial(cell.corner, name, orders), some, around)
+                _around_edges(values, partial(cell.corner, name, orders), planes_of_nodes, around)
             values = values[..., 1:] - values[..., :-1]
             values = values[:, :, 1:] - values[:, :, :-1]
             np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1], casting="same_kind")

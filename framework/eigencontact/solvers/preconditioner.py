@@ -8,37 +8,22 @@ circulant (there: of the half-space response) for contact is due to E. A. H. Vol
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.convolution import Layout, Spectrum
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.array_types import Array, FloatArray
 from eigencontact.core.grid import Box
-from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.operator import BoxOperator, Compliance
 
-__all__ = ["Circulant", "Preconditioner", "SpringPreconditioner"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["Circulant", "SpringPreconditioner"]
 
 # Largest ratio of the stiffest to the most compliant cell, springs included, for which one inverse serves all cells.
 _ALIKE = 10.0
 # Largest ratio of neighbouring inverses where there are several.
 _APART = 100.0
-
-
-class Preconditioner:
-    """Maps a gap residual on a box to a pressure correction, in units of the compliance."""
-
-    def __init__(self, convolver: Convolver, spectrum: Spectrum) -> None:
-        self._convolver = convolver
-        self._spectrum = spectrum
-
-    def __call__(self, residual: NDArray[Any]) -> NDArray[Any]:
-        """Apply to a residual that is zero at cells not loaded."""
-        return self._convolver.apply(residual, self._spectrum)
 
 
 class Circulant:
@@ -69,28 +54,27 @@ class Circulant:
             spectrum[0, 0] = top if top > 0 else 1.0
         self.spectrum: FloatArray = np.maximum(spectrum, 1e-6 * float(spectrum[0, 0]))
         layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
-        self._precision = compliance.precision
+        self._precision = compliance.options.precision
         self._cells = lengths[0] * lengths[1]
         self._convolver = compliance.convolver(layout)
 
     @cached_property
-    def inverse(self) -> Preconditioner:
+    def inverse(self) -> BoxOperator:
         """Inverse of the circulant: a gap residual on the box to a pressure correction."""
         return self.shifted(0.0)
 
-    def shifted(self, spring: float) -> Preconditioner:
+    def shifted(self, spring: float) -> BoxOperator:
         """Inverse of the circulant plus a uniform spring."""
-        values = (1.0 / (self.spectrum + spring)).T
-        packed = Spectrum.pack(values, self._cells, 1, imaginary=False, precision=self._precision)
-        return Preconditioner(self._convolver, packed)
-
-    def energy(self, pressure: NDArray[Any]) -> float:
-        """Sum of a pressure times its displacement, as far as the circulant knows."""
-        return self._convolver.energy(pressure, self._forward)
+        return self._operator(1.0 / (self.spectrum + spring))
 
     @cached_property
-    def _forward(self) -> Spectrum:
-        return Spectrum.pack(self.spectrum.T, self._cells, 1, imaginary=False, precision=self._precision)
+    def forward(self) -> BoxOperator:
+        """The circulant itself: a pressure to its displacement, and its energy, up to the error of the circulant."""
+        return self._operator(self.spectrum)
+
+    def _operator(self, spectrum: FloatArray) -> BoxOperator:
+        packed = Spectrum.pack(spectrum.T, self._cells, 1, imaginary=False, precision=self._precision)
+        return BoxOperator(self._convolver, packed)
 
     @property
     def middle(self) -> float:
@@ -98,7 +82,7 @@ class Circulant:
         return float(np.sqrt(self.spectrum.min() * self.spectrum.max()))
 
 
-class SpringPreconditioner(Preconditioner):
+class SpringPreconditioner:
     """Inverse of a circulant plus springs that differ from cell to cell: a few uniform ones, interpolated.
 
     ``z = Σ √θj (C + kj)⁻¹ √θj r`` with weights θj(k) that interpolate ``1/(s + k)`` linearly in ``1/(s0 + k)``, s0 the
@@ -135,8 +119,8 @@ class SpringPreconditioner(Preconditioner):
             nodes = list(np.maximum(1.0 / stiffness - least, 0.0))
         self._parts = [(np.sqrt(w), circulant.shifted(k)) for w, k in zip(weights, nodes, strict=True)]
 
-    def __call__(self, residual: NDArray[Any]) -> NDArray[Any]:
-        """See `Preconditioner`."""
+    def __call__(self, residual: Array) -> Array:
+        """Pressure correction for a gap residual that is zero at cells not loaded."""
         total = np.zeros_like(residual)
         for weight, inverse in self._parts:
             share = weight.astype(residual.dtype)

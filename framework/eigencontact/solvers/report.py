@@ -1,19 +1,50 @@
-"""Report of a solver: a certificate of its solution, and the history of its iterations."""
+"""Reports of solvers: a certificate of the solution, and the history of the iterations."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Generic, TypeVar
 
-__all__ = ["Certificate", "Progress", "SolveReport"]
+__all__ = ["Certificate", "FrictionCertificate", "Progress", "SolveReport"]
 
-#: Called now and then with (text, residual, tolerance); must be quick.
+#: Called during a solve with (text, residual, tolerance); must be quick.
 Progress = Callable[[str, float, float], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Certificate:
-    """Residuals of the contact conditions, checked on the whole window with a fresh convolution.
+class Residuals:
+    """Residuals of the conditions of a solution, checked on the whole window with a fresh convolution.
+
+    Attributes
+    ----------
+    tolerance : float
+        Bound that all residuals meet when the solve is converged.
+    """
+
+    tolerance: float
+
+    def _by_name(self) -> dict[str, float]:
+        return {item.name: getattr(self, item.name) for item in fields(self) if item.name != "tolerance"}
+
+    @property
+    def worst(self) -> float:
+        """Largest of the residuals."""
+        return max(self._by_name().values())
+
+    @property
+    def holds(self) -> bool:
+        """Whether every residual is within the tolerance (NaN is not)."""
+        return self.worst <= self.tolerance
+
+    def __str__(self) -> str:
+        residuals = ", ".join(f"{name} {value:.1e}" for name, value in self._by_name().items())
+        return f"{residuals} (tolerance {self.tolerance:.1e})"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Certificate(Residuals):
+    """Residuals of the normal contact.
 
     Attributes
     ----------
@@ -24,54 +55,60 @@ class Certificate:
         Largest overlap at an unloaded cell, relative to the same.
     load : float
         Largest error of a prescribed force or moment, relative to it (a moment: to the load times the half window).
-    tolerance : float
-        Bound that all three meet when the solve is converged.
     """
 
     gap: float
     penetration: float
     load: float
-    tolerance: float
 
-    @property
-    def worst(self) -> float:
-        """Largest of the residuals."""
-        return max(self.gap, self.penetration, self.load)
 
-    @property
-    def holds(self) -> bool:
-        """Whether every residual is within the tolerance (NaN is not)."""
-        return self.worst <= self.tolerance
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FrictionCertificate(Residuals):
+    """Residuals of friction.
 
-    def __str__(self) -> str:
-        return (
-            f"gap {self.gap:.1e}, penetration {self.penetration:.1e}, load {self.load:.1e} "
-            f"(tolerance {self.tolerance:.1e})"
-        )
+    Attributes
+    ----------
+    bound : float
+        Largest excess of a shear traction over its bound, relative to the largest bound.
+    stick : float
+        Largest slip of a sticking cell in the increment, relative to the largest tangential displacement in contact.
+    alignment : float
+        Largest part of the slip of a slipping cell across its traction, or along it, relative to the same.
+    load : float
+        Largest error of a prescribed force or moment, relative to what friction could carry of it.
+    """
+
+    bound: float
+    stick: float
+    alignment: float
+    load: float
+
+
+AnyResiduals = TypeVar("AnyResiduals", bound=Residuals)
 
 
 @dataclass(slots=True)
-class SolveReport:
+class SolveReport(Generic[AnyResiduals]):
     """Course of a solve.
 
     Attributes
     ----------
-    certificate : Certificate or None
+    certificate : Residuals or None
         Of the last iterate; None if it never got that far.
     history : list of (cells, residual)
         One entry per iteration: cells of the grid it ran on, and its relative residual.
     convolutions : int
-        Applications of the compliance on all grids.
+        Applications of the compliance on all grids; of friction, of shear tractions to tangential displacements.
     seconds : float
         Wall time.
     """
 
-    certificate: Certificate | None = None
+    certificate: AnyResiduals | None = None
     history: list[tuple[int, float]] = field(default_factory=list)
     convolutions: int = 0
     seconds: float = 0.0
 
     @property
     def iterations(self) -> int:
-        """Iterations on all grids."""
+        """Iterations on all grids; of friction, Newton steps."""
         return len(self.history)

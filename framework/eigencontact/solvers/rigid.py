@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import Array
 
 __all__ = ["RigidModes", "dot"]
-
-Array = NDArray[Any]
 
 
 def dot(a: Array, b: Array) -> float:

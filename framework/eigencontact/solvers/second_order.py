@@ -10,19 +10,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import BoolArray, FloatArray, IntArray
 
 __all__ = ["Faces", "centre_values", "linked_faces"]
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Faces = tuple[BoolArray, BoolArray, BoolArray]
 
 #: A parabola exceeds its mean over an interval h by h²/24 times its second derivative.
 _SHARE = 1.0 / 24.0
 
 
-def linked_faces(groups: Sequence[NDArray[np.intp]], shape: tuple[int, int, int]) -> Faces | None:
+def linked_faces(groups: Sequence[IntArray], shape: tuple[int, int, int]) -> Faces | None:
     """Faces between neighbours of one group, along z, y, x; None where there are none.
 
     Parameters

@@ -14,15 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.convolution.layout import Axis
 from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.solvers.subsurface import StressKernel, TableAt, all_tables, folded, mirrored
 
 __all__ = ["SectionStress"]
-
-FloatArray = NDArray[np.float64]
 
 
 class SectionStress:

@@ -1,11 +1,10 @@
-"""Contact conditions on one box where `constrained_cg` gets no further: loaded cells change only when all is settled.
+"""Contact conditions on one box where `constrained_cg` stalls: the loaded cells change only when their gaps are closed.
 
-`constrained_cg` changes the loaded cells in every iteration. Where a body bends like a plate, as under a thin stiff
-layer on a soft ground, a cell that is taken in or released moves the gaps far away: cells change sides in turn, and no
-search direction lives long enough to bend the plate. Here the conjugate gradients of one set of cells run until its
-gaps are closed; pressures may be negative until then. Then every cell that pulls is released and every one that
-overlaps is taken in, which is a Newton iteration of the contact conditions: some ten sets of thirty to fifty iterations
-each, whatever the size of the grid.
+Where a body bends like a plate, as under a thin stiff layer on a soft ground, a cell that is loaded or released moves
+the gaps far away, and no search direction of `constrained_cg` lasts long enough to bend the plate. Here the conjugate
+gradients of one set of cells run until its gaps are closed; pressures may be negative until then. Then every cell that
+pulls is released and every one that overlaps is loaded, which is a Newton iteration of the contact conditions: some ten
+sets of thirty to fifty iterations each, whatever the size of the grid.
 
 References
 ----------
@@ -16,17 +15,14 @@ sets as a semismooth Newton iteration).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, relative, without_forces
+from eigencontact.core.array_types import Array
+from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, relative
 from eigencontact.solvers.rigid import dot
 
 __all__ = ["solve_settled"]
-
-Array = NDArray[Any]
 
 # A set is settled when its gaps have fallen by this factor. On a layer of .1 a at a contrast of 1e4, 31² to 256² cells,
 # 1e-3 took 9 to 12 sets and 264 to 467 iterations, 1e-2 up to 27 sets and as many iterations; 3e-2 did not always end.
@@ -74,7 +70,10 @@ def solve_settled(
             z = problem.precondition(r) * c
             before, slope = slope, dot(r, z)
             direction = z + dtype.type(slope / before if before > 0 else 0.0) * direction
-            without_forces(modes, direction, c, share)
+            if share is None:
+                modes.remove(direction, c)
+            else:
+                modes.unload(direction, c * share)
             response = problem.apply(direction)
             curvature = dot(direction, response)
             if not curvature > 0:

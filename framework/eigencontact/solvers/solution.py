@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from eigencontact.core.array_types import FloatArray
+from eigencontact.solvers.report import Certificate, SolveReport
 
-from eigencontact.solvers.report import SolveReport
-
-__all__ = ["NormalOptions", "NormalSolution"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["NormalOptions", "NormalSolution", "SolverOptions"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class NormalOptions:
-    """Options of the solution; the other arguments of `solve_normal` define the problem.
+class SolverOptions:
+    """Options of the solution; the arguments of `solve` define the problem.
 
     Parameters
     ----------
     tolerance : float
-        Bound on each residual of the `Certificate` [-].
+        Bound on each residual of the certificate [-].
     max_iterations : int
         Iterations allowed on the finest grid.
     precision : {"double", "single"}
@@ -30,8 +26,6 @@ class NormalOptions:
         Cores; all by default.
     periodic : bool
         The window repeats in x and y.
-    allow_contact_at_edge : bool
-        Accept contact that reaches the edge of the window.
     """
 
     tolerance: float = 1e-6
@@ -39,6 +33,12 @@ class NormalOptions:
     precision: str = "double"
     threads: int | None = None
     periodic: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalOptions(SolverOptions):
+    """Options of the normal contact; `allow_contact_at_edge` accepts contact at the edge of the window."""
+
     allow_contact_at_edge: bool = False
 
 
@@ -68,4 +68,4 @@ class NormalSolution:
     normal_load: float
     moment_x: float
     moment_y: float
-    report: SolveReport
+    report: SolveReport[Certificate]

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
-from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
+from eigencontact.core.parallel import available_threads, in_parallel
 
 __all__ = [
     "HasDepths",
@@ -26,7 +27,6 @@ __all__ = [
     "tables_at",
 ]
 
-FloatArray = NDArray[np.float64]
 Made = TypeVar("Made")
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
 TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
@@ -46,21 +46,17 @@ class StressKernel(Protocol):
     @property
     def components(self) -> Sequence[str]:
         """Components of the stress, or of the displacement."""
-        ...
 
     def parity(self, component: str) -> tuple[int, int]:
         """Parity (in y, in x)."""
-        ...
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Values on a lattice of offsets at one depth, ``(n, ny, nx)``."""
-        ...
 
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
-        ...
 
 
 @runtime_checkable
@@ -71,13 +67,11 @@ class HasDepths(Protocol):
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> TableAt:
         """Prepare tables at depths ``(nz,)`` for offsets up to `reach` [m]; they may be asked for in threads."""
-        ...
 
     def responses(
         self, components: list[str], kx: FloatArray, ky: FloatArray, depths: FloatArray
     ) -> Iterable[NDArray[np.complex128]]:
         """Amplitudes for a traction wave at depths ``(nz,)``, one after the other, ``(n, nky, nkx)`` each."""
-        ...
 
 
 @runtime_checkable
@@ -93,7 +87,6 @@ class HasSums(Protocol):
         load: FloatArray,
     ) -> SumAt | None:
         """Prepare sums of a load ``(ny, nx)``, else as `HasDepths.at_depths`; None where tables are as good."""
-        ...
 
 
 def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
@@ -253,7 +246,7 @@ class SubsurfaceStress:
     def _coefficients(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
         """Tasks that fill in the spectra of one depth each from tables of coefficients."""
         dx, dy = self.grid.dx, self.grid.dy
-        x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
+        x, y = self._layout.x.lattice * dx, self._layout.y.lattice * dy
         below, left = mirrored(y), mirrored(x)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
         prepared = all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
@@ -338,9 +331,9 @@ def stress_at_points(
     loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]
     workers = threads or available_threads()
     for begin in range(0, len(points), _POINTS):
-        some = points[begin : begin + _POINTS]
-        depths, place = np.unique(some[:, 2], return_inverse=True)
-        reach = max(float(np.abs(some[:, 0, None] - x).max()), float(np.abs(some[:, 1, None] - y).max()))
+        chunk = points[begin : begin + _POINTS]
+        depths, place = np.unique(chunk[:, 2], return_inverse=True)
+        reach = max(float(np.abs(chunk[:, 0, None] - x).max()), float(np.abs(chunk[:, 1, None] - y).max()))
         pairs = zip(kernels, loads, strict=True)
         sums = _side_by_side(
             workers, [partial(_sums_at, item, depths, half_widths, reach, load) for item, load in pairs]
@@ -348,9 +341,9 @@ def stress_at_points(
 
         def superpose(numbers: range) -> None:
             for number in numbers:
-                px, py, _ = some[number]  # noqa: B023
+                px, py, _ = chunk[number]  # noqa: B023
                 for sum_at in sums:  # noqa: B023
                     out[:, begin + number] += sum_at(int(place[number]), px - x, py - y)  # noqa: B023
 
-        in_parallel(workers, [partial(superpose, range(k, len(some), workers)) for k in range(workers)])
+        in_parallel(workers, [partial(superpose, range(k, len(chunk), workers)) for k in range(workers)])
     return out

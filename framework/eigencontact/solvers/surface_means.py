@@ -16,12 +16,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.solvers.subsurface import StressKernel, SubsurfaceStress, TableAt, stress_at_points, tables_at
 
 __all__ = ["CellMeans", "MeansOnLattice", "depth_of_means", "means_at_points"]
-
-FloatArray = NDArray[np.float64]
 
 #: Depth down to which means are taken, in shorter edges of a cell. There the logarithm is a tenth of its size at a
 #: distance of 1 % of a cell from the edge, and what the steps add falls by exp(-2 pi) with each cell further down.

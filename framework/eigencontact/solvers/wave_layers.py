@@ -11,15 +11,12 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.halfspace.forms import Kernel
 from eigencontact.halfspace.theorem import response
 
 __all__ = ["ALONG_WAVE", "Coefficients", "LayerSums", "Plane", "coefficients", "plane_at"]
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 #: Whether an odd number of a component's indices lies along the wave: such are carried times 1j, and all is real.
 ALONG_WAVE = {"displacement": (1, 0, 0), "strain": (0, 0, 0, 0, 1, 1), "stress": (0, 0, 0, 0, 1, 1)}

@@ -23,14 +23,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import require
 from eigencontact.solvers.cells import Cells
 
 __all__ = ["WithinCells"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 Cell = list[IntArray]
 
 # Part of a cell: a point so near to a face lies on it, and counts half to either side.
@@ -38,7 +37,7 @@ _ON_FACE = 1e-9
 
 
 class WithinCells:
-    """Takes the sawtooth off at some points.
+    """Correction of fields at points inside cells by the sawtooth.
 
     Parameters
     ----------

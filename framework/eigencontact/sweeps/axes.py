@@ -22,15 +22,7 @@ _MOST = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A key of the scene and its values.
-
-    Attributes
-    ----------
-    key : str
-        Dotted, as ``--set`` takes it: ``"steps.normal-load"``.
-    values : tuple
-        Numbers, texts with units, tables or arrays, as a scene holds them.
-    """
+    """A key of the scene, dotted as ``--set`` takes it, and its values as a scene holds them."""
 
     key: str
     values: tuple[Any, ...]
@@ -128,12 +120,10 @@ def _between(key: str, first: str, last: str, count: Any, *, log: bool) -> tuple
     numbers = np.geomspace(low, high, count) if log else np.linspace(low, high, count)
     rounded = [low, *(float(f"{number:.6g}") for number in numbers[1:-1]), high]
     are_whole = not unit and all(re.fullmatch(r"[+-]?\d+", text.strip()) for text in (first, last))
-    plain: list[Any] = [int(number) for number in rounded] if are_whole and _integers(rounded) else rounded
+    plain: list[Any] = (
+        [int(number) for number in rounded] if are_whole and all(number.is_integer() for number in rounded) else rounded
+    )
     return _checked(key, [f"{number:.15g} {unit}" for number in plain] if unit else plain).values
-
-
-def _integers(numbers: Sequence[float]) -> bool:
-    return all(number.is_integer() for number in numbers)
 
 
 def _number(key: str, text: str) -> tuple[float, str]:

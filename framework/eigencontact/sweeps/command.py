@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from eigencontact import completion
+from eigencontact.command_help import refusals
 from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
 
 __all__ = ["sweep"]
@@ -62,27 +65,22 @@ def sweep(
 
     Example: `eigencontact sweep hertz --vary steps.normal-load="0.1 N:10 N:7:log" --vary geometry.radius="1 mm,2 mm"`
     """
-    from eigencontact.errors import EigencontactError
-
-    try:
-        on = cluster, memory, threads
-        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=on, options_given={
-            "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
-            "overwrite": overwrite,
-            "grid": "shared" if shared_grid else "own",
-        })  # fmt: skip
-    except EigencontactError as problem:
-        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
-        raise typer.Exit(problem.exit_code) from None
-    except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; the same command resumes and reuses finished variants", err=True)
-        raise typer.Exit(130) from None
+    with refusals(" ", interrupted="the same command resumes and reuses finished variants"):
+        options = {
+            "pairs": pairs, "fields": field, "scalars": scalar, "pictures": pictures, "overwrite": overwrite,
+            "grid": "shared" if shared_grid else None, "workers": workers,
+        }  # fmt: skip
+        given_options = {
+            name: value for name, value in options.items() if value not in (None, []) and value is not False
+        }
+        _run(scene, vary, changes or [], output, (cluster, memory, threads), given_options, as_json=as_json)
 
 
 def _run(
-    scene: str, vary: list[str], changes: list[str], output: Path | None, *, as_json: bool, workers: int,
-    on: tuple[str | None, float | None, int | None], options_given: dict[str, Any],
+    scene: str, vary: list[str] | None, changes: list[str], output: Path | None,
+    cluster: tuple[str | None, float | None, int | None], options: dict[str, Any], *, as_json: bool,
 ) -> None:  # fmt: skip
+    """Run a sweep of the options that are given, on a cluster of an address, memory and threads of a task."""
     import json
 
     from eigencontact.app import load_scene
@@ -90,24 +88,21 @@ def _run(
     from eigencontact.sweeps.sweep import read_sweep_file
     from eigencontact.sweeps.sweep import sweep as run_sweep
 
-    description: dict[str, Any] = {"scene": scene, "vary": vary}
-    if not vary and Path(scene).is_file():
+    is_file = Path(scene).is_file()
+    description: dict[str, Any] = {"scene": scene, "vary": vary or []}
+    if not vary and is_file:
         description = read_sweep_file(Path(scene))
     loaded = load_scene(description.pop("scene"), changes)
-    folder = output or Path(f"{Path(scene).stem if Path(scene).is_file() else loaded.label}-sweep")
-    options = {
-        **description,
-        **{name: value for name, value in options_given.items() if value not in (False, [], "own")},
-    }
+    folder = output or Path(f"{Path(scene).stem if is_file else loaded.label}-sweep")
 
     def say(line: str) -> None:
         typer.echo(line, err=True)
 
-    cluster = cluster_of(*on, say=say)
+    engine = cluster_of(*cluster, say=say)
     with _progress(enabled=not as_json) as tell:
         result = run_sweep(
-            loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell,
-            say=None if as_json else say, **options
+            loaded, description.pop("vary"), folder, cluster=engine, told=tell, say=None if as_json else say,
+            **{**description, **options},
         )  # fmt: skip
     if as_json:
         content = {"folder": str(folder)}
@@ -119,33 +114,27 @@ def _run(
         raise typer.Exit(1)
 
 
-def _progress(*, enabled: bool) -> Any:
+@contextmanager
+def _progress(*, enabled: bool) -> Iterator[Any]:
     """Bar on a terminal, else a line for each variant."""
-    from contextlib import contextmanager
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    @contextmanager
-    def bar() -> Any:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from eigencontact.core.units import time_in_words
+    from eigencontact.progress import draws_in_place
 
-        from eigencontact.core.units import time_in_words
-        from eigencontact.progress import draws_in_place
-
-        console = Console(stderr=True)
-        if not enabled:
-            yield None
-            return
-        if not draws_in_place(sys.stderr):
-            yield lambda outcome, finished, total: typer.echo(
-                f"variant {finished} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
-            )
-            return
-        columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        with Progress(*columns, console=console, transient=True) as display:
-            task = display.add_task("variants", total=None)
-            yield lambda outcome, finished, total: display.update(task, completed=finished, total=total)  # noqa: ARG005
-
-    return bar()
+    if not enabled:
+        yield None
+        return
+    if not draws_in_place(sys.stderr):
+        yield lambda outcome, finished, total: typer.echo(
+            f"variant {finished} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
+        )
+        return
+    columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as display:
+        task = display.add_task("variants", total=None)
+        yield lambda outcome, finished, total: display.update(task, completed=finished, total=total)  # noqa: ARG005
 
 
 def _report(result: Any) -> None:
@@ -153,7 +142,7 @@ def _report(result: Any) -> None:
     from rich.table import Table
 
     from eigencontact.core.text_table import print_table
-    from eigencontact.sweeps.warned import warnings_in_words
+    from eigencontact.sweeps.gather import warnings_in_words
 
     console = Console(highlight=False)
     files = Table.grid(padding=(0, 2))

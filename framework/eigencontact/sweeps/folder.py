@@ -1,21 +1,37 @@
-"""The folder of a sweep: it belongs to one scene, and files of others in it are never replaced."""
+"""The folder of a sweep: it belongs to one scene, known by its hash, and files of others in it are never replaced."""
 
 from __future__ import annotations
 
+import hashlib
 import json
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 from eigencontact.errors import ResultsError
+from eigencontact.hooks.files import texts_of
 from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing, writable_folder
 from eigencontact.results.ownership import refuse_foreign_file
+from eigencontact.scene.loader import put_values
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.axes import Axis
     from eigencontact.sweeps.variants import Variant
 
-__all__ = ["AGAIN", "DATASET", "DESCRIPTION", "PROFILES", "TABLE", "open_folder"]
+__all__ = [
+    "AGAIN",
+    "DATASET",
+    "DESCRIPTION",
+    "PROFILES",
+    "TABLE",
+    "checksum",
+    "open_folder",
+    "scene_digest",
+    "sweep_digest",
+]
 
 #: All numbers of a sweep.
 DATASET = "sweep.nc"
@@ -33,25 +49,15 @@ def open_folder(
     folder: Path, digest: str, axes: Sequence[Axis], variants: Sequence[Variant], pictures: Iterable[str], *,
     overwrite: bool,
 ) -> None:  # fmt: skip
-    """Make the folder of a sweep and write its description, before any variant is run.
+    """Make the folder of a sweep with its parents and write its description, before any variant is run.
 
-    Parameters
-    ----------
-    folder : Path
-        Made with its parents where missing.
-    digest : str
-        Hash of what all variants share (`eigencontact.sweeps.identity.sweep_digest`).
-    axes, variants : sequence
-        What is varied.
-    pictures : iterable of str
-        Names of the figures that may be drawn.
-    overwrite : bool
-        Replace the results of another sweep.
+    `digest` is the hash of what all variants share (`sweep_digest`), `pictures` the names of figures that may be drawn.
 
     Raises
     ------
     ResultsError
-        A folder that cannot be written, that holds files of others under the names of ours, or another sweep.
+        A folder that cannot be written, that holds files of others under the names of ours, or another sweep, unless
+        that is overwritten.
     """
     for name in (DATASET, TABLE, DESCRIPTION, *(f"{number}.png" for number in pictures)):
         refuse_foreign_file(folder / name)
@@ -83,3 +89,42 @@ def _refuse_another(folder: Path, digest: str) -> None:
             f"{folder} must be empty or hold this sweep, scene hash {digest[:16]} (got the sweep of another scene or "
             f"of other keys, scene hash {stored_hash[:16]}); {choice}"
         )
+
+
+def scene_digest(scene: Scene) -> str:
+    """Hash of the tables of a scene, and of the data and plugin files that it names."""
+    return _digest(scene, scene.resolved())
+
+
+def sweep_digest(scene: Scene, axes: Sequence[Axis], *, grid: str) -> str:
+    """Hash of what all variants of a sweep share: the scene but for its varied keys, these keys, and the kind of grid.
+
+    The values are left out, so that a sweep goes on with further ones.
+    """
+    shared = put_values(scene.resolved(), {axis.key: "varied" for axis in axes})
+    return _digest(scene, [shared, [axis.name for axis in axes], grid])
+
+
+def _digest(scene: Scene, content: Any) -> str:
+    from eigencontact.scene.files import anchored
+
+    digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode())
+    for text in texts_of(scene.plugin_files).values():
+        digest.update(text.encode())
+    for path in anchored(scene, scene.known_plugins())[1]:
+        if path.is_file():
+            state = path.stat()
+            digest.update(_unchanged(path, state.st_mtime_ns, state.st_size).encode())
+    return digest.hexdigest()
+
+
+def checksum(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@lru_cache(maxsize=256)
+def _unchanged(path: Path, changed: int, size: int) -> str:  # noqa: ARG001 - they tell a changed file apart
+    """Checksum of a data file, which all variants of a process share."""
+    return checksum(path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,16 +14,17 @@ from eigencontact.core.quantities import QUANTITIES, unit_of
 from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import ResultsError, shown
 from eigencontact.reference.places import key_at
-from eigencontact.sweeps.warned import codes_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     import xarray
 
     from eigencontact.sweeps.axes import Axis
     from eigencontact.sweeps.runner import Outcome
     from eigencontact.sweeps.variants import Variant
 
-__all__ = ["FIELD", "as_csv", "gathered", "values_in_words"]
+__all__ = ["FIELD", "as_csv", "codes_of", "gathered", "values_in_words", "warnings_in_words"]
 
 #: Before the name of a field that is the name of a number as well.
 FIELD = "field_"
@@ -35,24 +35,10 @@ _LISTED = 12
 def gathered(
     axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[Outcome], title: str, *, pairs: bool
 ) -> xarray.Dataset:
-    """Dataset of all numbers at the last load step.
+    """Dataset of all numbers at the last load step, by the dimensions of the axes; of axes in step by ``variant``.
 
-    Parameters
-    ----------
-    axes, variants : sequence
-        What was varied.
-    results : sequence of Outcome
-        What came of the variants, in any order.
-    title : str
-        Of the scene.
-    pairs : bool
-        Whether the axes go in step; the dimension is then ``variant``.
-
-    Returns
-    -------
-    xarray.Dataset
-        Numbers by the dimensions of the axes; NaN where a variant failed or has none, and ``failed`` says why.
-        Chosen fields have ``y`` and ``x`` as well.
+    Numbers are NaN where a variant failed or has none, and ``failed`` says why. Chosen fields have ``y`` and ``x`` as
+    well. The results may come in any order.
     """
     import xarray as xr
 
@@ -190,3 +176,33 @@ def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[
         remarks = (failed.get(variant.place, ""), warned.get(variant.place, ""))
         sheet.writerow([*variant.values.values(), *numbers, *remarks])
     return text.getvalue()
+
+
+def codes_of(summary: Mapping[str, Any]) -> str:
+    """Codes of the warnings of a variant as one text, each once; empty without any.
+
+    Examples
+    --------
+    >>> codes_of({"warnings": [{"code": "slow-place", "words": "a place"}]})
+    'slow-place'
+    """
+    return ", ".join(dict.fromkeys(caution["code"] for caution in summary.get("warnings", ())))
+
+
+def warnings_in_words(warnings: Mapping[str, Sequence[Mapping[str, Any]]], total: int) -> list[str]:
+    """One line for each code: how many of `total` variants warn, and the words of the first, which name the number.
+
+    `warnings` are those of ``summary.json`` (``code``, ``words``, ``error``) by label of the variant.
+
+    Examples
+    --------
+    >>> one = {"code": "slow-place", "words": "a place lags", "error": 0.1}
+    >>> warnings_in_words({"a": [one], "b": [one]}, 3)
+    ['2 of 3 variants warn: slow-place: a place lags']
+    """
+    by_code: dict[str, list[str]] = {}
+    for cautions in warnings.values():
+        for code, sentences in {caution["code"]: caution["words"] for caution in reversed(cautions)}.items():
+            by_code.setdefault(code, []).append(sentences)
+    return [f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentences[0]}"
+            for code, sentences in by_code.items()]  # fmt: skip

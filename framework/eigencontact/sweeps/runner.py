@@ -20,10 +20,9 @@ from eigencontact.core.kept import Kept
 from eigencontact.engines.cluster import Cluster
 from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProcess
 from eigencontact.errors import EigencontactError
-from eigencontact.results.atomic import replacing
+from eigencontact.results.atomic import read_json, replacing
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, refuse_foreign_file
-from eigencontact.sweeps.folder import AGAIN
-from eigencontact.sweeps.identity import checksum, scene_digest
+from eigencontact.sweeps.folder import AGAIN, checksum, scene_digest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -188,8 +187,8 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
     problem, replaced = "", False
     if folder is not None:
         digest = scene_digest(scene)
-        mark = {} if task.overwrite else _mark(folder)
-        if mark.get("scene_hash") == digest:
+        mark = {} if task.overwrite else read_json(folder / _MARK)
+        if mark.get("scene_hash") == digest and isinstance(mark.get("checksums"), dict):
             problem = _damage(folder, mark)
             if not problem:
                 summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
@@ -219,15 +218,6 @@ def _is_of_sweep(folder: Path, task: _Task) -> bool:
     """Whether results in a folder may be replaced: those of a run that no sweep marked as its own are protected."""
     marked = any(is_ours(folder / name) for name in (_MARK, _FAILED))
     return marked or task.overwrite or not any((folder / name).exists() for name in (RESULTS, STEPS))
-
-
-def _mark(folder: Path) -> dict[str, Any]:
-    """Hash of the scene and checksums of a finished variant; empty where they are missing."""
-    try:
-        mark = json.loads((folder / _MARK).read_text(encoding="utf-8"))
-        return {"scene_hash": mark["scene_hash"], "checksums": dict(mark["checksums"])}
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return {}
 
 
 def _damage(folder: Path, mark: Mapping[str, Any]) -> str:

@@ -15,9 +15,8 @@ from eigencontact.engines.engine import Processes
 from eigencontact.errors import EigencontactError, ResultsError, SceneError, nearest, shown
 from eigencontact.results.atomic import reason, replacing
 from eigencontact.sweeps.axes import Axis, axes_of
-from eigencontact.sweeps.folder import AGAIN, DATASET, DESCRIPTION, PROFILES, TABLE, open_folder
+from eigencontact.sweeps.folder import AGAIN, DATASET, DESCRIPTION, PROFILES, TABLE, open_folder, sweep_digest
 from eigencontact.sweeps.gather import FIELD, as_csv, gathered, values_in_words
-from eigencontact.sweeps.identity import sweep_digest
 from eigencontact.sweeps.runner import Outcome, outcomes
 from eigencontact.sweeps.variants import Variant, variants_of
 
@@ -164,11 +163,11 @@ def sweep(
     place = None if folder is None else Path(folder)
     variants = variants_of(loaded, axes, pairs=pairs, pictures=pictures and place is not None)
     if grid == "shared":
-        from eigencontact.sweeps.shared import on_one_grid
+        from eigencontact.sweeps.variants import on_one_grid
 
         variants = on_one_grid(variants)
     elif fields:
-        from eigencontact.sweeps.shared import refuse_different_cells
+        from eigencontact.sweeps.variants import refuse_different_cells
 
         refuse_different_cells(variants)
     digest = ""

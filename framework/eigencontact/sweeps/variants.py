@@ -1,25 +1,30 @@
-"""Variants of a scene: one for each combination of values, and what each is called."""
+"""Variants of a scene: one for each combination of values, their names, and one grid for all of them."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import product
+from math import ceil, isclose
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.core.grid import Grid
+from eigencontact.errors import EigencontactError, PlanError, SceneError
 from eigencontact.scene.loader import put_values
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.axes import Axis
 
-__all__ = ["Variant", "variants_of"]
+__all__ = ["Variant", "on_one_grid", "refuse_different_cells", "variants_of"]
 
 _LONGEST = 100
+#: Cells of the shared window beyond which a sweep is refused rather than run for days unasked.
+_MOST = 2**24
 
 
 @dataclass(frozen=True)
@@ -87,3 +92,94 @@ def _label(values: dict[str, Any]) -> str:
     plain = re.sub(r"[^\w.=+-]", "", text.replace(" ", ""), flags=re.ASCII)
     full = sha256(json.dumps(values, sort_keys=True, default=str).encode()).hexdigest()[:8]
     return plain if len(plain) <= _LONGEST and plain == text.replace(" ", "") else f"{plain[:_LONGEST]}-{full}"
+
+
+def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
+    """Variants with the window that holds all their windows, in the finest of their cells.
+
+    Raises
+    ------
+    PlanError
+        No variant can be planned, or the window would have too many cells.
+    """
+    from eigencontact.scene.schema import GridSpec
+
+    out, grids = _planned(variants)
+    if not grids:
+        raise PlanError(f"every variant of the sweep is refused; the first: {out[0].refused}")
+    edges = [min(getattr(grid, name) for grid in grids) for name in ("dx", "dy")]
+    spans = []
+    for axis, cells, edge in ((0, "nx", "dx"), (1, "ny", "dy")):
+        half = [0.5 * getattr(grid, cells) * getattr(grid, edge) for grid in grids]
+        middles = [grid.center[axis] for grid in grids]
+        low = min(middle - span for middle, span in zip(middles, half, strict=True))
+        high = max(middle + span for middle, span in zip(middles, half, strict=True))
+        spans.append((low, high))
+    counts = [2 * ceil(0.5 * (high - low) / edge * (1 - 1e-9)) for (low, high), edge in zip(spans, edges, strict=True)]
+    if counts[0] * counts[1] > _MOST:
+        raise PlanError(
+            f"a shared grid must have at most {_MOST} cells (got {counts[0]} x {counts[1]}: the largest window in the "
+            "finest cells); give grid.cells and grid.size in the scene, or vary less"
+        )
+    spec = GridSpec(
+        cells=(counts[0], counts[1]),
+        size=(counts[0] * edges[0], counts[1] * edges[1]),
+        center=(0.5 * sum(spans[0]), 0.5 * sum(spans[1])),
+    )
+    return [variant if variant.scene is None or variant.refused else replace(variant, scene=variant.scene.model_copy(
+        update={"grid": spec}).within(variant.scene.folder)) for variant in out]  # fmt: skip
+
+
+def refuse_different_cells(variants: Sequence[Variant]) -> None:
+    """Refuse, before anything is run, variants whose fields could not be brought together.
+
+    Raises
+    ------
+    PlanError
+        Two variants have different cells.
+    """
+    if _plainly_alike(variants):
+        return
+    planned, grids = _planned(variants)
+    able = [item for item in planned if not item.refused]
+    for variant, grid in zip(able, grids, strict=True):
+        if not _same(grid, grids[0]):
+            raise PlanError(
+                f"fields must lie on the same cells in all variants (got {_cells_of(grids[0])} in {able[0].label!r} "
+                f'and {_cells_of(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells '
+                "and grid.size"
+            )
+
+
+def _plainly_alike(variants: Sequence[Variant]) -> bool:
+    """Whether all scenes give one window in numbers, so that no plan is needed to know it."""
+    specs = [variant.scene.grid for variant in variants if variant.scene is not None]
+    numeric = all(spec.cells is not None and (spec.size is not None or spec.spacing is not None) for spec in specs)
+    return numeric and all(spec == specs[0] for spec in specs)
+
+
+def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
+    """Variants, those that no plan can be made of with the reason; and the windows of the others."""
+    from eigencontact.app import plan
+
+    grids, out = list[Grid](), list[Variant]()
+    for variant in variants:
+        refused = variant.refused
+        if variant.scene is not None and not refused:
+            try:
+                grids.append(plan(variant.scene).grid)
+            except EigencontactError as problem:
+                refused = str(problem)
+        out.append(replace(variant, refused=refused))
+    return out, grids
+
+
+def _same(first: Grid, second: Grid) -> bool:
+    """Whether cells are the same but for round-off."""
+    moved = max(abs(a - b) for a, b in zip(first.center, second.center, strict=True))
+    alike = isclose(first.dx, second.dx, rel_tol=1e-9) and isclose(first.dy, second.dy, rel_tol=1e-9)
+    return first.shape == second.shape and alike and moved < 1e-6 * min(first.dx, first.dy)
+
+
+def _cells_of(grid: Grid) -> str:
+    return f"{grid.nx} x {grid.ny} of {grid.dx:.3g} m"

@@ -5,16 +5,15 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from eigencontact.core.names import ANIMATION
 from eigencontact.errors import SceneError
 from eigencontact.viz.frame import Film, Frame
-from eigencontact.viz.friction import shear_map
+from eigencontact.viz.friction import driven, shear_map
 from eigencontact.viz.friction_history import fretting_loops
-from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import history_panels, load_history
 from eigencontact.viz.movie import write_movie
 from eigencontact.viz.plastic import load_depth
@@ -50,16 +49,9 @@ ROOM = 0.09
 
 @dataclass(frozen=True)
 class Subject:
-    """Content of the frames of an animation.
+    """Content of the frames of an animation: pictures, what they show, and whether they lie below one another.
 
-    Attributes
-    ----------
-    pictures : tuple of callable
-        Each draws one picture when called with ``step`` (a position) and ``on`` (a `Frame`).
-    sentence : str
-        What is shown.
-    stacked : bool
-        Whether the pictures lie below one another; beside one another otherwise.
+    Each picture is a function that draws when called with ``step`` (a position) and ``on`` (a `Frame`).
     """
 
     pictures: tuple[Draw, ...]
@@ -68,13 +60,7 @@ class Subject:
 
 
 def subject_of(dataset: Results) -> Subject | None:
-    """Pictures for the frames of a history; None for a single step and for results without a picture.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    """
+    """Pictures for the frames of a history; None for a single step and for results without a picture."""
     if dataset.sizes["step"] < 2:
         return None
     regions = json.loads(dataset.attrs["regions"])
@@ -131,15 +117,7 @@ def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
 
 
 def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
-    """One figure, drawn anew for every frame, with the same size, axes and colours.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    subject : Subject
-        What the frames show.
-    """
+    """One figure, drawn anew for every frame, with the same size, axes and colours."""
     film = Film(dataset, thinned(dataset))
     sizes = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
     along, across = (1, 0) if subject.stacked else (0, 1)
@@ -170,11 +148,10 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
 def _draw(figure: Figure, subject: Subject, film: Film, step: int, ratios: list[float]) -> None:
     """Draw the pictures of one step into an empty figure."""
     figure.clear()
-    if subject.stacked:
-        panels = figure.subfigures(len(ratios), 1, squeeze=False, height_ratios=ratios).ravel()
-    else:
-        panels = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
-    for draw, panel in zip(subject.pictures, panels, strict=True):
+    (rows, columns), side = ((len(ratios), 1), "height") if subject.stacked else ((1, len(ratios)), "width")
+    shares: dict[str, Any] = {f"{side}_ratios": ratios}
+    panels: Any = figure.subfigures(rows, columns, squeeze=False, **shares)
+    for draw, panel in zip(subject.pictures, panels.ravel(), strict=True):
         draw(step=step, on=Frame(film, panel))
     note = jumps(film.dataset, film.steps)
     figure.text(0.99, 0.005, note, ha="right", va="bottom", fontsize="x-small", color="0.4")
@@ -185,28 +162,10 @@ def _axes(figure: Figure) -> list[Axes]:
 
 
 def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
-    """Write the animation of a history.
+    """Write the animation of a history into an existing folder; returns its file name and a sentence on what it shows.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    folder : Path
-        Existing folder.
-    kind : str or bool
-        ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed.
-
-    Returns
-    -------
-    dict of str to str
-        File name and one sentence on what it shows.
-
-    Raises
-    ------
-    SceneError
-        Where there is nothing to animate (`subject_of`).
-    ResultsError
-        When it cannot be stored, or ffmpeg is missing or fails.
+    `kind` is ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed. `SceneError` where there is nothing
+    to animate (`subject_of`); `ResultsError` when it cannot be stored, or ffmpeg is missing or fails.
     """
     subject = subject_of(dataset)
     if subject is None:

@@ -14,7 +14,7 @@ from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.viz.cut import Shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -142,23 +142,9 @@ def cell_fields(dataset: Results) -> dict[str, Field]:
 
 
 def choose(name: str, fields: dict[str, Field], place: str, pictures: Sequence[str] = ()) -> Field:
-    """Field of a name; hyphens and case do not matter.
+    """Field of a name; hyphens and case do not matter. `place` says in words where the fields lie.
 
-    Parameters
-    ----------
-    name : str
-        As a user gives it.
-    fields : dict
-        Fields by name.
-    place : str
-        Where they lie, in words.
-    pictures : sequence of str
-        Standard pictures that could be asked for instead.
-
-    Raises
-    ------
-    SceneError
-        Names what there is, and the nearest name.
+    `SceneError` names what there is, standard `pictures` among it, and the nearest name.
     """
     text = str(name).strip().lower().replace("-", "_")
     if text not in fields:
@@ -256,8 +242,3 @@ def _unit(dataset: Results, variable: str) -> str:
 
 def _read(dataset: Results, variable: str, step: int) -> NDArray[Any]:
     return np.asarray(dataset[variable][step].values, dtype=float)
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in quotation marks, for messages."""
-    return ", ".join(map(repr, names)) or "none"

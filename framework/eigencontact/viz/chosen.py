@@ -12,26 +12,25 @@ from eigencontact.core.grid import Box
 from eigencontact.core.names import PICTURES
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact.viz.cells import cells_map
 from eigencontact.viz.choices import (
     SURFACE,
     Field,
     cell_fields,
     cell_numbers,
     choose,
-    listed,
     region_fields,
     region_numbers,
     surface_fields,
     surface_numbers,
 )
 from eigencontact.viz.cut import View
-from eigencontact.viz.exposed import exposed_map
-from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES
+from eigencontact.viz.friction import ZONE_COLOURS, ZONES
+from eigencontact.viz.lines import SURFACE_LINES, surface_line
 from eigencontact.viz.profile import line_profile
-from eigencontact.viz.section import equivalent_of, stress_section
-from eigencontact.viz.style import heading
-from eigencontact.viz.surface_line import SURFACE_LINES, surface_line
+from eigencontact.viz.remembered import cells_map
+from eigencontact.viz.section import equivalent_of, kind_of, stress_section
+from eigencontact.viz.style import colour_range, heading, lift_colours
+from eigencontact.viz.surface import exposed_map
 from eigencontact.viz.window import Window, masked_map, view_of, zone_map
 
 if TYPE_CHECKING:
@@ -48,17 +47,7 @@ __all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
 
 @dataclass(frozen=True)
 class Chosen:
-    """A picture that can be drawn.
-
-    Attributes
-    ----------
-    name : str
-        For a file, without an ending.
-    sentence : str
-        What it shows.
-    figure : Figure
-        The picture.
-    """
+    """A picture that can be drawn: its name for a file, without an ending, what it shows, and its figure."""
 
     name: str
     sentence: str
@@ -75,31 +64,9 @@ def chosen_picture(
     zoom: str | Sequence[Any] | None = None,
     cmap: str | None = None,
 ) -> Chosen:
-    """Draw one field.
+    """Draw one field; the arguments are those of `eigencontact.plot`, but that `step` is a position along ``step``.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    field : str or None
-        Its name, or that of a standard picture, ``"worn-profiles"``; by default the pressure, or the equivalent stress
-        of a region.
-    component : str, optional
-        Of a vector or tensor.
-    step : int
-        Position along ``step``.
-    region : str, optional
-        Name of a stored region, ``"surface"``, or ``"along-x"`` or ``"along-y"`` for a profile on the surface through
-        the middle of the contact; by default the surface, or the first region that holds the field.
-    zoom : str or sequence, optional
-        See `zoom_of`.
-    cmap : str, optional
-        Colour map.
-
-    Raises
-    ------
-    SceneError
-        What is unknown, with the nearest valid choice.
+    `SceneError` names what is unknown, with the nearest valid choice.
     """
     (horizontal, vertical), colours = zoom_of(zoom), colour_map(cmap)
     view = View(horizontal, vertical, colours)
@@ -126,7 +93,7 @@ def chosen_picture(
         figure = cells_map(dataset, body, cell_numbers(dataset, choice, axis, step), step, view)
     else:
         numbers = region_numbers(dataset, place, choice, axis, step)
-        if json.loads(dataset.attrs["regions"])[place]["shape"] == "line":
+        if kind_of(dataset, place) == "profile":
             figure = line_profile(dataset, place, numbers, step, view)
         else:
             figure = stress_section(dataset, place, step, None, numbers, view)
@@ -152,13 +119,12 @@ def _place_and_field(
     dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]
 ) -> tuple[str, Field]:
     """Place of a field, empty for the cells of bodies, and the field there."""
-    descriptions = json.loads(dataset.attrs["regions"])
-    regions = {name: region_ for name, region_ in descriptions.items() if _is_drawn(dataset, name, region_)}
+    regions = [name for name in json.loads(dataset.attrs["regions"]) if kind_of(dataset, name)]
     surface, cells = surface_fields(dataset), cell_fields(dataset)
     places = [*regions, SURFACE, *SURFACE_LINES]
     if region is not None and region not in places:
         raise SceneError(
-            f"region must be a stored one that can be drawn: {listed(places)} (got {shown(region)})"
+            f"region must be a stored one that can be drawn: {', '.join(map(repr, places))} (got {shown(region)})"
             f"{nearest(str(region), places)}; another one is described by a table, "
             '\'name = "cut", shape = "plane", depth-max = "1 mm"\''
         )
@@ -182,14 +148,6 @@ def _place_and_field(
     return at, everywhere[at][choice.name]
 
 
-def _is_drawn(dataset: Results, name: str, described: dict[str, Any]) -> bool:
-    """Whether a region is a line, or a plane or volume of at least 2 x 2 points."""
-    sizes = [dataset.sizes[f"{name}_{axis}"] for axis in described["dims"]]
-    if described["shape"] == "line":
-        return sizes[0] > 1
-    return described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1
-
-
 def _surface(dataset: Results, field: Field, component: str, step: int, view: View) -> Figure:
     """Map of a field of the surface."""
     if field.name == "exposed_material":
@@ -205,6 +163,10 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
     window = Window(dataset, _zoomed(dataset, box, view))
     if field.name == "contact_zone":
         return zone_map(window, values, heading(dataset, step, "Stick and slip"), ZONES, ZONE_COLOURS)
+    colours = None
+    if field.name == "uplift" or numbers.variable == "residual_displacement_z":
+        _, low, high = colour_range(values[window.view.slices])
+        colours = lift_colours(low, high, 1 if field.name == "uplift" else -1)
     return masked_map(
         window,
         values,
@@ -215,7 +177,7 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
         empty="no contact" if field.name == "pressure" else "zero everywhere",
         cmap=view.cmap,
         masked=local,
-        lifted=1 if field.name == "uplift" else -1 if numbers.variable == "residual_displacement_z" else 0,
+        colours=colours,
     )
 
 
@@ -240,15 +202,7 @@ def _zoomed(dataset: Results, box: Box, view: View) -> Box:
 def zoom_of(zoom: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
     """Ends [m] of what is seen, along the horizontal and the vertical of a picture.
 
-    Parameters
-    ----------
-    zoom : str or sequence
-        ``"-6 um:6 um, 0:8 um"``, or ``((-6e-6, 6e-6), (0, 8e-6))``; the second pair may be left out.
-
-    Raises
-    ------
-    SceneError
-        Anything else.
+    The vertical may be left out. `SceneError` for anything but a text or pairs of numbers as below.
 
     Examples
     --------

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.frame import extremes
+from eigencontact.viz.sides import twice_area
 from eigencontact.viz.style import colour_range
 
 if TYPE_CHECKING:
@@ -63,24 +64,18 @@ def contours_by_side(
 ) -> Any:
     """Filled contours with round levels, each side by its own values and up to the border itself.
 
+    The axes have z downwards already, where it is shown.
+
     Parameters
     ----------
-    axes : Axes
-        With z downwards already, where it is shown.
     at : (n,), (m,)
         Places along the horizontal and the vertical [m].
     values : (m, n)
         In the unit of the colour bar.
-    sides : Sides
-        Of these points.
-    length : Scale
-        Unit of both axes.
     limits, ends : arrays
         All values, or the smallest and the largest, and those that the colours are for.
     visible : array
         Values in the part that is shown. Where most of them are small, the levels grow by ratios.
-    cmap : str, optional
-        Colour map; by default one that suits the signs.
 
     Returns
     -------
@@ -195,14 +190,10 @@ def _border_with_holes(sides: Sides, side: Side, at: tuple[FloatArray, FloatArra
     if side.outline is None:
         holes = [replace(side, outline=inclusion.outline) for inclusion in sides.parts if inclusion.outline is not None]
         paths += [_border(hole, at, length) for hole in holes]
-    turned = [path.vertices[:: 1 if (_turn(path.vertices) > 0) == (n == 0) else -1] for n, path in enumerate(paths)]
+    turned = [
+        path.vertices[:: 1 if (twice_area(path.vertices) > 0) == (n == 0) else -1] for n, path in enumerate(paths)
+    ]
     return Path.make_compound_path(*map(Path, turned))
-
-
-def _turn(path: FloatArray) -> float:
-    """Twice the area inside of a closed path, with the sign of its sense."""
-    x, y = path.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _border(side: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import contact_runs
+from eigencontact.viz.lines import contact_runs
 from eigencontact.viz.sides import Plane, sides_of
 
 if TYPE_CHECKING:
@@ -38,18 +38,16 @@ FIRST_CELL = 0.75
 
 @dataclass(frozen=True)
 class Shown:
-    """A number at every point of a region, or every cell of the surface, in one step.
+    """Values at every point of a region, or every cell of the surface, in one step.
 
     Attributes
     ----------
-    words : str
-        What it is, for titles and colour bars.
-    unit : str
-        SI unit.
+    words, unit : str
+        Name for titles and colour bars, and SI unit.
     values : array
         On the dimensions of the region.
     variable : str
-        Variable of the results that holds it in all steps; empty where it is derived from one.
+        Variable of the results that holds it in all steps; empty where it is derived.
     """
 
     words: str
@@ -65,15 +63,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class View:
-    """Choices of a user for a picture.
-
-    Attributes
-    ----------
-    horizontal, vertical : (float, float) or None
-        Ends [m] of what is seen.
-    cmap : str or None
-        Colour map.
-    """
+    """Choices of a user for a picture: ends [m] of what is seen, and the colour map; None where nothing is chosen."""
 
     horizontal: Range | None = None
     vertical: Range | None = None
@@ -87,18 +77,7 @@ WHOLE = View()
 class Cut:
     """Values of a region of shape plane, or of a volume cut normal to y through its largest value.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    region : str
-        Its name.
-    described : mapping
-        What the results say of it.
-    values : array
-        On its dimensions.
-    step : int
-        Position along ``step``.
+    It is made of values on the dimensions of the region, which the results describe, after a step.
 
     Attributes
     ----------
@@ -118,8 +97,8 @@ class Cut:
         self, dataset: Results, region: str, described: Mapping[str, Any], values: NDArray[Any], step: int
     ) -> None:
         dims = list(described["dims"])
-        single = [axis for axis in "xyz" if _is_single(dataset, f"{region}_{axis}")]
-        self.cut = {axis: float(dataset[f"{region}_{axis}"]) for axis in single}
+        places = {axis: f"{region}_{axis}" for axis in "xyz" if f"{region}_{axis}" in dataset.variables}
+        self.cut = {axis: float(dataset[name]) for axis, name in places.items() if dataset[name].ndim == 0}
         if len(dims) == 3:
             largest = np.unravel_index(int(np.argmax(np.abs(np.nan_to_num(values)))), values.shape)
             at = int(largest[dims.index("y")])
@@ -129,7 +108,7 @@ class Cut:
         self.dims: tuple[str, str] = (dims[0], dims[1])
         self.v, self.h = (np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) for axis in self.dims)
         self.values = np.asarray(values, dtype=float)
-        if self.dims[0] == "z" and 0 < self.v[0] <= FIRST_CELL * _spacing(self.v):
+        if self.dims[0] == "z" and self.v.size > 1 and 0 < self.v[0] <= FIRST_CELL * (self.v[1] - self.v[0]):
             self.v, self.values = np.append(0.0, self.v), np.concatenate([self.values[:1], self.values])
         name = f"{region}_outline"
         has_outline = len(described["dims"]) == 2 and name in dataset
@@ -158,15 +137,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Seen:
-    """Part of a section that a picture shows.
-
-    Attributes
-    ----------
-    horizontal, vertical : (float, float)
-        Its ends [m], the smaller one first.
-    points : (slice, slice)
-        Rows and columns of the points in it.
-    """
+    """Part of a section that a picture shows: its ends [m], the smaller first, and rows and columns of its points."""
 
     horizontal: Range
     vertical: Range
@@ -223,11 +194,3 @@ def _within(places: FloatArray, ends: Range) -> slice:
     if not inside.size:
         inside = np.array([np.abs(places - 0.5 * sum(ends)).argmin()])
     return slice(int(inside[0]), int(inside[-1]) + 1)
-
-
-def _spacing(places: FloatArray) -> float:
-    return float(places[1] - places[0]) if places.size > 1 else 0.0
-
-
-def _is_single(dataset: Results, name: str) -> bool:
-    return name in dataset.variables and dataset[name].ndim == 0

@@ -9,26 +9,38 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.coverage import coverage_map, struck
-from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
-from eigencontact.viz.history import history_panels, history_words, load_history
-from eigencontact.viz.inclusions import coatings
-from eigencontact.viz.informative import vanishes, varies, zones_change
-from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
+from eigencontact.viz.history import history_panels, history_words, load_history, vanishes, varies, zones_change
+from eigencontact.viz.outline import coatings
+from eigencontact.viz.plastic import (
+    load_depth,
+    loaded_step,
+    plastic_history,
+    plastic_section,
+    plastic_surfaces,
+    unloads,
+)
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
-from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
-from eigencontact.viz.rolling import passing_history, passing_varies, rolls
+from eigencontact.viz.rolling import coverage_map, passing_history, passing_varies, rolls, struck
 from eigencontact.viz.section import drawable, equivalent_of, stress_section
 from eigencontact.viz.style import moment, save
-from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
+from eigencontact.viz.surface import (
+    cause,
+    displacement_profiles,
+    exposed_map,
+    homogeneous_words,
+    pressure_map,
+    pressure_profiles,
+    several_exposed,
+    uplift_map,
+)
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
 from eigencontact.viz.worn import interfaces, wears
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -52,15 +64,12 @@ def draw_all(
     kind: str = "png",
     dpi: int | None = None,
 ) -> dict[str, str]:
-    """Draw the pictures of one step, and of the history where there are several steps.
+    """Draw the pictures of one step, and of the history where there are several; returns names and sentences of all.
 
-    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution
-    (`eigencontact.viz.informative`).
+    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution.
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run (`eigencontact.results.reader.open_results`).
     folder : Path
         Existing folder for the files.
     step : int, optional
@@ -71,15 +80,8 @@ def draw_all(
         Whether to draw surfaces in space, which takes VTK.
     part : (int, int)
         Of several processes that share the work, which one this is, from 0, and how many they are.
-    kind : str
-        Format: ``"png"``, ``"pdf"`` or ``"svg"``.
-    dpi : int, optional
-        Dots per inch; by default those of the look in use.
-
-    Returns
-    -------
-    dict of str to str
-        File name and one sentence on what it shows, of all pictures.
+    kind, dpi : str, int
+        Format, ``"png"``, ``"pdf"`` or ``"svg"``; dots per inch, by default those of the look in use.
 
     Raises
     ------
@@ -95,182 +97,145 @@ def draw_all(
 
 
 def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool = False) -> list[Picture]:
-    """File name, sentence and function of each picture that `draw_all` draws.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int, optional
-        See `draw_all`.
-    solid : bool
-        See `draw_all`.
-    """
-    loaded, given_step = step, step
+    """File name, sentence and function of each picture that `draw_all` draws."""
+    loaded, worn_step = step, -1 if step is None else step
     if step is None:
         stays = yields(dataset) or "worn_depth" in dataset
         step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not stays else -1
         loaded = loaded_step(dataset) if step == -1 else step
     assert loaded is not None
-    pictures: list[Picture] = []
-    at = partial(moment, dataset)
+    pictures = [
+        *_surface(dataset, step, loaded),
+        *_regions(dataset, step, loaded),
+        *_plastic(dataset, step, solid=solid),
+        *_friction(dataset, loaded),
+        *_wear(dataset, worn_step),
+    ]
+    if struck(dataset):
+        sentence = "Number of impacts at each place; dots are their middles."
+        pictures.append(("coverage.png", sentence, partial(coverage_map, dataset)))
+    elif rolls(dataset) and passing_varies(dataset):
+        sentence = "Largest pressure, and stress at points, over the position of the moving body."
+        pictures.append(("passing.png", sentence, partial(passing_history, dataset)))
+    load_depth_drawn = any(name == "load-depth.png" for name, *_ in pictures)
+    if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
+        pictures.append(("history.png", history_words(panels), partial(load_history, dataset)))
+    return pictures
+
+
+def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
+    """Pictures of the pressure after one step, and of the displacement by eigenstrain after another."""
+    outlined = "outline" in dataset
     if not vanishes(dataset, ["pressure"], loaded):
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
         homogeneous = homogeneous_words(dataset)
         beside = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else beside
-        lines = "; dashed lines are inclusions below" if "outline" in dataset else ""
-        pictures += [
-            (
-                "pressure.png",
-                f"Contact pressure, cut to the contact{at(loaded)}{lines}.",
-                lambda: pressure_map(dataset, loaded),
-            ),
-            (
-                "pressure-profiles.png",
-                f"Contact pressure along x and y{beside}{at(loaded)}; markers are computed cells.",
-                lambda: pressure_profiles(dataset, loaded),
-            ),
-        ]
+        when, lines = moment(dataset, loaded), "; dashed lines are inclusions below" if outlined else ""
+        sentence = f"Contact pressure, cut to the contact{when}{lines}."
+        yield "pressure.png", sentence, partial(pressure_map, dataset, loaded)
+        sentence = f"Contact pressure along x and y{beside}{when}; markers are computed cells."
+        yield "pressure-profiles.png", sentence, partial(pressure_profiles, dataset, loaded)
     if not vanishes(dataset, ["residual_displacement_z"], step):
-        from_above = "; lines are outlines of the inclusions from above" if "outline" in dataset else ""
-        pictures += [
-            (
-                "uplift.png",
-                f"Displacement of the surface out of the body by {cause(dataset)}{at(step)}{from_above}.",
-                lambda: uplift_map(dataset, step),
-            ),
-            (
-                "uplift-profiles.png",
-                f"Surface displacement by {cause(dataset)} along x and y{at(step)}.",
-                lambda: displacement_profiles(dataset, step),
-            ),
-        ]
+        when, lines = moment(dataset, step), "; lines are outlines of the inclusions from above" if outlined else ""
+        sentence = f"Displacement of the surface out of the body by {cause(dataset)}{when}{lines}."
+        yield "uplift.png", sentence, partial(uplift_map, dataset, step)
+        sentence = f"Surface displacement by {cause(dataset)} along x and y{when}."
+        yield "uplift-profiles.png", sentence, partial(displacement_profiles, dataset, step)
+
+
+def _regions(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
+    """Pictures of the stress in regions; sections also under the largest load where that is another step."""
+    when = moment(dataset, step)
     for region, how in drawable(dataset).items():
         field = f"{region}_{equivalent_of(dataset, region)}"
         stressed = not vanishes(dataset, [field], step)
-        if how == "section":
-            sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value"
-            sentence += ", a bar above or a line the contact." if "pressure" in dataset else "."
-            if f"{region}_outline" in dataset:
-                sentence += " Lines are outlines of inclusions."
+        if how == "profile":
             if stressed:
-                pictures.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
-            if loaded != step and not vanishes(dataset, [field], loaded):
-                sentence = f"The same section {region!r} under the largest load{at(loaded)}."
-                pictures.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
-            if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
-                sentence = f"Stresses along the surface, means over each depth of {region!r}{at(step)}."
-                pictures.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
-        elif stressed:
-            sentence = f"Stresses along the line {region!r}{at(step)}."
-            pictures.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
-    pictures += _plastic(dataset, step, solid=solid)
-    pictures += _friction(dataset, loaded)
-    pictures += _wear(dataset, -1 if given_step is None else given_step)
-    if struck(dataset):
-        sentence = "Number of impacts at each place; dots are their middles."
-        pictures.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
-    elif rolls(dataset) and passing_varies(dataset):
-        sentence = "Largest pressure, and stress at points, over the position of the moving body."
-        pictures.append(("passing.png", sentence, lambda: passing_history(dataset)))
-    load_depth_drawn = any(name == "load-depth.png" for name, *_ in pictures)
-    if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
-        pictures.append(("history.png", history_words(panels), lambda: load_history(dataset)))
-    return pictures
+                sentence = f"Stresses along the line {region!r}{when}."
+                yield f"{region}.png", sentence, partial(stress_profile, dataset, region, step)
+            continue
+        if stressed:
+            sentence = f"Equivalent stress on the section {region!r}{when}; a cross marks the largest value"
+            sentence += ", a bar above or a line the contact." if "pressure" in dataset else "."
+            sentence += " Lines are outlines of inclusions." if f"{region}_outline" in dataset else ""
+            yield f"{region}.png", sentence, partial(stress_section, dataset, region, step)
+        if loaded != step and not vanishes(dataset, [field], loaded):
+            sentence = f"The same section {region!r} under the largest load{moment(dataset, loaded)}."
+            yield f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)
+        if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
+            sentence = f"Stresses along the surface, means over each depth of {region!r}{when}."
+            yield f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)
 
 
-def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
+def _plastic(dataset: Results, step: int, *, solid: bool) -> Iterator[Picture]:
     """Pictures of plastic strain and damage, and of loading and unloading."""
     if not yields(dataset):
-        return []
-    pictures: list[Picture] = []
-    largest = f"on the section through its largest value{moment(dataset, step)}; the line is at"
+        return
+    when = moment(dataset, step)
+    largest = f"on the section through its largest value{when}; the line is at 5 % of that value."
+    second = {1: "", 2: "-second"}
     for field in plastic_strains(dataset, step):
-        first = field.body == 1
-        name = "plastic-strain.png" if first else "plastic-strain-second.png"
-        sentence = f"Equivalent plastic strain {largest} 5 % of that value."
-        pictures.append((name, sentence, partial(plastic_section, dataset, field, step)))
+        name, sentence = f"plastic-strain{second[field.body]}.png", f"Equivalent plastic strain {largest}"
+        yield name, sentence, partial(plastic_section, dataset, field, step)
         if solid:
-            from eigencontact.viz.isosurface import plastic_surfaces
-
-            name = "plastic-surfaces.png" if first else "plastic-surfaces-second.png"
-            sentence = f"Surfaces of equal plastic strain, cut open{moment(dataset, step)}."
-            pictures.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
+            name, sentence = f"plastic-surfaces{second[field.body]}.png", "Surfaces of equal plastic strain, cut open"
+            yield name, f"{sentence}{when}.", partial(plastic_surfaces, dataset, field, step)
     for field in remembered_fields(dataset, step, DAMAGE):
-        name = "damage.png" if field.body == 1 else "damage-second.png"
         labels = ("Damage", "Part of the stiffness that is lost [%]")
-        sentence = f"Damage {largest} 5 % of that value."
-        pictures.append((name, sentence, partial(plastic_section, dataset, field, step, labels)))
+        name, sentence = f"damage{second[field.body]}.png", f"Damage {largest}"
+        yield name, sentence, partial(plastic_section, dataset, field, step, labels)
     if unloads(dataset) and not rolls(dataset):
-        sentence = "Normal load over approach, loading and unloading."
-        pictures.append(("load-depth.png", sentence, partial(load_depth, dataset)))
+        yield "load-depth.png", "Normal load over approach, loading and unloading.", partial(load_depth, dataset)
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
     if prefix is None or f"{prefix}_volume" not in dataset or dataset.sizes["step"] < LOOP_STEPS:
-        return pictures
+        return
     if any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
         sentence = "Largest plastic strain and plastic volume, step by step."
-        pictures.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
-    return pictures
+        yield "plastic-history.png", sentence, partial(plastic_history, dataset, prefix)
 
 
-def _friction(dataset: Results, step: int) -> list[Picture]:
+def _friction(dataset: Results, step: int) -> Iterator[Picture]:
     """Pictures of a run with friction: of one step, and from three steps on of the history."""
     if "contact_zone" not in dataset:
-        return []
-    beside = ""
-    if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
-        beside = " beside the closed form"
+        return
+    closed_form = any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy")
+    beside = " beside the closed form" if closed_form else ""
     when = moment(dataset, step)
-    pictures: list[Picture] = []
     if not vanishes(dataset, ["shear_x", "shear_y"], step):
-        pictures += [
-            ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
-            (
-                "shear-profiles.png",
-                f"Shear traction along x and y{beside}, and the bound of friction{when}.",
-                lambda: shear_profiles(dataset, step),
-            ),
-        ]
+        yield "shear.png", f"Shear traction as arrows over stick and slip{when}.", partial(shear_map, dataset, step)
+        sentence = f"Shear traction along x and y{beside}, and the bound of friction{when}."
+        yield "shear-profiles.png", sentence, partial(shear_profiles, dataset, step)
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
-        sentence = f"Work of friction for each area{when}."
-        pictures.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
+        yield "dissipation.png", f"Work of friction for each area{when}.", partial(dissipation_map, dataset, step)
     if dataset.sizes["step"] < LOOP_STEPS:
-        return pictures
+        return
     if is_a_loop(dataset):
         sentence = "Tangential load over shift (moment over twist), with the work of friction."
-        pictures.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
+        yield "loop.png", sentence, partial(fretting_loops, dataset)
     if zones_change(dataset, zones_of_line(dataset)[0]):
         sentence = "Stick and slip on a line through the contact, step by step."
-        pictures.append(("zones.png", sentence, lambda: zone_strip(dataset)))
-    return pictures
+        yield "zones.png", sentence, partial(zone_strip, dataset)
 
 
-def _wear(dataset: Results, step: int) -> list[Picture]:
+def _wear(dataset: Results, step: int) -> Iterator[Picture]:
     """Pictures of surfaces that wear: of one step, and of the history."""
     if not wears(dataset):
-        return []
+        return
     when = moment(dataset, step)
-    pictures: list[Picture] = [
-        ("worn-depth.png", f"Depth that both bodies together have lost{when}.", lambda: worn_map(dataset, step)),
-        (
-            "worn-profiles.png",
-            f"Surfaces of both bodies before and after they wore, and the worn depth, along x and y{when}.",
-            lambda: worn_profiles(dataset, step),
-        ),
-    ]
+    yield "worn-depth.png", f"Depth that both bodies together have lost{when}.", partial(worn_map, dataset, step)
+    sentence = f"Surfaces of both bodies before and after they wore, and the worn depth, along x and y{when}."
+    yield "worn-profiles.png", sentence, partial(worn_profiles, dataset, step)
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
         sentence = f"Worn surfaces over the interfaces of layers and coatings, along x and y{when}."
-        pictures.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
+        yield "worn-coating.png", sentence, partial(worn_coating, dataset, step)
     if several_exposed(dataset, step):
         sentence = f"Materials at the surface, by name{when}; the line is the outline of the contact."
-        pictures.append(("exposed-materials.png", sentence, lambda: exposed_map(dataset, step)))
+        yield "exposed-materials.png", sentence, partial(exposed_map, dataset, step)
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."
-        pictures.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
+        yield "wear-history.png", sentence, partial(wear_history, dataset)
     if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
-        sentence = "Loops of chosen cycles over each other."
-        pictures.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
-    return pictures
+        yield "wear-loops.png", "Loops of chosen cycles over each other.", partial(worn_loops, dataset)
 
 
 def _holds(dataset: Results, name: str, step: int) -> bool:

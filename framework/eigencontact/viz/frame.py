@@ -29,15 +29,7 @@ def extremes(values: NDArray[Any]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Film:
-    """Fields of the steps of an animation, one at a time, and what all of them have in common.
-
-    Attributes
-    ----------
-    dataset : Results
-        Results of a run.
-    steps : tuple of int
-        Positions along ``step`` that have a frame, in order.
-    """
+    """Fields of the steps of an animation (positions along ``step``, in order), one by one, and what all share."""
 
     dataset: Results
     steps: tuple[int, ...]
@@ -64,12 +56,7 @@ class Film:
 class Frame:
     """Order to draw a picture as part of a frame: with the view and the colours that all frames share.
 
-    Attributes
-    ----------
-    film : Film
-        The frames.
-    part : SubFigure, optional
-        Where to draw; by default a figure of its own.
+    It is drawn in a subfigure, by default in a figure of its own.
     """
 
     film: Film

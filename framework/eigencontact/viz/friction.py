@@ -7,22 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.results.course import driven_motions
 from eigencontact.results.cycles import friction_work, skips_cycles
-from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
-from eigencontact.viz.fitting import legend_below
-from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading, history_of
-from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
-from eigencontact.viz.window import (
-    alike,
-    cell_edges,
-    contact_middle,
-    contact_window,
-    draw_classes,
-    is_ragged,
-    line_words,
-    masked_map,
-    view_of,
-)
+from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through, runs_of
+from eigencontact.viz.looks import legend_below
+from eigencontact.viz.style import COLOURS, instant, paper_style, scale_for
+from eigencontact.viz.window import class_patches, contact_window, draw_classes, is_ragged, masked_map, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,7 +22,17 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["dissipation_map", "shear_map", "shear_profiles"]
+__all__ = [
+    "MODES",
+    "ZONES",
+    "ZONE_COLOURS",
+    "dissipation_map",
+    "driven",
+    "friction_heading",
+    "history_of",
+    "shear_map",
+    "shear_profiles",
+]
 
 #: Arrows across the longer side of the contact, about.
 ARROWS = 13
@@ -44,28 +44,24 @@ LONGER = 1.5
 MARKERS = 64
 #: Components below this part of the largest shear on the lines are not drawn.
 _NEGLIGIBLE = 0.05
+#: Values of the field ``contact_zone`` are positions in these.
+ZONES = ("open", "slip", "stick")
+#: Grey, and light tints of orange and blue that the colour-blind tell apart.
+ZONE_COLOURS = ("#EDEDED", "#F5C26B", "#8DBFE0")
+#: By direction: load, displacement, units of both, words for both.
+MODES = {
+    "x": ("tangential_load_x", "shift_x", ("N", "m"), ("Tangential load $Q_x$", "Shift $\\delta_x$")),
+    "y": ("tangential_load_y", "shift_y", ("N", "m"), ("Tangential load $Q_y$", "Shift $\\delta_y$")),
+    "twist": ("torsion_moment", "twist", ("N m", "rad"), ("Torsion moment $M_z$", "Twist $\\varphi_z$")),
+}
 
 
 def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Shear traction on body 1 as arrows over the map of stick and slip.
+    """Shear traction on body 1 as arrows over stick and slip; in a film arrows are of one scale in all frames.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction.
-    step : int
-        Position along ``step``.
-    on : Frame, optional
-        Frame of an animation to draw in; its arrows are of one scale in all frames.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell.
-        Where the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
+    Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell. Where
+    the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
     """
-    from matplotlib.patches import Patch
-
     zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
     touched = zone > 0 if on is None else on.film.touched("contact_zone")
     window = contact_window(dataset, touched)
@@ -78,16 +74,11 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
         if np.any(zones) or on is not None:  # frames keep their layout where the contact is lost
             key = _arrows(axes, dataset, step, zone, window, on)
             counts = [np.count_nonzero(zones == value) / (np.count_nonzero(zones) or 1) for value in (2, 1)]
-            patches = [
-                Patch(
-                    facecolor=ZONE_COLOURS[value],
-                    edgecolor="0.4",
-                    linewidth=0.5,
-                    label=f"{ZONES[value]}, {100 * share:.3g} %" if share < 1 else f"{ZONES[value]} everywhere",
-                )
+            patches = class_patches(
+                (ZONE_COLOURS[value], f"{ZONES[value]}{f', {100 * share:.3g} %' if share < 1 else ' everywhere'}")
                 for value, share in zip((2, 1), counts, strict=True)
                 if share > 0 or on is not None
-            ]
+            )
             entries = [*patches, *key]
             legend_below(figure, entries, [str(entry.get_label()) for entry in entries], len(entries))
         if not np.any(zones):
@@ -161,13 +152,6 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     """Work of friction for each area up to a step, with the outline of the contact of that step.
 
     Where cycles are skipped the map is that of the solved increments, as its title says, beside the work in all.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction.
-    step : int
-        Position along ``step``.
     """
     density = _field(dataset, "dissipated_energy_density", step)
     density = np.where(density > 1e-6 * density.max(), density, 0.0)  # what the solver's error leaves is not work
@@ -197,113 +181,68 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
     Faint lines are the ends of the contact. Components that are small on both lines are left out.
 
+    One panel along x, one along y; the stick zone on the line is tinted.
+
     Parameters
     ----------
     dataset : Results
         Results of a run with friction; ``shear_bound`` and the closed form ``reference_shear_x``,
         ``reference_shear_y`` are drawn where they are stored.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel along x, one along y; the stick zone on the line is tinted.
     """
     pressure, zone = (_field(dataset, name, step) for name in ("pressure", "contact_zone"))
     bound = _optional(dataset, "shear_bound", step)
     row, column, central = contact_middle(pressure)
-    view = view_of(zone > 0.5)
-    dx, dy = np.atleast_1d(dataset.attrs["cell_size"])
-    lines: list[tuple[str, str, tuple[Any, Any]]] = [
-        (
-            "x",
-            line_words("x", "y", float(dataset["y"][row]), central=central, cell=float(dy)),
-            (row, slice(view.x0, view.x1)),
-        ),
-        (
-            "y",
-            line_words("y", "x", float(dataset["x"][column]), central=central, cell=float(dx)),
-            (slice(view.y0, view.y1), column),
-        ),
-    ]
-    lines = [line for line in lines if dataset.sizes[line[0]] > 1] or lines[:1]
+    lines = lines_through(dataset, (row, column), view_of(zone > 0.5), central=central)
     shear = {axis: _field(dataset, f"shear_{axis}", step) for axis in "xy"}
-    sizes = {axis: max(float(np.abs(values[where]).max()) for *_, where in lines) for axis, values in shear.items()}
+    sizes = {axis: max(float(np.abs(q[line.where]).max()) for line in lines) for axis, q in shear.items()}
     references = {axis: _optional(dataset, f"reference_shear_{axis}", step) for axis in "xy"}
-    components = [axis for axis in "xy" if sizes[axis] > _NEGLIGIBLE * max(sizes.values())]
+    least_shown = _NEGLIGIBLE * max(sizes.values())
+    components = [axis for axis in "xy" if sizes[axis] > least_shown]
     curves = [*(shear[axis] for axis in components), *(references[axis] for axis in components), bound]
-    if alike(dataset, [curve for curve in curves if curve is not None], [line[2] for line in lines]):
-        lines = [("x", f"{lines[0][1]}, the same along y", lines[0][2])]
-    limit = 0.0 if bound is None else max(float(bound[where].max()) for *_, where in lines)
+    lines = drawn_once(dataset, lines, [curve for curve in curves if curve is not None])
+    limit = 0.0 if bound is None else max(float(bound[line.where].max()) for line in lines)
     stress = scale_for([limit, *sizes.values()], "Pa")
-    least = min(float(values[where].min()) for values in shear.values() for *_, where in lines)
+    least = min(float(q[line.where].min()) for q in shear.values() for line in lines)
     signs = (1, -1) if least < -_NEGLIGIBLE * limit else (1,)
     with paper_style():
-        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.1)
+        figure = line_figure(len(lines), 3.1)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
-        for axes, (along, line_title, where) in zip(panels, lines, strict=True):
-            span = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
-            centres = np.asarray(dataset[along].values, dtype=float)
-            edges = cell_edges(centres, dataset, "xy".index(along))[span.start : span.stop + 1]
-            length = scale_for(edges, "m")
-            _tint_stick(axes, zone[where], length(edges))
+        for axes, line in zip(panels, lines, strict=True):
+            length = scale_for(line.edges, "m")
+            at = length(line.at)
+            _tint_stick(axes, zone[line.where], length(line.edges))
             if bound is not None:
                 for sign in signs:
                     label = "friction bound" if sign == 1 else "_"
-                    axes.plot(length(centres[span]), sign * stress(bound[where]), color="0.75", lw=3.0, label=label)
-            curves_here = [
-                axis for axis in "xy" if np.abs(shear[axis][where]).max() > _NEGLIGIBLE * max(sizes.values())
-            ]
-            for axis in curves_here:
+                    axes.plot(at, sign * stress(bound[line.where]), color="0.75", lw=3.0, label=label)
+            for axis, reference in references.items():
+                values = shear[axis][line.where]
+                if np.abs(values).max() <= least_shown:
+                    continue
                 colour, label = COLOURS["xy".index(axis)], f"$q_{axis}$"
-                mark_every = max(1, -(-(span.stop - span.start) // MARKERS))
                 axes.plot(
-                    length(centres[span]), stress(shear[axis][where]), "o-", color=colour, markevery=mark_every,
+                    at, stress(values), "o-", color=colour, markevery=max(1, -(-at.size // MARKERS)),
                     markersize=2.8, linewidth=0.7, markerfacecolor="white", markeredgewidth=0.8, label=label, zorder=3,
                 )  # fmt: skip
-                reference = references[axis]
                 if reference is not None:
-                    word = f"{label}, closed form ({100 * _difference(shear[axis], reference):.2g} % in the L2 norm)"
-                    axes.plot(
-                        length(centres[span]),
-                        stress(reference[where]),
-                        "--",
-                        color="black",
-                        lw=1.1,
-                        label=word,
-                        zorder=4,
-                    )
+                    error = np.linalg.norm(shear[axis] - reference) / (np.linalg.norm(reference) or np.nan)
+                    word = f"{label}, closed form ({100 * error:.2g} % in the L2 norm)"
+                    axes.plot(at, stress(reference[line.where]), "--", color="black", lw=1.1, label=word, zorder=4)
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
-            axes.set_xlabel(f"{along} [{length.unit}]")
-            axes.set_xlim(float(length(edges[0])), float(length(edges[-1])))
-            axes.set_title(line_title)
-            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges), length)
+            line.finish(axes, length, pressure)
+            axes.set_xlim(*length(line.edges[[0, -1]]))
         panels[0].set_ylabel(f"Shear traction [{stress.unit}]")
         if max(limit, *sizes.values()) == 0:
             panels[0].set_ylim(-1, 1)
-        entries = {
-            label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-        }
-        labels = sorted(entries)  # bound, components, stick; then the closed forms are beside their components
-        legend_below(figure, [entries[label] for label in labels], labels, len(labels))
+        legend_of_panels(figure, panels, str)  # bound, components, stick; closed forms are beside their components
         figure.suptitle(friction_heading(dataset, step, "Shear traction"))
     return figure
 
 
 def _tint_stick(axes: Axes, zone: NDArray[Any], edges: NDArray[Any]) -> None:
     """Stripe behind the cells of a line that stick."""
-    stick = np.concatenate([[False], np.rint(zone) == 2, [False]])
-    begins, ends = (np.flatnonzero(stick[1:] & ~stick[:-1]), np.flatnonzero(~stick[1:] & stick[:-1]))
-    for n, (begin, end) in enumerate(zip(begins, ends, strict=True)):
-        axes.axvspan(
-            edges[begin], edges[end], color=ZONE_COLOURS[2], alpha=0.35, linewidth=0, zorder=0,
-            label="stick" if n == 0 else "_",
-        )  # fmt: skip
-
-
-def _difference(values: NDArray[Any], reference: NDArray[Any]) -> float:
-    return float(np.linalg.norm(values - reference) / (np.linalg.norm(reference) or np.nan))
+    for n, ends in enumerate(runs_of(np.rint(zone) == 2, edges)):
+        axes.axvspan(*ends, color=ZONE_COLOURS[2], alpha=0.35, linewidth=0, zorder=0, label="stick" if n == 0 else "_")
 
 
 def _field(dataset: Results, name: str, step: int) -> NDArray[Any]:
@@ -317,5 +256,32 @@ def _optional(dataset: Results, name: str, step: int) -> NDArray[Any] | None:
     """Surface field of one step, None where it is not stored or does not hold."""
     if name not in dataset:
         return None
-    values = np.asarray(dataset[name][step].values, dtype=float)
+    values = _field(dataset, name, step)
     return values if np.isfinite(values).all() else None
+
+
+def history_of(dataset: Results) -> dict[str, NDArray[Any]]:
+    """Scalars of all steps by name."""
+    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
+    return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
+
+
+def driven(dataset: Results) -> list[str]:
+    """Driven motions among ``x``, ``y`` and ``twist``; by-products of other loads do not count."""
+    return driven_motions(history_of(dataset))
+
+
+def friction_heading(dataset: Results, step: int, subject: str) -> str:
+    """Title of a picture: its subject, the normal load, and the tangential load or torsion moment."""
+    loads_in_title = [("normal_load", "P", "N")]
+    loads = driven(dataset)
+    if set(loads) & {"x", "y"}:
+        loads_in_title.append(("tangential_load", "Q", "N"))
+    if "twist" in loads:
+        loads_in_title.append(("torsion_moment", "M", "N m"))
+    entries = []
+    for name, symbol, unit in loads_in_title:
+        values = np.asarray(dataset[name].values, dtype=float)
+        value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
+        entries.append(f"{symbol} = {scale_for([value], unit).text(value)}")
+    return f"{subject} at {', '.join(entries)}{instant(dataset, step)}"

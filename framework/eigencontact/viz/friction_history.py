@@ -9,11 +9,11 @@ import numpy as np
 from eigencontact.core.grid import Box
 from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
-from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven, history_of
-from eigencontact.viz.informative import varies
-from eigencontact.viz.strands import Strand, draw_strands
+from eigencontact.viz.friction import MODES, ZONE_COLOURS, ZONES, driven, history_of
+from eigencontact.viz.history import Strand, draw_strands, varies
+from eigencontact.viz.lines import SurfaceLine, surface_line_at
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import cell_edges, is_ragged, view_of
+from eigencontact.viz.window import class_patches, is_ragged, view_of
 from eigencontact.viz.worn import solved_cycles
 
 if TYPE_CHECKING:
@@ -51,21 +51,9 @@ def is_a_loop(dataset: Results) -> bool:
 def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Tangential load over shift, torsion moment over twist, through all steps; cycles in the colours of their numbers.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction and a load along or about the surface (`driven`).
-    step : int
-        Position along ``step`` up to which a frame draws the loops.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each loop. The last closed cycle is tinted; the title has its work of friction, and says where
-        the increments are too coarse for the area of the drawn loop to be that work. An open circle marks the first
-        step that is dark: of long histories that is the last cycle, else all.
+    One panel for each loop. The last closed cycle is tinted; the title has its work of friction, and says where the
+    increments are too coarse for the area of the drawn loop to be that work. An open circle marks the first step that
+    is dark: of long histories that is the last cycle, else all.
     """
     modes = driven(dataset)
     with paper_style():
@@ -121,8 +109,8 @@ def _loop(
 
 def _energy_words(dataset: Results, modes: list[str]) -> str:
     """Work of friction of the last closed cycle, else of the whole history."""
-    motion = "twist" if modes == ["twist"] else "shift"
-    cycle = last_cycle(history_of(dataset), "twist" if motion == "twist" else "shift")
+    twisted = modes == ["twist"]
+    cycle = last_cycle(history_of(dataset), "twist" if twisted else "shift")
     if cycle is None:
         return _spent_words(dataset, -1) + (", no closed cycle" if "dissipated_energy" in dataset else "")
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
@@ -131,11 +119,11 @@ def _energy_words(dataset: Results, modes: list[str]) -> str:
         sentence += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
     more = []
     if len(modes) == 1:
-        ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
+        ratio = "4 M\\varphi" if twisted else "4 Q\\delta"
         more.append(f"energy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}")
     if abs(cycle.work - cycle.dissipated) > _COARSE * abs(cycle.dissipated):
         more.append("increments too coarse for the area of the drawn loop")
-    return "\n".join([sentence, *([", ".join(more)] if more else [])])
+    return "\n".join(filter(None, [sentence, ", ".join(more)]))
 
 
 def _spent_words(dataset: Results, step: int) -> str:
@@ -149,62 +137,44 @@ def _spent_words(dataset: Results, step: int) -> str:
 def zone_strip(dataset: Results) -> Figure:
     """Stick and slip on one line through the contact, step by step, under the course of the loads.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction and several steps.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Below the zones on the line along x through the middle of the contact, or through most of it where it is in
-        patches (along y where only that direction is loaded or has cells); above it the loads, each relative to its
-        largest size.
+    Below the zones on the line along x through the middle of the contact, or through most of it where it is in patches
+    (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
     from matplotlib.ticker import MaxNLocator
 
-    strip, edges, along, at = zones_of_line(dataset)
-    across = "y" if along == "x" else "x"
-    length = scale_for(edges, "m")
+    strip, line = zones_of_line(dataset)
+    length = scale_for(line.edges, "m")
     steps = np.asarray(dataset["step"].values, dtype=float)
     with paper_style():
         figure = new_figure(6.2, 3.7)
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2.4))
         below.pcolormesh(
-            np.append(steps - 0.5, steps[-1] + 0.5), length(edges), strip.T,
+            np.append(steps - 0.5, steps[-1] + 0.5), length(line.edges), strip.T,
             cmap=ListedColormap(ZONE_COLOURS), norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3), rasterized=True,
         )  # fmt: skip
-        below.set(xlabel="Step", ylabel=f"{along} [{length.unit}]")
+        below.set(xlabel="Step", ylabel=f"{line.along} [{length.unit}]")
         below.xaxis.set_major_locator(MaxNLocator(integer=True))
         _courses(above, dataset, steps)
-        above.set_title(f"Stick and slip along {along} at {place(across, float(dataset[across][at]))}")
+        above.set_title(f"Stick and slip along {line.along} at {place(line.normal, line.across)}")
         present = [value for value in (2, 1, 0) if np.any(strip == value)]
-        patches = [
-            Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=ZONES[value])
-            for value in present
-        ]
+        patches = class_patches((ZONE_COLOURS[value], ZONES[value]) for value in present)
         handles, _ = above.get_legend_handles_labels()
         figure.legend(handles=[*handles, *patches], loc="outside lower center", ncols=len(patches) + len(handles))
     return figure
 
 
-def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], NDArray[np.float64], str, int]:
-    """Zones (steps, n) on the line of `zone_strip`, edges of its cells [m], its direction, and its row or column."""
+def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], SurfaceLine]:
+    """Zones (steps, n) on the line of `zone_strip`, and the line."""
     zones = np.rint(np.asarray(dataset["contact_zone"].values, dtype=float)).astype(int)
     touched = (zones > 0).any(axis=0)
     along = "y" if driven(dataset) == ["y"] or dataset.sizes["x"] == 1 else "x"
     box = Box.around(touched) or Box(0, touched.shape[0], 0, touched.shape[1])
-    at = (box.y0 + box.y1) // 2 if along == "x" else (box.x0 + box.x1) // 2
+    cell = ((box.y0 + box.y1) // 2, (box.x0 + box.x1) // 2)
     if is_ragged(touched):  # patches: the line that meets most of them
-        at = int(np.argmax(touched.sum(axis=1 if along == "x" else 0)))
-    view = view_of(touched)
-    span = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
-    strip = zones[:, at, span] if along == "x" else zones[:, span, at]
-    centres = np.asarray(dataset[along].values, dtype=float)
-    edges = cell_edges(centres, dataset, "xy".index(along))[span.start : span.stop + 1]
-    return strip, edges, along, at
+        cell = (int(np.argmax(touched.sum(axis=1))), int(np.argmax(touched.sum(axis=0))))
+    line = surface_line_at(dataset, along, cell, view_of(touched))
+    return zones[(slice(None), *line.where)], line
 
 
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
@@ -219,14 +189,11 @@ def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
         largest = float(np.abs(values).max())
         if largest == 0 or not varies(values):  # a constant course is a line at 1
             continue
-        look: dict[str, Any] = {
-            "marker": "o" if len(steps) <= MARKERS else "",
-            "markersize": 2.4,
-            "linewidth": 1.0,
-            "color": colour,
-        }
         word = f"{symbol} (largest {scale_for([largest], unit).text(largest)})"
-        axes.plot(steps, values / largest, style, label=word, **look)
+        marker = "o" if len(steps) <= MARKERS else ""
+        axes.plot(
+            steps, values / largest, style, label=word, marker=marker, markersize=2.4, linewidth=1.0, color=colour
+        )
     axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -0.1), max(high, 1.15))

@@ -1,29 +1,62 @@
-"""Picture of the load history: load, approach, moment, tilt and contact area, as far as they change."""
+"""Histories: which pictures are informative, curves of load and motion, strokes and cycles drawn over each other."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from eigencontact.viz.frame import draw_way
-from eigencontact.viz.informative import area_varies, varies
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, wears
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["Panel", "Quantity", "first_touch", "history_panels", "history_words", "load_history"]
+__all__ = [
+    "NOISE",
+    "Panel",
+    "Quantity",
+    "Strand",
+    "area_varies",
+    "axis_from_zero",
+    "draw_strands",
+    "first_touch",
+    "history_panels",
+    "history_words",
+    "load_history",
+    "vanishes",
+    "varies",
+    "zones_change",
+]
 
 #: With more steps than this, only some carry a marker.
 MARKERS = 40
+#: Values that differ by no more than this part of the largest are constant.
+CONSTANT = 1e-6
+#: Values that fall to this part of the largest have an axis from zero.
+LOW = 0.5
+#: Largest pressures and areas that differ by no more than this part of the largest are noise of the cells.
+NOISE = 0.03
+#: Colours of the numbers.
+COLOUR_MAP = "viridis"
+#: End of the colour map in use: white paper swallows the yellow beyond it.
+BRIGHTEST = 0.88
+#: Ticks of a colour bar lie at least this part of its length apart.
+TICK_ROOM = 0.08
+#: Numbers of which half lie below this part of the largest have a logarithmic colour bar.
+EARLY = 0.25
+#: Strands of more points than this have no markers.
+STRAND_MARKERS = 60
 
 
 @dataclass(frozen=True)
@@ -36,21 +69,15 @@ class Quantity:
 
     def from_start(self, start: float | None) -> Quantity:
         """The same with a value before the first step."""
-        return self if start is None else Quantity(np.append(start, self.values), self.words, self.unit)
+        return self if start is None else replace(self, values=np.append(start, self.values))
 
 
 @dataclass(frozen=True)
 class Panel:
     """A curve of one quantity over another.
 
-    Attributes
-    ----------
-    x, y : Quantity
-        Of all points, that of the unloaded start among them where `started`.
-    started : bool
-        Whether the first point is the state before the first step.
-    steps : (n,) int
-        Positions along ``step`` of the points after the start.
+    Where `started`, the first point is the state before the first step. `steps` (n,) are positions along ``step`` of
+    the points after it.
     """
 
     x: Quantity
@@ -75,11 +102,7 @@ class Panel:
         for numbers, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
             if numbers.min() >= 0.0:
                 set_limits(0.0, 1.05 * numbers.max())
-        labels = [
-            f"{quantity.words} [{scale.unit}]" if scale.unit else quantity.words
-            for quantity, scale in zip((self.x, self.y), scales, strict=True)
-        ]
-        axes.set(xlabel=labels[0], ylabel=labels[1], title=self.title)
+        axes.set(xlabel=scales[0].label(self.x.words), ylabel=scales[1].label(self.y.words), title=self.title)
 
 
 def history_panels(dataset: Results) -> list[Panel]:
@@ -88,11 +111,6 @@ def history_panels(dataset: Results) -> list[Panel]:
     Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
     moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
     of sliding or the steps. The contact area is left out where its change may be that of a few cells.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
     """
     if dataset.sizes["step"] < 2 or not {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars):
         return []
@@ -101,22 +119,13 @@ def history_panels(dataset: Results) -> list[Panel]:
     force, way = _driver(dataset)
     if not varies(force.values):
         return []
-    start = first_touch(dataset) if way.words == "Approach" else None
-    panels = []
-    if varies(way.values):
-        curve = Quantity(way.values[steps], way.words, way.unit), Quantity(force.values[steps], force.words, force.unit)
-        panels.append(
-            Panel(
-                curve[0].from_start(start),
-                curve[1].from_start(None if start is None else 0.0),
-                start is not None,
-                steps,
-            )
-        )
-    else:
-        values, label, unit = course(dataset)
-        curve = Quantity(values[steps], label, unit), Quantity(force.values[steps], force.words, force.unit)
-        panels.append(Panel(*curve, False, steps))
+    x, y, start = replace(way, values=way.values[steps]), replace(force, values=force.values[steps]), None
+    if not varies(way.values):
+        values, words, unit = course(dataset)
+        x = Quantity(values[steps], words, unit)
+    elif way.words == "Approach":
+        start = first_touch(dataset)
+    panels = [Panel(x.from_start(start), y.from_start(None if start is None else 0.0), start is not None, steps)]
     if area_varies(dataset) and not worn:  # the history of wear shows the area
         area = np.asarray(dataset["contact_area"].values, dtype=float)
         panels.append(Panel(force, Quantity(area, "Contact area", "m2"), False, steps))
@@ -126,19 +135,7 @@ def history_panels(dataset: Results) -> list[Panel]:
 def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Draw the curves of `history_panels`, through all steps.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that has such curves.
-    step : int
-        Position along ``step`` up to which a frame draws the curves.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One or two panels; an open circle marks the first point, which tells loading and unloading apart.
+    One or two panels; an open circle marks the first point, which tells loading and unloading apart.
     """
     panels = history_panels(dataset)
     with paper_style():
@@ -178,3 +175,118 @@ def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
     force, way, load, motion, force_unit, way_unit = pairs[0]
     loads, ways = (np.asarray(dataset[name].values, dtype=float) for name in (force, way))
     return Quantity(loads, load, force_unit), Quantity(ways, motion, way_unit)
+
+
+def varies(values: ArrayLike, share: float = CONSTANT) -> bool:
+    """Whether values differ by more than a part of the largest magnitude; those that are not finite do not count.
+
+    Examples
+    --------
+    >>> varies([2.0, 2.0 + 1e-9]), varies([2.0, 2.1])
+    (False, True)
+    """
+    numbers = np.asarray(values, dtype=float)
+    numbers = numbers[np.isfinite(numbers)]
+    return bool(numbers.size) and float(np.ptp(numbers)) > share * float(np.abs(numbers).max())
+
+
+def vanishes(dataset: Results, names: Iterable[str], step: int) -> bool:
+    """Whether all of some fields are zero, or missing, at a position along ``step``."""
+    return not any(np.any(np.nan_to_num(dataset[name][step].values)) for name in names if name in dataset)
+
+
+def area_varies(dataset: Results) -> bool:
+    """Whether the contact area changes by more than a rim of half a cell all round the largest contact.
+
+    The area is that of whole cells: a smaller change may be the steps of a few cells.
+    """
+    area = np.asarray(dataset["contact_area"].values, dtype=float)
+    cell = float(np.prod(np.atleast_1d(dataset.attrs["cell_size"])))
+    count = float(area.max(initial=0.0)) / cell
+    return float(np.ptp(area)) > float(np.sqrt(np.pi * count)) * cell
+
+
+def axis_from_zero(values: ArrayLike) -> bool:
+    """Whether the axis of values of one sign begins at zero: for values that fall far or change by noise only.
+
+    Examples
+    --------
+    >>> axis_from_zero([0.4, 1.0]), axis_from_zero([0.9, 1.0]), axis_from_zero([0.99, 1.0])
+    (True, False, True)
+    """
+    numbers = np.asarray(values, dtype=float)
+    low, high = float(np.nanmin(numbers)), float(np.nanmax(numbers))
+    return low >= 0.0 and (low <= LOW * high or high - low <= NOISE * high)
+
+
+def zones_change(dataset: Results, zones: NDArray[np.intp]) -> bool:
+    """Whether both stick and slip occur in steps that move the surfaces.
+
+    Parameters
+    ----------
+    zones : (steps, ...) int
+        2 where the surfaces stick, 1 where they slip; in a step without motion all sticks, which tells nothing.
+    """
+    loads = ("normal_load", "tangential_load_x", "tangential_load_y", "torsion_moment")
+    histories = [np.asarray(dataset[name].values, dtype=float) for name in loads if name in dataset]
+    moved = np.zeros(len(zones), dtype=bool)
+    for values in histories:
+        change = np.abs(np.diff(values, prepend=values[:1]))
+        moved |= change > CONSTANT * np.abs(values).max(initial=0.0)
+    zones_in_motion = zones[moved]
+    return bool((zones_in_motion == 2).any() and (zones_in_motion == 1).any())
+
+
+@dataclass(frozen=True)
+class Strand:
+    """Consecutive steps of a history, by positions along ``step`` of its ends: one stroke or cycle, and its number."""
+
+    first: int
+    last: int
+    number: float
+
+
+def draw_strands(
+    figure: Figure,
+    axes: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    strands: Sequence[Strand],
+    bar_label: str,
+    *,
+    markers: bool = True,
+) -> None:
+    """Draw each strand in its colour and a colour bar of the numbers; a single strand in blue, without a bar.
+
+    `x` and `y` (steps,) are in the units of the axes, the strands in the order of their numbers. With `markers` short
+    strands have a marker at each step.
+    """
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, LogNorm, Normalize
+
+    numbers = [strand.number for strand in strands]
+    several = len(strands) > 1
+    low, high = numbers[0], numbers[-1]
+    norm = LogNorm(low, high) if several and low > 0 and np.median(numbers) < EARLY * high else Normalize(low, high)
+    colours = ListedColormap(colormaps[COLOUR_MAP](np.linspace(0.0, BRIGHTEST, 256)))
+    for strand in strands:
+        colour = colours(float(norm(np.array(strand.number)))) if several else COLOURS[0]
+        steps = slice(strand.first, strand.last + 1)
+        marker = "o" if markers and strand.last - strand.first < STRAND_MARKERS else ""
+        axes.plot(x[steps], y[steps], linestyle="-", marker=marker, markersize=2.2, color=colour, linewidth=1.0)
+    if several:
+        ticks = _ticks(numbers, norm)
+        bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, ticks=ticks, pad=0.03, aspect=22)
+        bar.ax.set_yticks(ticks, [f"{number:.7g}" for number in ticks])
+        bar.ax.set_yticks([], minor=True)
+        bar.set_label(bar_label)
+
+
+def _ticks(numbers: Sequence[float], norm: Normalize) -> list[float]:
+    """Numbers that have room on the colour bar, the last one among them."""
+    ticks = [numbers[-1]]
+    for number in reversed(numbers[:-1]):
+        if float(norm(ticks[-1])) - float(norm(number)) >= TICK_ROOM:
+            ticks.append(number)
+    return ticks[::-1]

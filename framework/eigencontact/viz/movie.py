@@ -39,21 +39,9 @@ ALIKE = 5
 
 
 def refuse_animation(file_format: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
-    """Refuse an animation that could not be written after a run.
+    """Refuse ``output.animation`` of a scene where it could not be written after a run of so many load steps.
 
-    Parameters
-    ----------
-    file_format : True or str
-        ``output.animation`` of a scene.
-    steps : int
-        Number of load steps.
-    shows : bool
-        Whether there is contact or a plane of stress.
-
-    Raises
-    ------
-    SceneError
-        Names the field, and what to write instead.
+    `shows` says whether there is contact or a plane of stress. The `SceneError` says what to write instead.
     """
     if steps < 2 or not shows:
         raise SceneError(
@@ -76,19 +64,10 @@ def _ffmpeg(setting: str, error: type[EigencontactError]) -> str:
 
 
 def write_movie(figures: Iterable[Figure], path: Path) -> None:
-    """Write frames as ``.gif`` or ``.mp4``; the file appears complete or not at all, and names this package.
+    """Write frames of one size as ``.gif`` or ``.mp4``, as the ending says; each is drawn before the next is taken.
 
-    Parameters
-    ----------
-    figures : iterable of Figure
-        Frames of one size; each is drawn before the next is taken.
-    path : Path
-        Where to; its ending decides.
-
-    Raises
-    ------
-    ResultsError
-        When the file cannot be stored, or ffmpeg is missing or fails.
+    The file appears complete or not at all, and names this package. `ResultsError` when it cannot be stored, or ffmpeg
+    is missing or fails.
     """
     if path.suffix == ".mp4":
         _ffmpeg("the animation", ResultsError)

@@ -1,8 +1,10 @@
-"""Outlines of inclusions and interfaces of layers over a picture."""
+"""Borders of inclusions as results store them, and outlines of inclusions and interfaces over a picture."""
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +16,23 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
-__all__ = ["draw_interfaces", "draw_outline", "draw_outline_below", "draw_segments", "paths_of"]
+    FloatArray = NDArray[np.float64]
+
+__all__ = [
+    "Coating",
+    "coatings",
+    "draw_interfaces",
+    "draw_outline",
+    "draw_outline_below",
+    "draw_segments",
+    "inclusion_segments",
+    "paths_of",
+]
 
 #: Ends of segments closer than this part of the whole picture are one point.
 SAME = 1e-7
+#: A plane is drawn with the borders of the nearest stored one, no farther away than this part of a cell.
+NEAR = 0.5001
 
 
 def draw_outline(axes: Axes, dataset: Results, name: str, length: Scale) -> None:
@@ -72,17 +87,9 @@ def _draw(axes: Axes, segments: NDArray[Any], length: Scale, strokes: tuple[Any,
 
 
 def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
-    """Join segments at their ends to lines, each of those that coincide once.
+    """Join segments (number, end, coordinate), (n, 2, 2), at their ends to lines (m, 2); of those that coincide, one.
 
-    Parameters
-    ----------
-    segments : (n, 2, 2)
-        Number, end, coordinate.
-
-    Returns
-    -------
-    list of (m, 2) arrays
-        Closed lines end where they began.
+    Closed lines end where they began.
     """
     if not len(segments):
         return []
@@ -105,3 +112,44 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
                 path.append(ahead)
             paths.append(places[first[path]])
     return paths
+
+
+@dataclass(frozen=True)
+class Coating:
+    """Inclusion at the surface of body 1 or 2: its position among those of the results, and its largest depth [m]."""
+
+    number: int
+    body: int
+    bottom: float
+
+
+def inclusion_segments(dataset: Results, body: int, normal: str, at: float, number: int | None = None) -> FloatArray:
+    """Borders (n, 2, 2) [m] on a plane, of all inclusions of a body or of one, by its position among those stored.
+
+    `normal` is the axis normal to the plane, `at` where the plane cuts it [m].
+    """
+    nothing = np.empty((0, 2, 2))
+    if "section_segments" not in dataset:
+        return nothing
+    table = np.asarray(dataset["section_table"].values, dtype=float)
+    numbers = [n for n, item in enumerate(_inclusions(dataset)) if item["body"] == body and number in (None, n)]
+    table = table[np.isin(table[:, 0], numbers) & (table[:, 1] == "xyz".index(normal))]
+    away = np.abs(table[:, 2] - at)
+    if not away.size or away.min() > NEAR * float(np.max(dataset.attrs["cell_size"])):
+        return nothing
+    segments = np.asarray(dataset["section_segments"].values, dtype=float)
+    sections = table[table[:, 2] == table[away.argmin(), 2]]
+    return np.concatenate([segments[int(row[5]) : int(row[5] + row[6])] + row[3:5] for row in sections])
+
+
+def coatings(dataset: Results) -> tuple[Coating, ...]:
+    """Inclusions with stored borders that reach the surface of their body."""
+    if "section_segments" not in dataset:
+        return ()
+    described = _inclusions(dataset)
+    stored = [(int(n), described[int(n)]) for n in np.unique(dataset["section_table"].values[:, 0])]
+    return tuple(Coating(n, item["body"], item["bounds"][1][2]) for n, item in stored if item["bounds"][0][2] <= 0.0)
+
+
+def _inclusions(dataset: Results) -> list[dict[str, Any]]:
+    return list(json.loads(dataset.attrs.get("inclusions", "[]")))

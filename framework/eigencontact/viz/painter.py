@@ -33,12 +33,7 @@ _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM
 def painter_of(threads: int | None, *, pictures: bool) -> AbstractContextManager[Painter | None]:
     """Process for the pictures of a run; none where the run draws none, or the process has no core of its own.
 
-    Parameters
-    ----------
-    threads : int or None
-        ``numerics.threads`` of the scene.
-    pictures : bool
-        ``output.pictures`` of the scene.
+    The arguments are ``numerics.threads`` and ``output.pictures`` of the scene.
     """
     no_core = available_threads() < 2 or threads == 1 or not sys.executable
     return nullcontext() if no_core or not pictures else Painter()
@@ -87,11 +82,11 @@ class Painter:
         answer = self._process.stdout.readline()  # type: ignore[union-attr]
         if not answer:
             return None
-        said = json.loads(answer)
-        if "refused" in said:
-            raise ResultsError(said["refused"])
-        self.peak_bytes = int(said["peak_bytes"])
-        files: dict[str, str] = said["files"]
+        outcome = json.loads(answer)
+        if "refused" in outcome:
+            raise ResultsError(outcome["refused"])
+        self.peak_bytes = int(outcome["peak_bytes"])
+        files: dict[str, str] = outcome["files"]
         return files
 
 

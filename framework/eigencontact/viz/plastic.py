@@ -1,4 +1,4 @@
-"""Pictures of bodies that yield: plastic strain on a section and through the history, load against depth."""
+"""Pictures of bodies that yield: plastic strain on a section, in space and through the history, load against depth."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ import numpy as np
 from eigencontact.viz.contours import draw_sides
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.history import first_touch
-from eigencontact.viz.inclusions import inclusion_segments
-from eigencontact.viz.outline import draw_segments
+from eigencontact.viz.outline import draw_segments, inclusion_segments
 from eigencontact.viz.remembered import SHARE, CellField, draw_zone, zone_field
 from eigencontact.viz.style import (
     COLOURS,
-    box_size,
+    colour_bar,
+    draw_cross,
     heading,
     label_plane,
     new_figure,
     paper_style,
     place,
+    plane_figure,
     scale_for,
 )
 
@@ -31,7 +32,15 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["load_depth", "loaded_step", "plastic_history", "plastic_section", "unloads"]
+__all__ = [
+    "load_depth",
+    "loaded_step",
+    "plastic_history",
+    "plastic_section",
+    "plastic_surfaces",
+    "surface_of",
+    "unloads",
+]
 
 #: A load that falls by more than this part of the largest is unloading.
 FALL = 1e-3
@@ -48,6 +57,8 @@ _WAYS: dict[int, tuple[str, dict[str, Any]]] = {
     -1: ("unloading", {"color": COLOURS[1], "linestyle": "--", "marker": "s"}),
     0: ("load held", {"color": COLOURS[2], "linestyle": "-.", "marker": "^"}),
 }
+#: Shares of the largest strain whose surfaces are drawn, and how well one sees through them.
+SHARES = ((0.02, 0.16), (0.25, 0.35), (0.75, 0.9))
 
 
 def loaded_step(dataset: Results) -> int:
@@ -68,20 +79,8 @@ def unloads(dataset: Results) -> bool:
 def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Normal load over approach from the first touch; loading, unloading and a load that is held told apart.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step`` up to which a frame draws the curve.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two
-        ends of an unloading in one increment, between which nothing was computed.
+    The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two ends
+    of an unloading in one increment, between which nothing was computed.
     """
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
     last = len(loads) - 1 if on is None else step % len(loads)
@@ -129,23 +128,10 @@ def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
 def plastic_section(
     dataset: Results, field: CellField, step: int = -1, labels: tuple[str, str] = ("Plastic strain", PLASTIC)
 ) -> Figure:
-    """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
+    """Plastic strain or damage of one body on the section normal to y through its largest value, and its zone.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    field : CellField
-        The number of one body.
-    step : int
-        Position along ``step`` that it belongs to.
-    labels : (str, str)
-        What the number is called in the title, and beside its colours; it is given in per cent.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Filled contours between the middles of cells, equal scales, z downwards.
+    Filled contours between the middles of cells, equal scales, z downwards. The labels are the name of the number in
+    the title, and beside its colours; it is given in per cent.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -160,11 +146,8 @@ def plastic_section(
     room = ROOM * max(float(x[columns[-1]] - x[columns[0]]), float(z[rows[-1]]), field.edge("x"))
     left, right, deep = float(x[columns[0]]) - room, float(x[columns[-1]]) + room, float(z[rows[-1]]) + room
     length = scale_for([left, right, deep], "m")
-    width, height = box_size(right - left, deep, (4.4, 3.4))
     with paper_style():
-        wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
-        axes = figure.add_subplot()
+        figure, axes, wide = plane_figure(right - left, deep)
         axes.set_aspect("equal")
         levels = np.asarray(MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top))
         levels = np.concatenate([[0.0, PERCENT * SHARE * top], levels[levels > PERCENT * SHARE * top]])
@@ -178,22 +161,11 @@ def plastic_section(
         axes.set_facecolor(ELASTIC)
         draw_segments(axes, segments, length)
         draw_zone(axes, dataset, field, ("y", at["y"]), length, step)
-        for colour, size in (("black", 9), ("white", 7)):
-            mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}
-            axes.plot(length(at["x"]), length(at["z"]), "+", zorder=5, **mark)
+        draw_cross(axes, (length(at["x"]), length(at["z"])), (9, 9 / 3.5 - 0.6), (7, 1.4), zorder=5)
         axes.set_xlim(length([left, right]))
         axes.set_ylim(float(length(deep)), 0.0)
         label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
-        bar = figure.colorbar(
-            filled,
-            ax=axes,
-            location="bottom" if wide else "right",
-            shrink=0.8 if wide else 1.0,
-            aspect=30 if wide else 22,
-            pad=0.03,
-            ticks=[0.0, *levels[2::2]],
-        )
-        bar.set_label(labels[1])
+        colour_bar(figure, axes, filled, labels[1], wide=wide, shrink=0.8, ticks=[0.0, *levels[2::2]])
         title = heading(dataset, step, f"{labels[0]} in body {field.body}")
         where = ", ".join(place(axis, at[axis]) for axis in "xyz")
         axes.set_title(f"{title}\n{PERCENT * top:.3g} % at {where} (cross)")
@@ -205,8 +177,6 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run with an observer of the plastic zone.
     prefix : str
         Of the numbers of that observer.
     """
@@ -216,14 +186,86 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
     cubic = 1e6 if volume.max(initial=0.0) < 1e-9 else 1e3
     with paper_style():
         figure = new_figure(6.6, 2.8)
-        left, right = figure.subplots(1, 2)
-        left.plot(step, strain, "o-", color=COLOURS[0], markevery=max(1, step.size // 30))
-        right.plot(step, cubic**3 * volume, "s-", color=COLOURS[1], markevery=max(1, step.size // 30))
-        left.set(ylabel="Equivalent plastic strain [%]", title="Largest plastic strain")
-        right.set(ylabel=f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]", title="Plastic volume")
-        for axes in (left, right):
-            axes.set_xlabel("Step")
+        volume_label = f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]"
+        curves = (
+            (strain, "o-", "Equivalent plastic strain [%]", "Largest plastic strain"),
+            (cubic**3 * volume, "s-", volume_label, "Plastic volume"),
+        )
+        for n, (axes, (values, style, label, title)) in enumerate(zip(figure.subplots(1, 2), curves, strict=True)):
+            axes.plot(step, values, style, color=COLOURS[n], markevery=max(1, step.size // 30))
+            axes.set(xlabel="Step", ylabel=label, title=title)
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)
             axes.xaxis.get_major_locator().set_params(integer=True)
     return figure
+
+
+def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figure:
+    """Surfaces of equal equivalent plastic strain of one body, cut open at the plane through the largest strain.
+
+    The half behind that plane, normal to y, z downwards, equal scales.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import LightSource
+    from matplotlib.patches import Patch
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    top, at = field.largest
+    length = scale_for([float(np.abs(places).max()) for places in field.axes.values()], "m")
+    with paper_style():
+        figure = new_figure(5.0, 3.8)
+        axes: Any = figure.add_subplot(projection="3d")
+        corners, legend = [], []
+        for share, opacity in SHARES:
+            triangles = surface_of(field, share * top, at["y"])
+            if not triangles.size:
+                continue
+            colour = colormaps["viridis"](0.1 + 0.85 * share)
+            light = LightSource(azdeg=225, altdeg=50)
+            faces = Poly3DCollection(
+                length(triangles),
+                facecolors=colour,
+                edgecolors=colour,
+                linewidths=0,
+                alpha=opacity,
+                shade=True,
+                lightsource=light,
+            )
+            axes.add_collection3d(faces)
+            corners.append(triangles.reshape(-1, 3))
+            legend.append(Patch(facecolor=colour, label=f"{PERCENT * share * top:.2g} %"))
+        ends = np.concatenate(corners)
+        low, high = length(ends.min(axis=0)), length(ends.max(axis=0))
+        low[2] = 0.0
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(high[2], low[2]))
+        axes.set_box_aspect(high - low, zoom=0.85)
+        axes.view_init(elev=24, azim=-68)
+        for axis in "xyz":
+            getattr(axes, f"set_{axis}label")(f"{axis} [{length.unit}]")
+            getattr(axes, f"{axis}axis").get_major_locator().set_params(nbins=4 if axis == "y" else 5)
+        axes.set_title(heading(dataset, step, f"Equal plastic strain in body {field.body}"))
+        figure.legend(handles=legend, loc="outside right upper", title="equivalent\nplastic strain", title_fontsize=8)
+    return figure
+
+
+def surface_of(field: CellField, value: float, y: float) -> NDArray[Any]:
+    """Triangles ``(n, 3, 3)`` [m] of the surface of a value, behind a plane normal to y."""
+    import pyvista as pv
+
+    values = np.pad(field.values, 1)
+    if field.axes["z"][0] < 0.75 * field.edge("z"):  # up to the surface
+        values[0] = values[1]
+    axes = {axis: np.pad(places, 1) for axis, places in field.axes.items()}
+    for axis, places in axes.items():
+        places[0], places[-1] = places[1] - field.edge(axis), places[-2] + field.edge(axis)
+    axes["z"][0] = max(axes["z"][0], 0.0)
+    edge = max(field.edge(axis) for axis in "xyz")  # lengths of micrometres are too small for the filters
+    grid: Any = pv.RectilinearGrid(*(axes[axis] / edge for axis in "xyz"))
+    grid.point_data["strain"] = values.ravel()
+    mesh = grid.contour([value], scalars="strain")
+    if mesh.n_points:
+        mesh = mesh.clip("-y", origin=(0.0, y / edge, 0.0)).triangulate()
+    if not mesh.n_points:
+        return np.empty((0, 3, 3))
+    faces = np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
+    return np.asarray(np.asarray(mesh.points, dtype=float)[faces] * edge)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.viz.line_sides import line_sides
 from eigencontact.viz.section import EQUIVALENT
+from eigencontact.viz.sides import line_sides
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
@@ -48,12 +48,8 @@ class Line:
     """
 
     def __init__(self, dataset: Results, region: str, step: int) -> None:
-        points = np.stack(
-            [
-                np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) * np.ones(dataset.sizes[f"{region}_point"])
-                for axis in "xyz"
-            ]
-        )
+        places = [np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) for axis in "xyz"]
+        points = np.stack([at * np.ones(dataset.sizes[f"{region}_point"]) for at in places])
         extents = np.ptp(points, axis=1)
         varying = np.flatnonzero(extents > SAME * np.abs(points).max())
         self.deep = bool(2 in varying and extents[2] >= (1.0 - SAME) * extents.max())
@@ -81,8 +77,14 @@ class Line:
             more = {"marker": ".", **more}
         axes.plot(*pair, *style, **more)
 
-    def finish(self, axes: Axes, length: Scale) -> None:
-        """Name the axis along the line, z downwards, and draw the jumps."""
+    def figure(self) -> tuple[Figure, Axes]:
+        """Figure for curves along the line."""
+        figure = new_figure(4.6, 3.4) if self.deep else new_figure(5.2, 3.0)
+        return figure, figure.add_subplot()
+
+    def finish(self, axes: Axes, length: Scale, label: str) -> None:
+        """Name the axis along the line, z downwards, and that of the values; draw the jumps."""
+        (axes.set_xlabel if self.deep else axes.set_ylabel)(label)
         if self.deep:
             axes.set_ylabel(f"{self.name} [{length.unit}]")
             axes.set_ylim(float(length(self.at.max())), float(length(self.at.min())))
@@ -95,21 +97,9 @@ class Line:
 
 
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Stresses of one step along a line: depth downwards, or across over what varies more than depth.
+    """Stresses of one step along a region of shape line: depth downwards, or across over what varies more than depth.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    region : str
-        A region of shape line.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Equivalent stresses that were stored, and the components of more than 1 % of the largest.
+    Equivalent stresses that were stored, and the components of more than 1 % of the largest.
     """
     line = Line(dataset, region, step)
     curves = {
@@ -127,35 +117,23 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     length = scale_for(line.at, "m")
     styles = ("-", "--", "-.", ":")
     with paper_style():
-        figure = new_figure(4.6, 3.4) if line.deep else new_figure(5.2, 3.0)
-        axes = figure.add_subplot()
+        figure, axes = line.figure()
         for n, (name, values) in enumerate(curves.items()):
             style = styles[(n // len(COLOURS)) % len(styles)] if name in EQUIVALENT.values() else styles[1 + n % 3]
             # On an axis of symmetry von Mises and Tresca coincide: the wider line shows beneath the narrower.
             width = 2.6 if n == 0 and len(curves) > 1 else 1.2
             line.draw(axes, stress(values), length, style, color=COLOURS[n % len(COLOURS)], label=name, linewidth=width)
         (axes.axvline if line.deep else axes.axhline)(0, color="0.6", linewidth=0.6, zorder=0)
-        (axes.set_xlabel if line.deep else axes.set_ylabel)(f"Stress [{stress.unit}]")
-        line.finish(axes, length)
-        unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
-        title = heading(dataset, step, f"{'Residual stresses' if unloaded else 'Stresses'} along {region}")
+        line.finish(axes, length, f"Stress [{stress.unit}]")
+        subject = f"{'Residual stresses' if _unloaded(dataset, step) else 'Stresses'} along {region}"
+        title = heading(dataset, step, subject)
         axes.set_title(title.replace(f"{region} at", f"{region}\nat"))  # the legend lies beside
         figure.legend(loc="outside right upper")
     return figure
 
 
 def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Means over each depth of a volume of the stresses along the surface, with the range of nine tenths of the points.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    region : str
-        A region of shape volume with its stress.
-    step : int
-        Position along ``step``.
-    """
+    """Means over each depth of a region of shape volume of stresses along the surface, and the range of nine tenths."""
     stress = np.asarray(dataset[f"{region}_stress"][step].values, dtype=float)
     z = np.asarray(dataset[f"{region}_z"].values, dtype=float)
     flat = {name: stress[COMPONENTS.index(name)].reshape(z.size, -1) for name in ("xx", "yy")}
@@ -171,41 +149,31 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
         axes.axvline(0, color="0.6", linewidth=0.6, zorder=0)
         axes.set(xlabel=f"Stress [{scale.unit}]", ylabel=f"z [{length.unit}]")
         axes.set_ylim(float(length(z.max())), 0.0)
-        unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
-        subject = f"{'Residual stress' if unloaded else 'Stress'} over depth, {region}"
+        subject = f"{'Residual stress' if _unloaded(dataset, step) else 'Stress'} over depth, {region}"
         axes.set_title(heading(dataset, step, subject) + "\nbands hold nine tenths of the points")
         axes.legend(loc="best")
     return figure
 
 
 def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view: View) -> Figure:
-    """One number along a line: depth downwards, or across over what varies more than depth.
+    """Numbers at the points of a region of shape line: depth downwards, or across over what varies more than depth.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    region : str
-        A region of shape line.
-    numbers : Shown
-        Numbers at its points.
-    step : int
-        Position along ``step``.
-    view : View
-        ``vertical`` is the part of the line that is seen where it is deep, else ``horizontal``.
+    ``vertical`` of the view is the part of the line that is seen where it is deep, else ``horizontal``.
     """
     line = Line(dataset, region, step)
     unit, length = scale_for(numbers.values, numbers.unit), scale_for(line.at, "m")
     with paper_style():
-        figure = new_figure(4.6, 3.4) if line.deep else new_figure(5.2, 3.0)
-        axes = figure.add_subplot()
+        figure, axes = line.figure()
         line.draw(axes, unit(numbers.values), length, "-", color=COLOURS[0])
-        line.finish(axes, length)
-        name = f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
-        (axes.set_xlabel if line.deep else axes.set_ylabel)(name)
+        line.finish(axes, length, unit.label(numbers.words))
         if line.deep and view.vertical:
             axes.set_ylim(*length(view.vertical[::-1]))
         elif not line.deep and view.horizontal:
             axes.set_xlim(*length(view.horizontal))
         axes.set_title(heading(dataset, step, f"{numbers.words} along {region}"))
     return figure
+
+
+def _unloaded(dataset: Results, step: int) -> bool:
+    """Whether a contact bears no load after a step."""
+    return "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0

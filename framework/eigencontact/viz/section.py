@@ -7,23 +7,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.contours import colour_ends, contours_by_side, grows, name_largest
 from eigencontact.viz.cut import WHOLE, Cut, Seen, Shown, View
+from eigencontact.viz.lines import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.outline import draw_interfaces, draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
 from eigencontact.viz.sides import SAME, interface_depths
-from eigencontact.viz.style import box_size, heading, label_plane, new_figure, paper_style, place, scale_for
+from eigencontact.viz.style import (
+    colour_bar,
+    draw_cross,
+    heading,
+    label_plane,
+    paper_style,
+    place,
+    plane_figure,
+    scale_for,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "stress_section"]
+__all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "kind_of", "stress_section"]
 
 #: Equivalent stresses of a region that a section can show, the first one present is shown, and their names.
 EQUIVALENT = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
@@ -43,16 +51,18 @@ def drawable(dataset: Results) -> dict[str, str]:
     Planes and volumes (cut through the maximum) of at least 2 x 2 points give a section, lines a profile; scattered
     points give nothing.
     """
-    kinds = {}
-    for name, region in json.loads(dataset.attrs["regions"]).items():
-        if equivalent_of(dataset, name) is None:
-            continue
-        sizes = [dataset.sizes[f"{name}_{axis}"] for axis in region["dims"]]
-        if region["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1:
-            kinds[name] = "section"
-        elif region["shape"] == "line" and sizes[0] > 1:
-            kinds[name] = "profile"
-    return kinds
+    regions = json.loads(dataset.attrs["regions"])
+    kinds = {name: kind_of(dataset, name) for name in regions if equivalent_of(dataset, name) is not None}
+    return {name: kind for name, kind in kinds.items() if kind}
+
+
+def kind_of(dataset: Results, region: str) -> str:
+    """Kind of picture of a region as in `drawable`; empty for one that cannot be drawn."""
+    described = json.loads(dataset.attrs["regions"])[region]
+    sizes = [dataset.sizes[f"{region}_{axis}"] for axis in described["dims"]]
+    if described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1:
+        return "section"
+    return "profile" if described["shape"] == "line" and sizes[0] > 1 else ""
 
 
 def stress_section(
@@ -65,28 +75,19 @@ def stress_section(
 ) -> Figure:
     """One number of one step on a section, z downwards where the section contains it, equal scales.
 
+    Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
+    largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
+    around what has yielded. A value that stands out at few points, as at an edge or beside a void, does not set the
+    colours: it is written beside their end.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     region : str
         A region of shape plane or volume. A volume is cut normal to y through its largest value.
-    step : int
-        Position along ``step``.
-    on : Frame, optional
-        Frame of an animation to draw in.
     numbers : Shown, optional
         What is drawn; by default the first equivalent stress that is stored.
     view : View
         Part of the section, and colours, where they are chosen.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
-        largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
-        around what has yielded. A value that stands out at few points, as at an edge or beside a void, does not set the
-        colours: it is written beside their end.
     """
     described = json.loads(dataset.attrs["regions"])[region]
     numbers = numbers or default_field(dataset, region, step)
@@ -101,11 +102,8 @@ def stress_section(
     limits = trusted if on is None else on.film.limits(numbers.variable)
     colours = colour_ends(trusted) if on is None else tuple(on.film.limits(numbers.variable, colour_ends))
     unit = scale_for(limits, numbers.unit)
-    width, height = box_size(*visible.size, (4.4, 3.4))
     with paper_style():
-        wide = width > 2.2 * height
-        figure = new_figure(max(width + (0.8 if wide else 1.6), NARROWEST), height + (1.5 if wide else 0.7), on)
-        axes = figure.add_subplot()
+        figure, axes, wide = plane_figure(*visible.size, on=on, narrowest=NARROWEST)
         axes.set_aspect("equal")
         axes.set_xlim(length(visible.horizontal))
         axes.set_ylim(length(visible.vertical[::-1] if vertical == "z" else visible.vertical))
@@ -133,17 +131,9 @@ def stress_section(
         if filled is None:
             axes.text(0.5, 0.5, numbers.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
-            bar = figure.colorbar(
-                filled,
-                ax=axes,
-                location="bottom" if wide else "right",
-                shrink=0.7 if wide else 1.0,
-                aspect=30 if wide else 22,
-                pad=0.03,
-            )
-            label = f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
-            label = f"{label} (nonlinear scale)" if grows(filled) else label
-            bar.set_label(f"{label}, scale of this side" if INTERFACE in cut else label)
+            label = unit.label(numbers.words) + (" (nonlinear scale)" if grows(filled) else "")
+            label += ", scale of this side" if INTERFACE in cut else ""
+            bar = colour_bar(figure, axes, filled, label, wide=wide, shrink=0.7)
             row, column = section.largest(visible.points)
             largest = float(values[row, column])
             name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
@@ -155,7 +145,7 @@ def stress_section(
                 where = f"plateau at {unit.text(largest)}"
             else:
                 where = f"{unit.text(largest)} at {coordinates} (cross)"
-                _mark(axes, (float(length(h[column])), float(length(v[row]))))
+                draw_cross(axes, (length(h[column]), length(v[row])), zorder=8, clip_on=False)
         axes.set_title("\n".join(filter(None, [title, where])))
     return figure
 
@@ -188,9 +178,3 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         else:
             places.append(f"at {place(axis, at)}")
     return ", ".join(places)
-
-
-def _mark(axes: Axes, at: tuple[float, float]) -> None:
-    """Draw a cross at a point, visible on all colours; the title names it."""
-    axes.plot(*at, "+", color="black", markersize=9, markeredgewidth=2.6, zorder=8, clip_on=False)
-    axes.plot(*at, "+", color="white", markersize=8, markeredgewidth=1.2, zorder=9, clip_on=False)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Plane", "Side", "Sides", "interface_depths", "sides_of"]
+__all__ = ["LineSides", "Plane", "Side", "Sides", "interface_depths", "line_sides", "sides_of", "twice_area"]
 
 #: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
 SAME = 1e-12
@@ -48,17 +48,7 @@ ON_A_BORDER = 0.05
 
 @dataclass(frozen=True)
 class Plane:
-    """Points of a section.
-
-    Attributes
-    ----------
-    body : int
-        1 or 2.
-    dims : (str, str)
-        Vertical and horizontal axis of its picture.
-    v, h : (m,), (n,)
-        Places along them [m].
-    """
+    """Points of a section of body 1 or 2: vertical and horizontal axis, and places along them, (m,) and (n,) [m]."""
 
     body: int
     dims: tuple[str, str]
@@ -137,19 +127,7 @@ def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float
 
 
 def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -1) -> Sides:
-    """Sides of a section.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    plane : Plane
-        Its points.
-    segments : (n, 2, 2)
-        Borders of inclusions in it [m], as results store them: (horizontal, vertical).
-    step : int
-        Position along ``step``.
-    """
+    """Sides of a section, given the borders (n, 2, 2) [m] of inclusions in it: (horizontal, vertical), as stored."""
     layer = np.zeros((plane.v.size, plane.h.size), dtype=int)
     cuts: tuple[float, ...] = ()
     if plane.dims[0] == "z":
@@ -158,7 +136,7 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
     ends = (-np.inf, *cuts, np.inf)
     closed = [path for path in paths_of(segments) if len(path) > 3 and np.array_equal(path[0], path[-1])]
     owner = np.full(layer.shape, -1)
-    closed.sort(key=_area, reverse=True)
+    closed.sort(key=lambda path: abs(twice_area(path[:-1])), reverse=True)
     for number, path in enumerate(closed):
         owner[_inside(path, plane)] = number
     sides = []
@@ -199,9 +177,10 @@ def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.b
     return values
 
 
-def _area(path: FloatArray) -> float:
-    x, y = path[:-1].T
-    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+def twice_area(path: FloatArray) -> float:
+    """Twice the area inside of a closed path, with the sign of its sense."""
+    x, y = path.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
@@ -287,3 +266,39 @@ def _cells_cut(path: FloatArray, edges: list[float], starts: list[float]) -> set
     places = (points[:, ::-1] - np.array(starts)) / np.array(edges)
     inner = (np.abs(places - np.round(places)) > ON_A_FACE).all(axis=1)
     return {(int(row), int(column)) for row, column in np.floor(places[inner])}
+
+
+@dataclass(frozen=True)
+class LineSides:
+    """Sides of the points of a line.
+
+    Attributes
+    ----------
+    number : (n,) int
+        Side of each point; neighbours of different numbers have a jump between them.
+    shares : (m,)
+        Where each jump lies, as a part of the way from one point to the next.
+    whole : (n,) bool
+        Points that lie on no border, and in no cell which a border cuts; stress in those is that of neither side.
+    """
+
+    number: NDArray[np.intp]
+    shares: FloatArray
+    whole: NDArray[np.bool_]
+
+
+def line_sides(dataset: Results, region: str, body: int, z: FloatArray, step: int) -> LineSides:
+    """Sides of the points of a line region in a body at depths z (n,) [m]."""
+    depths = np.array(interface_depths(dataset, body, step))
+    number = np.searchsorted(depths * (1.0 - SAME), z, side="right")
+    border, whole = np.full(z.size, np.nan), np.ones(z.size, dtype=bool)
+    if f"{region}_inclusion" in dataset:
+        inclusion, border, uncut = (dataset[f"{region}_{name}"].values for name in ("inclusion", "border", "uncut"))
+        number, whole = number + inclusion * (depths.size + 1), uncut != 0
+    breaks = np.flatnonzero(number[1:] != number[:-1])
+    shares = [border[breaks]]
+    for depth in depths:
+        with np.errstate(divide="ignore", invalid="ignore"):  # a line along an interface does not cross it
+            share = (depth - z[breaks]) / (z[breaks + 1] - z[breaks])
+        shares.append(np.where((share >= 0.0) & (share <= 1.0), share, np.nan))
+    return LineSides(number, np.fmin.reduce(shares), whole)

@@ -32,17 +32,8 @@ FEWEST = 6
 def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> Path | None:
     """Closed smooth lines around a region of cells; None where the cells are too few or smoothing changes the region.
 
-    Parameters
-    ----------
-    region : (ny, nx) bool
-        Cells of the region.
-    x, y : (nx + 1,), (ny + 1,)
-        Edges of the cells.
-
-    Returns
-    -------
-    matplotlib.path.Path or None
-        One closed line around each part and each hole; lines around holes run the other way.
+    `x` and `y`, (nx + 1,) and (ny + 1,), are the edges of the cells. There is one line around each part and each hole;
+    lines around holes run the other way.
     """
     from contourpy import contour_generator
     from matplotlib.path import Path
@@ -54,12 +45,15 @@ def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -
         return None
     width = float(np.clip(np.sqrt(SHARE * min(box.shape)), NARROWEST, WIDEST))
     share = gaussian_filter(region.astype(float), width, mode="nearest")
+    border = sum(int(np.count_nonzero(np.diff(region, axis=axis))) for axis in (0, 1))  # edges of cells along it
     moved = np.count_nonzero((share > 0.5) != region)
-    if moved > MOVED * _border_cells(region) or _pieces(share > 0.5) != _pieces(region):
+    if moved > MOVED * border or _pieces(share > 0.5) != _pieces(region):
         return None
     # One more cell on each side, of zeros at the outer edge: lines close along the edge of the picture.
     share = np.pad(share, 1, mode="edge")
-    middles = [_with_next(0.5 * (edges[1:] + edges[:-1])) for edges in (x, y)]
+    middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (x, y)]
+    cells = [at[1] - at[0] for at in middles]
+    middles = [np.concatenate([[at[0] - cell], at, [at[-1] + cell]]) for at, cell in zip(middles, cells, strict=True)]
     finer = -(-POINTS // min(box.shape))
     if finer > 1:
         coarse = middles
@@ -76,17 +70,6 @@ def extended(field: NDArray[Any], region: NDArray[np.bool_]) -> NDArray[Any]:
 
     index = distance_transform_edt(~region, return_distances=False, return_indices=True)
     return np.asarray(field[tuple(index)])
-
-
-def _with_next(places: NDArray[Any]) -> NDArray[Any]:
-    """Middles of cells with that of the next cell on both sides."""
-    cell = places[1] - places[0]
-    return np.concatenate([[places[0] - cell], places, [places[-1] + cell]])
-
-
-def _border_cells(region: NDArray[np.bool_]) -> int:
-    """Number of edges between a cell of the region and one outside."""
-    return sum(int(np.count_nonzero(np.diff(region, axis=axis))) for axis in (0, 1))
 
 
 def _pieces(region: NDArray[np.bool_]) -> tuple[int, int]:

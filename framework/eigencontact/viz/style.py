@@ -10,8 +10,7 @@ import numpy as np
 
 from eigencontact import __version__
 from eigencontact.results.atomic import replacing
-from eigencontact.viz.fitting import finish
-from eigencontact.viz.looks import COLOURS, are_shown, figure_look, used_look
+from eigencontact.viz.looks import COLOURS, are_shown, figure_look, finish, used_look
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,7 +29,9 @@ __all__ = [
     "FORMATS",
     "Scale",
     "box_size",
+    "colour_bar",
     "colour_range",
+    "draw_cross",
     "heading",
     "instant",
     "label_plane",
@@ -39,6 +40,7 @@ __all__ = [
     "new_figure",
     "paper_style",
     "place",
+    "plane_figure",
     "save",
     "scale_for",
 ]
@@ -63,6 +65,10 @@ class Scale:
     def __call__(self, values: ArrayLike) -> Any:
         """Numbers in this unit."""
         return np.asarray(values) * self.factor
+
+    def label(self, words: str) -> str:
+        """Words for an axis or a colour bar with the unit in brackets, if there is one."""
+        return f"{words} [{self.unit}]" if self.unit else words
 
     def text(self, value: float, digits: int = 3) -> str:
         """Number and unit in words: ``"8.47 GPa"``."""
@@ -115,14 +121,9 @@ def colour_range(values: ArrayLike) -> tuple[str, float, float]:
 def lift_colours(low: float, high: float, out: int = 1) -> tuple[Colormap, float, float]:
     """Colour map and limits for a displacement of the surface: red where it is lifted, blue where it sinks.
 
-    Where (nearly) all of it goes one way the map is that half, from white on. Zeros alone have limits around them.
-
-    Parameters
-    ----------
-    low, high : float
-        Smallest and largest value.
-    out : int
-        1 where positive values lift the surface out of the body, -1 where negative ones do.
+    `low` and `high` are the smallest and largest value. `out` is 1 where positive values lift the surface out of the
+    body, -1 where negative ones do. Where (nearly) all of it goes one way the map is that half, from white on. Zeros
+    alone have limits around them.
     """
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
@@ -163,6 +164,44 @@ def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
     figure = Figure(figsize=look.size(width, height), layout=layout)
     FigureCanvasAgg(figure)
     return figure
+
+
+def plane_figure(
+    width: float,
+    height: float,
+    largest: tuple[float, float] = (4.4, 3.4),
+    on: Frame | None = None,
+    *,
+    bar: bool = True,
+    narrowest: float = 0.0,
+) -> tuple[Figure, Axes, bool]:
+    """Figure for a plane of equal scales, at least `narrowest` wide [inch]; whether its colour bar lies below.
+
+    Without a bar there is room for a legend below. See `box_size` for the other lengths.
+    """
+    width, height = box_size(width, height, largest)
+    wide = width > 2.2 * height
+    below = wide or not bar
+    room = 1.5 if wide else 1.0 if below else 0.7
+    figure = new_figure(max(width + (0.8 if below else 1.6), narrowest), height + room, on)
+    return figure, figure.add_subplot(), wide
+
+
+def colour_bar(figure: Figure, axes: Axes, mapped: Any, label: str, *, wide: bool, shrink: float, **more: Any) -> Any:
+    """Colour bar of a plane: right of it, or below a wide one as the part `shrink` of its width."""
+    side: dict[str, Any] = {"location": "bottom" if wide else "right", "aspect": 30 if wide else 22}
+    bar = figure.colorbar(mapped, ax=axes, shrink=shrink if wide else 1.0, pad=0.03, **side, **more)
+    bar.set_label(label)
+    return bar
+
+
+def draw_cross(
+    axes: Axes, at: tuple[Any, Any], black: tuple[float, float] = (9, 2.6), white: tuple[float, float] = (8, 1.2),
+    **style: Any,
+) -> None:  # fmt: skip
+    """Cross at a point, white on black so that it shows on all colours; size and width of both [points]."""
+    for colour, (size, width) in (("black", black), ("white", white)):
+        axes.plot(*at, "+", color=colour, markersize=size, markeredgewidth=width, **style)
 
 
 def label_plane(axes: Axes, x: str, y: str) -> None:
@@ -224,23 +263,10 @@ paper_style = figure_look
 
 
 def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") -> None:
-    """Write a picture that names this package, in the format of its ending; it appears complete or not at all.
+    """Write a picture that names this package, in the format of the ending ``.png``, ``.pdf`` or ``.svg``.
 
-    Parameters
-    ----------
-    figure : Figure
-        Of `new_figure`.
-    path : Path
-        File with the ending ``.png``, ``.pdf`` or ``.svg``.
-    dpi : int, optional
-        Dots per inch, by default those of the look in use.
-    caption : str
-        Sentence that the file carries as its description.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored.
+    The file appears complete or not at all, and carries the caption as its description. The dots per inch are by
+    default those of the look in use. `ResultsError` when it cannot be stored.
     """
     kind = path.suffix.removeprefix(".")
     look = used_look()

@@ -1,50 +1,56 @@
-"""Pictures of the surface: the pressure as a map and along two lines."""
+"""Pictures of the surface: pressure as a map and along two lines, materials, and displacement by eigenstrain.
+
+Colours of displacement are the same in every picture: red where the surface is lifted out of the body, blue where it
+sinks, white where it stays.
+"""
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
-from eigencontact.viz.fitting import legend_below
+from eigencontact.core.grid import Box
+from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through
 from eigencontact.viz.outline import draw_outline_below
-from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
-from eigencontact.viz.window import alike, cell_edges, contact_middle, contact_window, line_words, masked_map, view_of
+from eigencontact.viz.style import COLOURS, draw_cross, heading, instant, lift_colours, paper_style, scale_for
+from eigencontact.viz.window import Window, contact_window, masked_map, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from eigencontact.core.grid import Box
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["homogeneous_words", "pressure_map", "pressure_profiles", "relative_difference"]
+__all__ = [
+    "cause",
+    "displacement_profiles",
+    "exposed_map",
+    "homogeneous_words",
+    "pressure_map",
+    "pressure_profiles",
+    "relative_difference",
+    "several_exposed",
+    "uplift_map",
+]
 
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
+#: How much of white is mixed into the colours of materials.
+_PALE = 0.55
+_NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
+_STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
 def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Contact pressure of one step as a map, cut to the contact and some room around it.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-    on : Frame, optional
-        Frame of an animation to draw in.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
-        below it are dashed.
+    Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
+    below it are dashed.
     """
-    pressure, _, _ = _surface(dataset, step)
+    pressure = np.asarray(dataset["pressure"][step].values, dtype=float)
     window = contact_window(dataset, pressure != 0 if on is None else on.film.touched("pressure"))
     figure = masked_map(
         window,
@@ -69,83 +75,54 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
     Markers are computed cells; faint lines are the ends of the contact.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel along x, one along y; only one where the other direction has a single cell.
+    One panel along x, one along y; only one where the other direction has a single cell.
     """
-    pressure, x, y = _surface(dataset, step)
+    pressure = np.asarray(dataset["pressure"][step].values, dtype=float)
     reference = None
     homogeneous = homogeneous_words(dataset)
     if homogeneous or "reference_pressure" in dataset:
         reference = np.asarray(dataset["homogeneous_pressure" if homogeneous else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
+    fields = [pressure] if reference is None else [pressure, reference]
     row, column, central = contact_middle(pressure)
-    pressed = pressure != 0 if reference is None else (pressure != 0) | (reference != 0)
-    view = view_of(pressed)
+    view = view_of(np.any([field != 0 for field in fields], axis=0))
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
-    across, down = slice(view.x0, view.x1), slice(view.y0, view.y1)
-    dx, dy = np.atleast_1d(dataset.attrs["cell_size"])
-    titles = (
-        line_words("x", "y", y[row], central=central, cell=dy),
-        line_words("y", "x", x[column], central=central, cell=dx),
-    )
-    lines: list[tuple[str, str, NDArray[Any], NDArray[Any], tuple[Any, Any]]] = [
-        ("x", titles[0], x, cell_edges(x, dataset, 0), (row, across)),
-        ("y", titles[1], y, cell_edges(y, dataset, 1), (down, column)),
-    ]
-    lines = [line for line in lines if line[2].size > 1] or lines[:1]
-    if alike(dataset, [pressure] if reference is None else [pressure, reference], [line[4] for line in lines]):
-        lines = [("x", f"{lines[0][1]}, the same along y", *lines[0][2:])]
+    lines = drawn_once(dataset, lines_through(dataset, (row, column), view, central=central), fields)
+    labels = {"computed": "computed cells", "reference": "closed form"}
+    if homogeneous and reference is not None:
+        labels["reference"] = f"{homogeneous} (closed form)"
+    elif reference is not None:
+        labels["reference"] = _difference_words(pressure, reference, view)
+    if any(line.at.size > MARKERS for line in lines):
+        labels["computed"] = "computed cells (not all marked)"
     with paper_style():
-        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 2.9)
+        figure = line_figure(len(lines), 2.9)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
-        thinned = False
-        for axes, (along, line_title, centres, edges, where) in zip(panels, lines, strict=True):
-            span = where[along == "x"]
-            length = scale_for(edges[span.start : span.stop + 1], "m")
-            at = length(centres[span])
-            mark_every = max(1, -(-at.size // MARKERS))
-            thinned = thinned or mark_every > 1
+        for axes, line in zip(panels, lines, strict=True):
+            length = scale_for(line.edges, "m")
+            at = length(line.at)
             if reference is not None:
                 style = "--" if homogeneous else "-"
-                axes.plot(at, stress(reference[where]), style, color=COLOURS[1], label="closed form")
+                axes.plot(at, stress(reference[line.where]), style, color=COLOURS[1], label=labels["reference"])
             axes.plot(
                 at,
-                stress(pressure[where]),
+                stress(pressure[line.where]),
                 "o" if reference is not None and not homogeneous else "o-",
                 color=COLOURS[0],
-                markevery=mark_every,
+                markevery=max(1, -(-at.size // MARKERS)),
                 markerfacecolor="none" if reference is not None else COLOURS[0],
                 markeredgewidth=0.8,
                 linewidth=0.8 if homogeneous else None,
-                label="computed",
+                label=labels["computed"],
                 zorder=3,
             )
-            axes.set_xlabel(f"{along} [{length.unit}]")
-            axes.set_xlim(float(length(edges[span.start])), float(length(edges[span.stop])))
-            axes.set_title(line_title)
-            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges[span.start : span.stop + 1]), length)
+            line.finish(axes, length, pressure)
+            axes.set_xlim(*length(line.edges[[0, -1]]))
         low = min(0.0, float(pressure.min()))
-        high = max(float(pressure.max()), 0.0 if reference is None else float(reference.max())) or 1.0 / stress.factor
+        high = max(0.0, *(float(field.max()) for field in fields)) or 1.0 / stress.factor
         panels[0].set_ylim(stress(low - 0.025 * (high - low)), stress(high + 0.06 * (high - low)))
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
-        handles, labels = panels[0].get_legend_handles_labels()
-        legend_of = {
-            "closed form": f"{homogeneous} (closed form)"
-            if homogeneous
-            else _difference_words(pressure, reference, view),
-            "computed": "computed cells (not all marked)" if thinned else "computed cells",
-        }
-        order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")
-        legend_below(figure, [handles[n] for n in order], [legend_of[labels[n]] for n in order], len(lines))
+        legend_of_panels(figure, panels[:1], lambda label: label != labels["computed"], len(lines))
         figure.suptitle(heading(dataset, step, "Contact pressure"))
     return figure
 
@@ -165,15 +142,138 @@ def relative_difference(pressure: NDArray[Any], reference: NDArray[Any]) -> tupl
     return float(np.linalg.norm(pressure - reference)) / size, abs(float(np.max(pressure)) - peak) / peak
 
 
-def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None, view: Box) -> str:
+def _difference_words(pressure: NDArray[Any], reference: NDArray[Any], view: Box) -> str:
     """Label of the closed form with its relative difference from the pressure; both are zero outside the view."""
-    if reference is None:
-        return "closed form"
     in_norm, peak = relative_difference(pressure[view.slices], reference[view.slices])
     if not np.isfinite(in_norm):
         return "closed form"
     return f"closed form (relative difference: {100 * in_norm:.2g} % in the L2 norm, {100 * peak:.2g} % at the maximum)"
 
 
-def _surface(dataset: Results, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    return tuple(np.asarray(v.values, dtype=float) for v in (dataset["pressure"][step], dataset["x"], dataset["y"]))  # type: ignore[return-value]
+def several_exposed(dataset: Results, step: int = -1) -> bool:
+    """Whether more than one material is at the surface in a step."""
+    return "exposed_material" in dataset and float(np.ptp(dataset["exposed_material"][step].values)) > 0
+
+
+def exposed_map(dataset: Results, step: int = -1) -> Figure:
+    """Materials at the surface that the contact of a step met, by name, and the outline of that contact."""
+    from matplotlib.colors import ListedColormap, to_rgb
+    from matplotlib.patches import Patch
+
+    materials = np.asarray(dataset["exposed_material"][step].values).astype(int)
+    contact = np.asarray(dataset["pressure"][step].values) > 0
+    numbers, names = np.unique(materials), json.loads(dataset.attrs["exposed_materials"])
+    pale = [_PALE + (1 - _PALE) * np.array(to_rgb(COLOURS[n % len(COLOURS)])) for n in range(numbers.size)]
+    window = contact_window(dataset, contact)
+    with paper_style():
+        figure, axes, _ = window.axes_of_map(bar=False)
+        axes.imshow(
+            np.searchsorted(numbers, materials)[window.view.slices],
+            origin="lower",
+            extent=window.extent,
+            cmap=ListedColormap(pale),
+            vmin=-0.5,
+            vmax=numbers.size - 0.5,
+        )
+        window.label(axes)
+        window.outline(axes, contact[window.view.slices])
+        axes.set_title(f"Exposed materials{instant(dataset, step)}")
+        entries = [Patch(color=colour, label=names[n]) for colour, n in zip(pale, numbers, strict=True)]
+        figure.legend(handles=entries, loc="outside lower center", ncols=4)
+    return figure
+
+
+def cause(dataset: Results) -> str:
+    """Cause of the surface displacement without tractions, as text: inclusions of another material, or eigenstrain."""
+    if any(str(name).startswith("plastic_strain_") for name in dataset):
+        return "plastic strain"
+    return "the inclusions" if "inclusion_residual" in dataset else "eigenstrain"
+
+
+def uplift_map(dataset: Results, step: int = -1) -> Figure:
+    """Uplift of the surface by eigenstrain or inclusions, out of the body, with their outlines from above.
+
+    The whole window; a cross at the largest value (in magnitude).
+    """
+    uplift = _uplift(dataset, step)
+    window = Window(dataset, Box(0, uplift.shape[0], 0, uplift.shape[1]))
+    row, column = _largest(uplift)
+    peak = float(uplift[row, column])
+    subject = f"{'Subsidence' if peak < 0 else 'Uplift'} of the surface by {cause(dataset)}"
+    figure = masked_map(
+        window,
+        uplift,
+        unit="m",
+        label="Displacement out of the body",
+        title=f"{heading(dataset, step, subject)}\nup to {scale_for(uplift, 'm').text(abs(peak))} (cross)",
+        outline=np.zeros(uplift.shape, dtype=bool),
+        empty="zero everywhere",
+        masked=False,
+        colours=lift_colours(float(uplift.min()), float(uplift.max())),
+    )
+    axes = figure.axes[0]
+    draw_outline_below(axes, dataset, window.length)
+    at = (float(dataset["x"][column]), float(dataset["y"][row]))
+    draw_cross(axes, tuple(window.length(at)), (8, 2.4), (7, 1.1))
+    return figure
+
+
+def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
+    """Uplift and in-plane displacement along x and along y.
+
+    The lines pass through the middle of the contact, whose ends are faint lines. Without a contact, or with one in
+    patches, they pass through the largest uplift (in magnitude), or through the middle of the window when the uplift is
+    symmetric about it.
+
+    One panel along x, one along y; only one where the other direction has a single cell.
+    """
+    uplift = _uplift(dataset, step)
+    pressure = np.asarray(dataset["pressure"][step].values) if "pressure" in dataset else np.zeros_like(uplift)
+    row, column, central = contact_middle(pressure)
+    if not (central and pressure.any()):
+        (row, column), central = _middle(uplift), False
+    values = {"z": uplift}
+    for component in "xy":
+        name = f"residual_displacement_{component}"
+        if name in dataset:
+            values[component] = np.asarray(dataset[name][step].values, dtype=float)
+    lines = lines_through(dataset, (row, column), central=central)
+    if set(values) == {"z"}:
+        lines = drawn_once(dataset, lines, [uplift, pressure])
+    rise = scale_for(np.stack([field[lines[0].where] for field in values.values()]), "m")
+    with paper_style():
+        figure = line_figure(len(lines), 2.9)
+        panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
+        for axes, line in zip(panels, lines, strict=True):
+            length = scale_for(line.at, "m")
+            for n, (component, field) in enumerate(values.items()):
+                style = {"color": COLOURS[n], "linestyle": _STYLES[component], "linewidth": 1.6 if n == 0 else 1.2}
+                axes.plot(length(line.at), rise(field[line.where]), label=_NAMES[component], **style)
+            axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+            axes.margins(x=0)
+            line.finish(axes, length, pressure)
+        panels[0].set_ylabel(f"Displacement [{rise.unit}]")
+        legend_of_panels(figure, panels[:1], list(_NAMES.values()).index)
+        figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"))
+    return figure
+
+
+def _uplift(dataset: Results, step: int) -> NDArray[Any]:
+    return -np.asarray(dataset["residual_displacement_z"][step].values, dtype=float) + 0.0
+
+
+def _middle(uplift: NDArray[Any]) -> tuple[int, int]:
+    """Row and column of the profiles."""
+    tolerance = 1e-6 * float(np.abs(uplift).max())
+    if all(np.allclose(uplift, np.flip(uplift, axis), rtol=0, atol=tolerance) for axis in (0, 1)):
+        return uplift.shape[0] // 2, uplift.shape[1] // 2
+    return _largest(uplift)
+
+
+def _largest(uplift: NDArray[Any]) -> tuple[int, int]:
+    """Row and column of the largest magnitude; of several alike, the one nearest the middle of the window."""
+    size = np.abs(uplift)
+    rows, columns = np.nonzero(size >= (1.0 - 1e-9) * size.max())
+    middle = [(n - 1) / 2 for n in uplift.shape]
+    best = int(np.argmin((rows - middle[0]) ** 2 + (columns - middle[1]) ** 2))
+    return int(rows[best]), int(columns[best])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,71 +34,72 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of a sweep.
     name : str
         Variable to draw: against the one parameter, as a map over two numbers of five values and more each, else in
         curves against the first parameter.
-
-    Returns
-    -------
-    Figure
     """
     values = dataset[name]
+    dims = [str(dim) for dim in values.dims]
+    limits, remark = _limits(dataset, values)
     with paper_style():
         figure = new_figure(4.6, 3.2)
         axes = figure.add_subplot()
-        dims = [str(dim) for dim in values.dims]
-        limits, remark = _limits(dataset, values)
         numeric = [dataset[dim].dtype.kind == "f" if dim in dataset else False for dim in dims]
         if len(dims) == 2 and all(numeric) and min(values.shape) >= _MAP:
             _map(axes, values, limits)
         else:
-            _curves(axes, dataset, values, limits)
-        title = str(values.attrs.get("long_name", name)).replace("_", " ")
-        axes.set_title("\n".join(filter(None, (title[:1].upper() + title[1:], remark))))
+            scale = _scale(values)
+            x = _axis(axes, "x", _along(dataset, dims[0]))
+            _curves(axes, dataset, values.transpose(*dims[1:], dims[0]), x, marks=_MARKS)
+            axes.set_ylabel(_with_unit(str(values.name), scale.unit))
+            if limits is not None:
+                axes.set_ylim(*scale(limits))
+        axes.set_title("\n".join(filter(None, (_title(values), remark))))
     return figure
 
 
 def draw_profiles(dataset: xarray.Dataset, name: str) -> Figure:
-    """Figure of a surface field of all variants along x, through the middle of the window.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a sweep with this field.
-    name : str
-        Field to draw.
-
-    Returns
-    -------
-    Figure
-    """
+    """Figure of a surface field of all variants along x, through the middle of the window."""
     middle = int(np.argmin(np.abs(dataset["y"].values - dataset["y"].values.mean())))
     values = dataset[name].isel(y=middle)
-    dims = [str(dim) for dim in values.dims if dim != "x"]
-    scale, lengths = scale_for(values, str(values.attrs.get("units", "1"))), scale_for(dataset["x"], "m")
+    lengths = scale_for(dataset["x"], "m")
     with paper_style():
         figure = new_figure(4.6, 3.2)
         axes = figure.add_subplot()
-        _lay_over(axes, dataset, values, dims, scale, lengths(dataset["x"]))
+        _curves(axes, dataset, values, lengths(dataset["x"]))
         axes.set_xlabel(_with_unit("x", lengths.unit))
-        axes.set_ylabel(_with_unit(name, scale.unit))
-        title = str(values.attrs.get("long_name", name)).replace("_", " ")
-        axes.set_title(f"{title[:1].upper()}{title[1:]}, {place('y', float(dataset['y'][middle]))}")
+        axes.set_ylabel(_with_unit(name, _scale(values).unit))
+        axes.set_title(f"{_title(values)}, {place('y', float(dataset['y'][middle]))}")
     return figure
 
 
-def _lay_over(
-    axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, dims: list[str], scale: Scale, x: Any
-) -> None:
-    """Draw a line for each variant that has the field, as many as a legend can hold."""
-    places = [at for at in np.ndindex(*(dataset.sizes[dim] for dim in dims)) if np.isfinite(values.values[at]).any()]
+def _title(values: xarray.DataArray) -> str:
+    """Meaning of a variable, as a title."""
+    title = str(values.attrs.get("long_name", values.name)).replace("_", " ")
+    return title[:1].upper() + title[1:]
+
+
+def _scale(values: Any) -> Scale:
+    return scale_for(values, str(values.attrs.get("units", "1")))
+
+
+def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, x: Any, marks: str = "") -> None:
+    """Draw a curve over the last dimension for each variant of the others, as many as a legend can hold.
+
+    Without marks variants without values are left out.
+    """
+    dims, scale = [str(dim) for dim in values.dims[:-1]], _scale(values)
+    places = [
+        at for at in np.ndindex(*(dataset.sizes[dim] for dim in dims)) if marks or np.isfinite(values.values[at]).any()
+    ]
     for k, at in enumerate(places[:_CURVES]):
         label = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
-        axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label)
-    more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
-    axes.legend(title=", ".join(_long(dataset, dim) for dim in dims) + more, title_fontsize=8)
+        style: dict[str, Any] = {"marker": marks[k % len(marks)]} if marks else {}
+        axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label or None, **style)
+    if len(places) > 1 or not marks:
+        more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
+        keys = (str(_along(dataset, dim).attrs.get("long_name", dim)) for dim in dims)
+        axes.legend(title=", ".join(keys) + more, title_fontsize=8)
 
 
 def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[float, float] | None, str]:
@@ -123,29 +123,11 @@ def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[fl
 
 def _map(axes: Axes, values: xarray.DataArray, limits: tuple[float, float] | None) -> None:
     across, up = (str(dim) for dim in values.dims)
-    scale = scale_for(values, str(values.attrs.get("units", "1")))
+    scale = _scale(values)
     x, y = _edges(_axis(axes, "x", values[across])), _edges(_axis(axes, "y", values[up]))
     low, high = (None, None) if limits is None else scale(limits)
     mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True, vmin=low, vmax=high)
     axes.figure.colorbar(mesh, ax=axes, label=_with_unit(str(values.name), scale.unit))
-
-
-def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None) -> None:
-    first, *other_dims = (str(dim) for dim in values.dims)
-    scale = scale_for(values, str(values.attrs.get("units", "1")))
-    along = _along(dataset, first)
-    x = _axis(axes, "x", along)
-    places = list(product(*(range(dataset.sizes[dim]) for dim in other_dims)))
-    for k, at in enumerate(places[:_CURVES]):
-        curve = values.isel(dict(zip(other_dims, at, strict=True)))
-        label = ", ".join(_value(dataset, dim, n) for dim, n in zip(other_dims, at, strict=True))
-        axes.plot(x, scale(curve), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=label or None)
-    axes.set_ylabel(_with_unit(str(values.name), scale.unit))
-    if limits is not None:
-        axes.set_ylim(*scale(limits))
-    if len(places) > 1:
-        more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
-        axes.legend(title=", ".join(_long(dataset, dim) for dim in other_dims) + more, title_fontsize=8)
 
 
 def _along(dataset: xarray.Dataset, dim: str) -> Any:
@@ -163,7 +145,7 @@ def _axis(axes: Axes, letter: str, along: Any) -> Any:
         getattr(axes, f"set_{letter}label")(label)
         getattr(axes, f"set_{letter}ticks")(range(along.size), [str(value) for value in along.values])
         return np.arange(along.size)
-    scale = scale_for(along, str(along.attrs.get("units", "1")))
+    scale = _scale(along)
     getattr(axes, f"set_{letter}label")(_with_unit(label, scale.unit))
     if _by_ratio(along.values):
         getattr(axes, f"set_{letter}scale")("log")
@@ -195,10 +177,6 @@ def _value(dataset: xarray.Dataset, dim: str, at: int) -> str:
     if along.dtype.kind != "f":
         return str(along.values[at])
     return scale_for(along.values[at], str(along.attrs.get("units", "1"))).text(along.values[at])
-
-
-def _long(dataset: xarray.Dataset, dim: str) -> str:
-    return str(_along(dataset, dim).attrs.get("long_name", dim))
 
 
 def _with_unit(name: str, unit: str) -> str:

@@ -24,6 +24,8 @@ from eigencontact.results.stored import open_stored
 from eigencontact.viz import vtk_xml
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
@@ -40,14 +42,7 @@ _IN_PLANE = ("shear", "slip")
 
 
 def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
-    """Write every step of stored results as VTK files.
-
-    Parameters
-    ----------
-    results : Results or path
-        Results of a run, or where they are stored.
-    folder : Path
-        Made where missing.
+    """Write every step of stored results as VTK files into a folder, which is made where missing.
 
     Returns
     -------
@@ -72,33 +67,30 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
             f"folder {folder} must be a folder that can be written (got: {reason(error)}); choose another"
         ) from error
     regions = json.loads(results.attrs["regions"])
-    times = [float(time) for time in results["time"].values]
     files: list[Path] = []
     surface = [SURFACE] if any(v.attrs.get("role") == "field" for v in results.variables.values()) else []
+    steps = [int(step) for step in results["step"].values]
+    times = dict(zip(steps, map(float, results["time"].values), strict=True))
     for name in (*surface, *regions):
-        series = []
-        for at, index in enumerate(int(step) for step in results["step"].values):
-            mesh = _surface(results, at) if name == SURFACE else _region(results, name, regions[name], at)
-            series.append(_save(mesh, folder, f"{name}_{index:04d}"))
-        collection = folder / f"{name}.pvd"
-        with replacing(collection, f"collection {collection.name}") as sink:
-            sink.write(_collection(times, series).encode())
-        files += [*series, collection]
+        meshes = (
+            _surface(results, at) if name == SURFACE else _region(results, name, regions[name], at)
+            for at in range(len(steps))
+        )
+        files += _series(folder, name, times, steps, meshes)
     for body in (1, 2):
         if f"cells_{body}_z" in results:
-            files += _remembered(results, body, folder)
+            history_steps = [int(step) for step in results["history_step"].values]
+            cells = (_cells(results, body, at) for at in range(len(history_steps)))
+            files += _series(folder, f"cells_{body}", times, history_steps, cells)
     return files
 
 
-def _remembered(dataset: Results, body: int, folder: Path) -> list[Path]:
-    """Files of the history fields in the cells of a body, for the steps that store them."""
-    series, times = [], []
-    for at, index in enumerate(int(step) for step in dataset["history_step"].values):
-        series.append(_save(_cells(dataset, body, at), folder, f"cells_{body}_{index:04d}"))
-        times.append(float(dataset["time"].values[dataset["step"].values == index][0]))
-    collection = folder / f"cells_{body}.pvd"
+def _series(folder: Path, name: str, times: dict[int, float], steps: list[int], meshes: Iterable[Mesh]) -> list[Path]:
+    """Write a file for each of some steps, and the collection of them with the times of the load history."""
+    series = [_save(mesh, folder, f"{name}_{step:04d}") for step, mesh in zip(steps, meshes, strict=True)]
+    collection = folder / f"{name}.pvd"
     with replacing(collection, f"collection {collection.name}") as sink:
-        sink.write(_collection(times, series).encode())
+        sink.write(_collection([times[step] for step in steps], series).encode())
     return [*series, collection]
 
 
@@ -181,19 +173,15 @@ def _save(mesh: Mesh, folder: Path, stem: str) -> Path:
 
 def _collection(times: list[float], series: list[Path]) -> str:
     """XML of a ParaView collection: one file for each time."""
-    rows = [
+    rows = "\n".join(
         f'    <DataSet timestep="{time!r}" group="" part="0" file={vtk_xml.quoted(path.name)}/>'
         for time, path in zip(times, series, strict=True)
-    ]
-    return "\n".join(
-        [
-            '<?xml version="1.0"?>',
-            f"<!-- eigencontact {__version__} -->",
-            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
-            "  <Collection>",
-            *rows,
-            "  </Collection>",
-            "</VTKFile>",
-            "",
-        ]
     )
+    return f"""<?xml version="1.0"?>
+<!-- eigencontact {__version__} -->
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+{rows}
+  </Collection>
+</VTKFile>
+"""

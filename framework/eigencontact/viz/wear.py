@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.viz.friction import MODES, driven
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
-from eigencontact.viz.friction_words import MODES, driven
-from eigencontact.viz.inclusions import coatings, inclusion_segments
-from eigencontact.viz.outline import paths_of
+from eigencontact.viz.history import draw_strands
+from eigencontact.viz.lines import SurfaceLine, drawn_once, line_figure, lines_through, middle
+from eigencontact.viz.outline import coatings, inclusion_segments, paths_of
 from eigencontact.viz.rolling import rolls
-from eigencontact.viz.strands import draw_strands
-from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import alike, contact_window, masked_map, middle
+from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, scale_for
+from eigencontact.viz.window import contact_window, masked_map
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
-    from eigencontact.viz.inclusions import Coating
+    from eigencontact.viz.outline import Coating
     from eigencontact.viz.worn import SolvedCycle
 
 __all__ = ["loop_cycles", "wear_history", "worn_coating", "worn_loops", "worn_map", "worn_profiles"]
@@ -53,15 +52,7 @@ ROOM = 0.12
 
 
 def worn_map(dataset: Results, step: int = -1) -> Figure:
-    """Depth that both bodies together have lost, with the outline of the contact of that step.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears.
-    step : int
-        Position along ``step``.
-    """
+    """Depth that both bodies together have lost, with the outline of the contact of that step."""
     depth = np.asarray(dataset["worn_depth"][step].values, dtype=float)
     shown = np.where(depth > SHARE * depth.max(initial=0.0), depth, 0.0)
     contact = np.asarray(dataset["pressure"][step].values) != 0
@@ -92,26 +83,19 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
     The lines pass through the middle where the worn depth is symmetric about it, else through its largest value. Body 1
     is drawn flat: body 2 has all of the separation that they had at first.
 
+    z points into body 1, downwards, and has a scale of its own.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run that wears.
-    step : int
-        Position along ``step``.
     on : Frame, optional
         Frame of an animation to draw in: one line alone.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        z points into body 1, downwards, and has a scale of its own.
     """
     section = _Section(dataset, step, on)
     lines = section.lines if on is None else section.lines[:1]
     most = max(section.most.values()) or NOTHING
     depth = scale_for(most, "m")
     with paper_style():
-        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 4.4, on)
+        figure = line_figure(len(lines), 4.4, on)
         panels = figure.subplots(2, len(lines), sharex="col", sharey="row", squeeze=False, height_ratios=(1.5, 1))
         ends = section.ends()
         for line, (above, below) in zip(lines, panels.T, strict=True):
@@ -130,22 +114,12 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
 def worn_coating(dataset: Results, step: int = -1) -> Figure:
     """Worn surfaces over the interfaces of layers and coatings, which stay where they were, along x and along y.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears, one body of which has layers, or inclusions at the surface.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        z points into body 1, downwards, and has a scale of its own.
+    z points into body 1, downwards, and has a scale of its own.
     """
     section = _Section(dataset, step, None, coatings(dataset))
     with paper_style():
         lines = section.lines
-        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.4)
+        figure = line_figure(len(lines), 3.4)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)
         ends = section.ends(layers=True)
         for line, axes in zip(lines, panels[0], strict=True):
@@ -162,21 +136,6 @@ def _legend(figure: Figure, panels: Iterable[Axes], columns: int = 4) -> None:
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=min(columns, len(entries)))
 
 
-@dataclass(frozen=True)
-class _Line:
-    """A line on the surface: its direction, its place across [m], its cells (rows, columns) and their middles [m]."""
-
-    along: str
-    across: float
-    where: tuple[Any, Any]
-    at: NDArray[np.float64]
-
-    @property
-    def normal(self) -> str:
-        """The other direction."""
-        return "y" if self.along == "x" else "x"
-
-
 class _Section:
     """Both surfaces of one step, on lines along x and y through the wear."""
 
@@ -184,15 +143,8 @@ class _Section:
         last = np.asarray(dataset["worn_depth"][-1].values, dtype=float)
         touched = dataset["pressure"][-1].values != 0 if on is None else on.film.touched("pressure")
         window = contact_window(dataset, touched | (last > SHARE * last.max(initial=0.0)))
-        view, (row, column) = window.view, middle(last, SYMMETRIC)
-        rows, columns = slice(view.y0, view.y1), slice(view.x0, view.x1)
-        x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
         self.length = window.length
-        self.lines = [
-            _Line("x", float(y[row]), (row, columns), x[columns]),
-            _Line("y", float(x[column]), (rows, column), y[rows]),
-        ]
-        self.lines = [line for line in self.lines if line.at.size > 1] or self.lines[:1]
+        self.lines = lines_through(dataset, middle(last, SYMMETRIC), window.view, near=-1.0)
         self._first = initial_separation(dataset, step)
         touch = 0.0 if rolls(dataset) else max(0.0, float(self._first.min()))
         self._height = touch + HEIGHT * max(float(np.abs(dataset["approach"].values).max()), NOTHING)
@@ -203,13 +155,12 @@ class _Section:
             body: float(self._worn[body].max() if on is None else on.film.limits(name)[1])
             for body, name in names.items()
         }
-        where = [line.where for line in self.lines]
-        self._same = not coats and alike(dataset, [*self._worn.values(), self._first], where)
-        self.lines = self.lines[:1] if self._same else self.lines
+        if not coats:
+            self.lines = drawn_once(dataset, self.lines, [*self._worn.values(), self._first])
         self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
         self._dataset, self._coats = dataset, coats
 
-    def worn(self, line: _Line) -> dict[int, NDArray[np.float64]]:
+    def worn(self, line: SurfaceLine) -> dict[int, NDArray[np.float64]]:
         """Depth that each body that wears has lost on a line [m]."""
         return {body: values[line.where] for body, values in self._worn.items()}
 
@@ -225,18 +176,18 @@ class _Section:
         room = ROOM * (high + deep)
         return -high, max(deep + room, 2 * room)
 
-    def _under(self, body: int, line: _Line) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    def _under(self, body: int, line: SurfaceLine) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Places on a line and depths [m] of the interfaces in a body."""
-        found = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
+        curves = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
         for coat in self._coats:
             if coat.body != body:
                 continue
             segments = inclusion_segments(self._dataset, body, line.normal, line.across, coat.number)
             inner = segments[(segments[:, :, 1] > 0.0).any(axis=1)]  # without the face at the surface
-            found += [_between(path) for path in paths_of(inner)]
-        return found
+            curves += [_between(path) for path in paths_of(inner)]
+        return curves
 
-    def draw(self, axes: Axes, line: _Line, ends: tuple[float, float]) -> None:
+    def draw(self, axes: Axes, line: SurfaceLine, ends: tuple[float, float]) -> None:
         """Both bodies, what they have lost, and the interfaces of their layers."""
         z, at = scale_for(ends, "m"), self.length(line.at)
         lost = self.worn(line)
@@ -259,16 +210,15 @@ class _Section:
                     axes.plot(*shown, "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
         axes.set_xlim(float(at[0]), float(at[-1]))
         axes.set_ylim(float(z(ends[1])), float(z(ends[0])))
-        also = ", the same along y" if self._same else ""
-        axes.set_title(f"along {line.along} at {place(line.normal, line.across)}{also}")
+        axes.set_title(line.title)
         if line is self.lines[0]:
             axes.set_ylabel(f"z [{z.unit}]")
 
 
 def _between(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of a path, with points between its own."""
-    share, own = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
-    return np.interp(share, own, path[:, 0]), np.interp(share, own, path[:, 1])
+    finer, corners = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
+    return np.interp(finer, corners, path[:, 0]), np.interp(finer, corners, path[:, 1])
 
 
 def wear_history(dataset: Results) -> Figure:
@@ -323,22 +273,16 @@ def _worn_steps(dataset: Results, course_values: NDArray[np.float64]) -> NDArray
 
 def loop_cycles(dataset: Results) -> list[SolvedCycle]:
     """Solved cycles whose loops are drawn: the first, the last, some between at even ratios of numbers."""
-    known = cycles_with_loops(dataset)
-    if len(known) < 2:
+    cycles = cycles_with_loops(dataset)
+    if len(cycles) < 2:
         return []
-    numbers = np.log([cycle.done for cycle in known])
-    wanted = np.linspace(numbers[0], numbers[-1], LOOPS)
-    return [known[n] for n in np.unique(np.abs(numbers[:, None] - wanted).argmin(axis=0))]
+    numbers = np.log([cycle.done for cycle in cycles])
+    even = np.linspace(numbers[0], numbers[-1], LOOPS)
+    return [cycles[n] for n in np.unique(np.abs(numbers[:, None] - even).argmin(axis=0))]
 
 
 def worn_loops(dataset: Results) -> Figure:
-    """Loops of chosen cycles over each other, coloured by how many cycles were done.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears and has `loop_cycles`.
-    """
+    """Loops of chosen cycles over each other, coloured by how many cycles were done."""
     mode = driven(dataset)[0]
     load, way, units, words = MODES[mode]
     forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))

@@ -7,25 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
-from eigencontact.viz.fitting import legend_below
+from eigencontact.viz.looks import legend_below
 from eigencontact.viz.smooth import extended, smooth_border
-from eigencontact.viz.style import (
-    box_size,
-    colour_range,
-    label_plane,
-    lift_colours,
-    new_figure,
-    paper_style,
-    place,
-    scale_for,
-)
+from eigencontact.viz.style import colour_bar, colour_range, label_plane, paper_style, plane_figure, scale_for
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
     from matplotlib.path import Path
     from numpy.typing import NDArray
 
@@ -35,16 +27,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Window",
-    "alike",
     "cell_edges",
-    "contact_middle",
+    "class_patches",
     "contact_window",
     "draw_classes",
     "draw_contact_outline",
     "is_ragged",
-    "line_words",
     "masked_map",
-    "middle",
     "view_of",
     "zone_map",
 ]
@@ -55,23 +44,12 @@ DOTS = 1000
 PALE_FIRST = "YlGnBu"
 #: Part of these colours in use: small spots of low values must not stand out from the light ground, nor vanish in it.
 USED = (0.15, 1.0)
-#: A line this many cells from the origin passes through it, as near as the cells are.
-NEAR = 0.51
-#: Profiles that differ by at most this part of the largest value are drawn once.
-ALIKE = 0.01
 #: Room around the contact in a picture, as a part of the larger side of the contact.
 MARGIN = 0.25
 
 
 class Window:
     """Part of the surface that a picture shows: its cells, the edges of them and the unit of length.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    view : Box
-        Cells shown.
 
     Attributes
     ----------
@@ -96,15 +74,9 @@ class Window:
         self.extent = (left, right, bottom, top)
 
     def axes_of_map(self, on: Frame | None = None, *, bar: bool = True) -> tuple[Figure, Axes, bool]:
-        """Figure for a map of equal scales; whether it is wide, so that the bar of its colours goes below.
-
-        Without a bar there is room for a legend below.
-        """
-        width, height = box_size(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2])
-        wide = width > 2.2 * height
-        below = wide or not bar
-        figure = new_figure(width + (0.8 if below else 1.6), height + (1.5 if wide else 1.0 if below else 0.7), on)
-        axes = figure.add_subplot()
+        """Figure for a map on a grey ground; see `plane_figure`."""
+        width, height = self.extent[1] - self.extent[0], self.extent[3] - self.extent[2]
+        figure, axes, wide = plane_figure(width, height, (4.2, 3.6), on, bar=bar)
         axes.set_facecolor("0.93")
         return figure, axes, wide
 
@@ -140,56 +112,48 @@ def masked_map(
     on: Frame | None = None,
     cmap: str | None = None,
     masked: bool = True,
-    lifted: int = 0,
+    colours: tuple[str | Colormap, float, float] | None = None,
 ) -> Figure:
-    """Map of a field over a window, interpolated between the middles of cells.
+    """Map of a field (ny, nx) in SI units over a window, interpolated between the middles of cells.
 
     A region of zeros has a smooth border, except around ragged regions and regions of few cells, which are drawn cell
     by cell (`eigencontact.viz.smooth`).
 
     Parameters
     ----------
-    window : Window
-        Cells to show.
-    field : (ny, nx) array
-        In SI units, on all cells; zeros are grey.
     unit, label, title : str
-        Its unit, and words for the colour bar and above the picture.
+        Unit of the field, and words for the colour bar and above the picture.
     outline : (ny, nx) bool
-        Cells to draw a line around, on all cells.
+        Cells to draw a line around.
     empty : str
-        What is said in the picture where the field is zero everywhere.
+        Text of the picture where the field is zero everywhere.
     limits : (2,) array, optional
         Smallest and largest value that the colours are for; by default of the cells shown.
-    on : Frame, optional
-        Frame of an animation to draw in.
-    cmap : str, optional
-        Colour map; by default one that suits the signs.
     masked : bool
         Whether zeros are grey.
-    lifted : int
-        1 where positive values lift the surface out of the body, -1 where negative ones do: `lift_colours`.
+    colours : (colour map, float, float), optional
+        Colour map and its limits; by default `colour_range` of the limits. `cmap` replaces the colour map alone.
     """
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
     visible = field[window.view.slices]
     with paper_style():
         figure, axes, wide = window.axes_of_map(on)
         limits = visible if limits is None else limits
         scale = scale_for(limits, unit)
-        colours: str | Colormap
-        colours, low, high = colour_range(limits)
-        if lifted:
-            colours, low, high = lift_colours(low, high, lifted)
+        colour_map, low, high = colours or colour_range(limits)
         samples = _sampled(visible)
         nonzero = (samples != 0) | (not masked)
         border = None if nonzero.all() else _smooth_border(window, nonzero)
         smooth = border is not None or bool(nonzero.all())
         if masked and low == 0.0 and is_ragged(outline if on is None else on.film.touched("pressure")):
-            colours = _pale_first()
+            colour_map = ListedColormap(colormaps[PALE_FIRST](np.linspace(*USED, 256)), name=PALE_FIRST)
         image = axes.imshow(
             scale(extended(samples, nonzero)) if border else np.ma.masked_where(~nonzero, scale(samples)),
             origin="lower",
             extent=window.extent,
-            cmap=cmap or colours,
+            cmap=cmap or colour_map,
             interpolation="bilinear" if smooth else None,
             vmin=low * scale.factor,
             vmax=high * scale.factor,
@@ -200,15 +164,7 @@ def masked_map(
         axes.set_title(title)
         window.outline(axes, outline[window.view.slices])
         if np.any(limits):
-            bar = figure.colorbar(
-                image,
-                ax=axes,
-                location="bottom" if wide else "right",
-                shrink=0.6 if wide else 1.0,
-                aspect=30 if wide else 22,
-                pad=0.03,
-            )
-            bar.set_label(f"{label} [{scale.unit}]" if scale.unit else label)
+            colour_bar(figure, axes, image, scale.label(label), wide=wide, shrink=0.6)
         if not np.any(visible):
             axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
     return figure
@@ -218,8 +174,6 @@ def zone_map(
     window: Window, field: NDArray[Any], title: str, names: tuple[str, ...], colours: tuple[str, ...]
 ) -> Figure:
     """Map of a field of whole numbers, each with a name and a colour of its own."""
-    from matplotlib.patches import Patch
-
     visible = np.rint(field[window.view.slices]).astype(int)
     with paper_style():
         figure, axes, _ = window.axes_of_map(bar=False)
@@ -227,12 +181,15 @@ def zone_map(
         window.label(axes)
         window.outline(axes, visible > 0)
         axes.set_title(title)
-        patches = [
-            Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=name)
-            for name, colour in zip(names, colours, strict=True)
-        ]
-        legend_below(figure, patches, names, len(names))
+        legend_below(figure, class_patches(zip(colours, names, strict=True)), names, len(names))
     return figure
+
+
+def class_patches(classes: Iterable[tuple[str, str]]) -> list[Patch]:
+    """Entries of a legend for classes of cells, by colour and name."""
+    from matplotlib.patches import Patch
+
+    return [Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=name) for colour, name in classes]
 
 
 def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours: tuple[str, ...]) -> None:
@@ -248,14 +205,6 @@ def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours:
     axes.imshow(ground, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
     for border, colour in zip(borders if smooth else (), colours[1:], strict=False):
         axes.add_patch(PathPatch(border, facecolor=colour, linewidth=0))
-
-
-def _pale_first() -> Colormap:
-    """Colours of maps of ragged contacts."""
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colormaps[PALE_FIRST](np.linspace(*USED, 256)), name=PALE_FIRST)
 
 
 def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
@@ -293,67 +242,13 @@ def contact_window(dataset: Results, mask: NDArray[np.bool_]) -> Window:
     return Window(dataset, view_of(mask))
 
 
-def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
-    """Row and column of profiles: through the middle of the window where the pressure is symmetric about it.
-
-    Symmetric is what differs from its mirror image by at most a part `symmetric` of its largest value; any other
-    pressure has its profiles through that value.
-    """
-    box = Box.around(pressure != 0) or Box(0, pressure.shape[0], 0, pressure.shape[1])
-    edges = [min(box.y0, pressure.shape[0] - box.y1), min(box.x0, pressure.shape[1] - box.x1)]
-    inner = pressure[tuple(slice(edge, side - edge) for edge, side in zip(edges, pressure.shape, strict=True))]
-    tolerance = symmetric * float(np.abs(inner).max())  # all is zero outside of this part, whose middle is the same
-    if all(np.abs(inner - np.flip(inner, axis)).max() <= tolerance for axis in (0, 1)):
-        return pressure.shape[0] // 2, pressure.shape[1] // 2
-    row, column = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
-    return int(row), int(column)
-
-
-def contact_middle(pressure: NDArray[Any]) -> tuple[int, int, bool]:
-    """Row and column of profiles of a contact, and whether they pass through its middle.
-
-    They do where it is one patch; through the largest pressure where it is in patches, or open in its middle.
-    """
-    touched = pressure != 0
-    box = Box.around(touched)
-    if box is None:
-        return pressure.shape[0] // 2, pressure.shape[1] // 2, True
-    row, column = (box.y0 + box.y1) // 2, (box.x0 + box.x1) // 2
-    if not is_ragged(touched) and touched[row, column]:
-        return row, column, True
-    row, column = (int(index) for index in np.unravel_index(int(np.argmax(pressure)), pressure.shape))
-    return row, column, False
-
-
-def line_words(along: str, across: str, at: float, *, central: bool, cell: float = 0.0) -> str:
-    """Title of a profile: its direction, and its place unless a cell `cell` wide there holds the origin."""
-    if abs(at) <= NEAR * cell:
-        return f"along {along}"
-    where = place(across, at)
-    return f"along {along}, middle at {where}" if central else f"along {along} at {where}"
-
-
-def alike(dataset: Results, fields: Iterable[NDArray[Any]], lines: Sequence[tuple[Any, Any]]) -> bool:
-    """Whether profiles of fields along x and along y show the same, on cells of the same edge."""
-    edges = np.atleast_1d(dataset.attrs["cell_size"])
-    if len(lines) != 2 or abs(edges[0] - edges[-1]) > ALIKE * edges[0]:
-        return False
-    for field in fields:
-        along, across = (np.asarray(field[where], dtype=float) for where in lines)
-        if along.size != across.size or np.abs(along - across).max() > ALIKE * np.abs(field).max():
-            return False
-    return True
-
-
 def is_ragged(contact: NDArray[np.bool_]) -> bool:
     """Whether the border of the contact is much longer than that of the box around it, or there is no contact.
 
     The border of one convex patch is as long as that of its box.
     """
     box = Box.around(contact)
-    edges = int(np.count_nonzero(contact[1:] != contact[:-1])) + int(
-        np.count_nonzero(contact[:, 1:] != contact[:, :-1])
-    )
+    edges = sum(int(np.count_nonzero(np.diff(contact, axis=axis))) for axis in (0, 1))
     return box is None or edges > 3 * sum(box.shape)
 
 
@@ -376,13 +271,5 @@ def draw_contact_outline(
     level = np.stack([np.stack([x[columns + n], y[rows + 1]], axis=-1) for n in (0, 1)], axis=1)
     rows, columns = np.nonzero(contact[:, 1:] != contact[:, :-1])
     upright = np.stack([np.stack([x[columns + 1], y[rows + n]], axis=-1) for n in (0, 1)], axis=1)
-    axes.add_collection(
-        LineCollection(
-            [*level, *upright],
-            colors=colour,
-            linewidths=width,
-            capstyle="projecting",
-            **style,
-        ),
-        autolim=False,
-    )
+    lines = LineCollection([*level, *upright], colors=colour, linewidths=width, capstyle="projecting", **style)
+    axes.add_collection(lines, autolim=False)

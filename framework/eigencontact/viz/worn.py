@@ -28,15 +28,7 @@ _MOVED = ("displacement_z", "residual_displacement_z")
 
 @dataclass(frozen=True)
 class SolvedCycle:
-    """A cycle of the load history whose increments were solved.
-
-    Attributes
-    ----------
-    first, last : int
-        Positions along ``step`` of its first and last increment.
-    done : float
-        Cycles done in all when it ended.
-    """
+    """A cycle whose increments were solved: positions along ``step`` of first and last, and cycles done at its end."""
 
     first: int
     last: int
@@ -95,14 +87,13 @@ def initial_separation(dataset: Results, step: int = -1) -> NDArray[np.float64]:
     if not moves:
         position = 0
     met: Any = dataset["worn_depth"][position].values * (moves or slides) if "worn_depth" in dataset else 0.0
-    wanted = ("gap", "approach", *_MOVED, "tilt_x", "tilt_y")
-    one = {name: dataset[name][position] for name in wanted if name in dataset}
     tilt: Any = 0.0
-    if "tilt_x" in one and "tilt_y" in one:
-        tilt = float(one["tilt_x"]) * dataset["y"].values[:, None] - float(one["tilt_y"]) * dataset["x"].values
-    moved = sum(one[name].values for name in _MOVED if name in one)
-    found = one["gap"].values - met - moved + float(one["approach"]) + tilt
-    return np.asarray(found, dtype=float)
+    if "tilt_x" in dataset and "tilt_y" in dataset:
+        tilt_x, tilt_y = (float(dataset[name][position]) for name in ("tilt_x", "tilt_y"))
+        tilt = tilt_x * dataset["y"].values[:, None] - tilt_y * dataset["x"].values
+    moved = sum(dataset[name][position].values for name in _MOVED if name in dataset)
+    gap, approach = dataset["gap"][position].values, float(dataset["approach"][position])
+    return np.asarray(gap - met - moved + approach + tilt, dtype=float)
 
 
 def interfaces(dataset: Results, body: int) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What the results of a run say of their own worth."""
+"""Warnings about the accuracy of finished results."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy as np
 from eigencontact.core.cautions import Caution
 from eigencontact.core.grid import Box
 from eigencontact.core.units import readable
+from eigencontact.execution.blocks.block import Block
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import FINE, percent
 from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.steps import spaced_by_radius
-from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing, measured
+from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing
 
 __all__ = ["noticed"]
 
@@ -24,8 +25,6 @@ __all__ = ["noticed"]
 _ALL, _SOME = 0.999, 0.5
 #: Cells within which a place counts as on an edge.
 _NEAR = 1.5
-#: Worn depth by the radius of the contact, beyond which slopes count: strains by them are of that order.
-_DEEP = 0.1
 #: Errors of a contact with friction that yields, by the number n of increments of its loading. Displacement along the
 #: surface that stays: largest error n by its largest value, increments even in the radius and in the load. Work of
 #: friction: excess by load and approach, times n to the power. With 'fretting-mode-2-plastic' on 8 cells to a radius,
@@ -35,39 +34,35 @@ _DEEP = 0.1
 _ALONG_RADIUS, _ALONG_EVEN, _EXCESS, _ORDER = 1.2, 6.0, 0.04, 2.5
 #: Such an error that is not warned of.
 _PLASTIC = 0.05
-#: Error of the worn volume by jumps whose size was given, and cells to the window's edge by those of the contact.
-_JUMPS, _GROWN = 1e-2, 0.05
 
 Row = Mapping[str, float]
 
 
-def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Caution, ...]:
+def noticed(model: Model, blocks: Sequence[Block], last: StepRecord, history: Sequence[Row]) -> tuple[Caution, ...]:
     """Warnings of a finished run: those of its results, and those foreseen that the results do not replace.
 
     Parameters
     ----------
     model : Model
         Of the scene.
+    blocks : sequence of Block
+        Of its plan.
     last : StepRecord
         The last accepted step.
     history : sequence of mapping
         Scalars of every step, in order.
     """
-    found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
-    found += [*_taken_for_elastic(model, history), *_plastic_steps(model, history)]
-    if model.wear is not None:
-        from eigencontact.warnings_.worn_bodies import worn_bodies
-
-        found += [*_wear(model, last, history), *worn_bodies(model, last, history)]
-    known = {caution.code for caution in found}
-    earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
-    return (*earlier, *found)
+    cautions = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
+    cautions += [*_taken_for_elastic(model, history), *_plastic_steps(model, history)]
+    cautions += [caution for block in blocks for caution in block.noticed(model, last, history)]
+    codes = {caution.code for caution in cautions} - {"load-steps"}
+    return (*(caution for caution in foreseen(model, blocks) if caution.code not in codes), *cautions)
 
 
 def _contact(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """Cells of the contact as it came out; a contact within a few of them may be of any size."""
+    """A computed contact with few cells; one within fewer than two may be of any size."""
     box = Box.around(last.fields["pressure"] > 0) if "pressure" in last.fields else None
-    if box is None or measured(model):
+    if box is None or model.interface is None or model.interface.measured:
         return
     loaded = np.count_nonzero(last.fields["pressure"] > 0)
     high, wide = box.shape
@@ -101,54 +96,14 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
         yield Caution("slip-cells", words)
 
 
-def _wear(model: Model, last: StepRecord, history: Sequence[Row]) -> Iterator[Caution]:
-    """Surfaces that are no longer flat, jumps over cycles that were too large, and a contact that has grown."""
-    table = model.scene.wear
-    if table is None:
-        return
-    for row in history:
-        radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
-        if row["max_worn_depth"] > _DEEP * radius > 0:
-            deepest = readable(max(one["max_worn_depth"] for one in history), "m")
-            words = (
-                f"the worn depth reaches {deepest}: from {readable(_DEEP * radius, 'm')} on, in load step "
-                f"{row['step']:.0f}, it is more than {percent(_DEEP)} of the contact's radius {readable(radius, 'm')}, "
-                "and slopes are not small, as half-spaces suppose"
-            )
-            yield Caution("worn-slopes", words)
-            break
-    error, allowed = last.scalars["wear_error"], table.error or _JUMPS
-    if error > allowed:
-        remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
-        late = abs(last.scalars["update_error"])
-        if late > 0.5 * error:
-            remedy = "wear.update = 'increment', or let a cycle wear less"
-        words = (
-            f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
-            f"estimate, more than {percent(allowed)}, {percent(late)} of it by moving once a cycle; set {remedy}"
-        )
-        yield Caution("wear-jumps", words, error)
-    box = Box.around(last.fields["pressure"] > 0)
-    if box is not None and not model.periodic:
-        ny, nx = last.fields["pressure"].shape
-        near = min(box.y0, box.x0, ny - box.y1, nx - box.x1)
-        if 0 < near <= max(1.0, _GROWN * max(box.shape)):
-            words = (
-                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
-                "ends with an error: more wear needs a larger grid.size"
-            )
-            yield Caution("worn-window", words)
-
-
 def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
-    """Bodies with a law whose cells were found from a smaller pressure than the contact turned out to have."""
-    scene = model.scene
-    bodies = [number for number, body in ((1, scene.body1), (2, scene.body2)) if body.law is not None]
-    if not bodies or model.expected is None:
+    """Cells of bodies with a law that were chosen for a smaller pressure than the contact has."""
+    bodies, contact = model.bodies.laws, model.window.expected
+    if not bodies or contact is None:
         return
     from eigencontact.model.yielding import SAFETY
 
-    reached, expected = max(row["max_pressure"] for row in history), model.expected.peak
+    reached, expected = max(row["max_pressure"] for row in history), contact.peak
     if reached > SAFETY * expected:
         words = (
             f"the largest pressure is {readable(reached, 'Pa')} where {readable(expected, 'Pa')} was expected: where "
@@ -159,7 +114,7 @@ def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution
 
 
 def _plastic_steps(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
-    """What the increments of a loading do to the slip of a contact with friction that yields."""
+    """Errors of the slip of a contact with friction that yields in few increments."""
     steps = held_steps(model.scene.ramps)
     first = next(iter(from_nothing(steps)), None)
     flows = any(row.get("max_plastic_strain", 0.0) > 0.0 for row in history)
@@ -169,7 +124,7 @@ def _plastic_steps(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     if not loading:
         return
     count = sum(row.get("substeps", 1.0) for row in loading)
-    graded = model.growth is not None and first in spaced_by_radius(model.scene.steps, friction=True)[0]
+    graded = model.window.growth is not None and first in spaced_by_radius(model.scene.steps, friction=True)[0]
     along = (_ALONG_RADIUS if graded else _ALONG_EVEN) / count
     end = loading[-1]
     excess = _EXCESS * end["normal_load"] * end["approach"] / count**_ORDER
@@ -188,7 +143,7 @@ def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
     regions = [region for region in last.regions.values() if "von_mises" in region.fields]
     if not regions:
         return
-    region = max(regions, key=lambda one: float(one.fields["von_mises"].max()))
+    region = max(regions, key=lambda record: float(record.fields["von_mises"].max()))
     place = _place_of_largest(region)
     where = ", ".join(readable(value, "m") for value in place)
     grid = model.grid

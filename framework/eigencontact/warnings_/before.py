@@ -1,8 +1,8 @@
-"""What a plan can say of the worth of its numbers before anything is computed."""
+"""Warnings about the accuracy of a plan, before anything is computed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from eigencontact.core.cautions import Caution
 from eigencontact.core.material import contact_modulus
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.core.units import readable
+from eigencontact.execution.blocks.block import Block
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import (
@@ -22,14 +23,13 @@ from eigencontact.model.resolution import (
     percent,
     pressure_error,
 )
-from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
 
-__all__ = ["PROMISE", "coarse_contact", "foreseen", "from_nothing", "measured", "shift_by_radius", "worst_above"]
+__all__ = ["PROMISE", "coarse_contact", "foreseen", "from_nothing", "worst_above"]
 
 #: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
 _STIFF = 0.2
@@ -47,13 +47,11 @@ _WIDE = 2
 #: and +9 % of that of finite elements were found at 8 and 12. A ball of half the yield stress in place of that of
 #: 'hard-inclusion-in-plastic-matrix' leaves 124 and 145 nm there.
 _OF_THE_PRINT = 1.8
-#: Shift by the radius of a contact that wears, above which it is warned of: the scar then is 9 % too short.
-_SHORT = 0.1
 #: Part of a cell below which a region touches the surface.
 _FLUSH = 1e-3
 
 
-def foreseen(model: Model) -> tuple[Caution, ...]:
+def foreseen(model: Model, blocks: Iterable[Block]) -> tuple[Caution, ...]:
     """Warnings that follow from a scene alone; each is one sentence with a code."""
     return (
         *_of_the_contact(model),
@@ -62,13 +60,8 @@ def foreseen(model: Model) -> tuple[Caution, ...]:
         *_of_the_laws(model),
         *_of_regions_that_yield(model),
         *_of_the_steps(model),
-        *_of_the_shift(model),
+        *(caution for block in blocks for caution in block.foreseen(model)),
     )
-
-
-def measured(model: Model) -> bool:
-    """Whether a surface is a measured one: its contact is made of spots of all sizes, and the estimates are of none."""
-    return any(isinstance(geometry, HasNativeGrid) for geometry in model.geometries)
 
 
 def coarse_contact(cells: float) -> Caution:
@@ -82,13 +75,14 @@ def coarse_contact(cells: float) -> Caution:
 
 
 def _of_the_contact(model: Model) -> Iterator[Caution]:
-    contact = model.expected
-    if contact is None or measured(model):
+    """A contact with few cells, or with large strains."""
+    contact, interface = model.window.expected, model.interface
+    if contact is None or interface is None or interface.measured:
         return
     cells = cells_per_radius(contact, model.grid)
     if cells < FINE * 0.95:
         yield coarse_contact(cells)
-    modulus = contact_modulus(*without_layers(model.bodies))
+    modulus = contact_modulus(*without_layers(interface.solids))
     if contact.peak > _STIFF * modulus:
         words = (
             f"a pressure of {readable(contact.peak, 'Pa')} is expected, {percent(contact.peak / modulus)} of the "
@@ -100,10 +94,13 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
 
 def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     """Measured and random surfaces whose points the cells miss, or that do not fit to their own repetition."""
-    grid = model.grid
-    native = [(one.key, one.native_grid()) for one in model.geometries if isinstance(one, HasNativeGrid)]
-    for key, own in native:
-        wide, given = max(((grid.dx, own.dx), (grid.dy, own.dy)), key=lambda pair: pair[0] / pair[1])
+    grid, interface = model.grid, model.interface
+    if interface is None:
+        return
+    measured = [geometry for geometry in interface.geometries if isinstance(geometry, HasNativeGrid)]
+    native = [(geometry.key, geometry.native_grid()) for geometry in measured]
+    for key, points in native:
+        wide, given = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
         if wide > 1.001 * given:
             words = (
                 f"cells of {readable(wide, 'm')} are wider than the {readable(given, 'm')} of the geometry {key!r}: "
@@ -115,8 +112,8 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     y, x = grid.axes()
     ends = [0, 1, -2, -1]
     lines = {
-        "x": sum_separations(model.geometries, x[:, ends], y).T,
-        "y": sum_separations(model.geometries, x, y[ends]),
+        "x": interface.separation(x[:, ends], y).T,
+        "y": interface.separation(x, y[ends]),
     }
     seams = []
     for axis, (first, second, last_but_one, last) in lines.items():
@@ -134,7 +131,7 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
 
 @dataclass(frozen=True, slots=True)
 class Above:
-    """An inhomogeneity as the pressure above it sees it."""
+    """An inhomogeneity below a contact: cells between its top and the surface, and ratios of stiffness."""
 
     source: Inhomogeneity
     cells: float
@@ -147,25 +144,25 @@ class Above:
 
 
 def worst_above(model: Model, body: int) -> Above | None:
-    """The inhomogeneity of a body whose cells spoil the pressure above it most.
+    """The inhomogeneity of a body whose cells cause the largest error of the pressure above it.
 
-    None without a contact, and where every one touches the surface, is not cut into cells, or has no linear law: what
-    the estimate was measured on.
+    None without a contact, and where every inhomogeneity touches the surface, has no cells, or has no linear law.
     """
-    sources = [source for source in model.inhomogeneities if source.body == body and source.lattice is not None]
-    if not (sources and model.geometries):
+    regions = model.cells.inhomogeneities
+    sources = [source for source in regions if source.body == body and source.lattice is not None]
+    if not (sources and model.interface):
         return None
     from eigencontact.execution.interiors.swept_cells import stiffness_ratios
 
-    known: dict[int, tuple[float, float]] = {}
-    found = []
+    ratios_of: dict[int, tuple[float, float]] = {}
+    matrix, candidates = model.bodies.half_space(body), list[Above]()
     for source in sources:
         height = source.shape.bounds[0][2]
         if source.lattice is None or height < _FLUSH * source.lattice.edges[0] or not source.law.linear:
             continue
-        ratios = known.setdefault(id(source.law), stiffness_ratios(model, source.law, sources))
-        found.append(Above(source, float(height / max(source.lattice.edges)), ratios))
-    return max(found, key=lambda one: one.error, default=None)
+        ratios = ratios_of.setdefault(id(source.law), stiffness_ratios(matrix, source.law, sources))
+        candidates.append(Above(source, float(height / max(source.lattice.edges)), ratios))
+    return max(candidates, key=lambda above: above.error, default=None)
 
 
 def _of_the_regions(model: Model) -> Iterator[Caution]:
@@ -191,13 +188,13 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
 
 def _of_the_laws(model: Model) -> Iterator[Caution]:
     """Lengths of laws that act by a neighbourhood of few cells, the shortest one."""
-    found = [
+    lengths = [
         (radius / max(source.lattice.edges), radius, source.name)
-        for source in model.inhomogeneities
+        for source in model.cells.inhomogeneities
         if source.lattice is not None
         for radius in source.law.averaged.values()
     ]
-    cells, radius, name = min(found, default=(np.inf, 0.0, ""))
+    cells, radius, name = min(lengths, default=(np.inf, 0.0, ""))
     if cells < _WIDE * (1.0 - 1e-6):
         words = (
             f"the length {readable(radius, 'm')} of the law of {name!r} is {cells:.2g} cells, fewer than {_WIDE}: its "
@@ -209,19 +206,17 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
 
 def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
     """Regions that yield by a law of their own, in a body that yields: what they add to the print converges slowly."""
-    yielding = {number for number, body in ((1, model.scene.body1), (2, model.scene.body2)) if body.law is not None}
+    contact = model.window.expected
     sources = [
         source
-        for source in model.inhomogeneities
-        if source.body in yielding and source.lattice is not None and not isinstance(source.shape, Patch)
+        for source in model.cells.inhomogeneities
+        if source.body in model.bodies.laws and source.lattice is not None and not isinstance(source.shape, Patch)
     ]
-    if not sources or model.expected is None:
+    nonlinear = [source for source in sources if not source.law.linear]
+    if not nonlinear or contact is None:
         return
-    others = [source for source in sources if not source.law.linear]
-    if not others:
-        return
-    radius = 0.25 * sum(model.expected.extent)
-    cells, name = min((radius / max(source.lattice.edges), source.name) for source in others if source.lattice)
+    radius = 0.25 * sum(contact.extent)
+    cells, name = min((radius / max(source.lattice.edges), source.name) for source in nonlinear if source.lattice)
     error = _OF_THE_PRINT / cells
     if error > PROMISE:
         words = (
@@ -232,13 +227,17 @@ def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
 
 
 def _of_the_steps(model: Model) -> Iterator[Caution]:
-    if model.friction is None or model.coupling is None:
+    """Increments too large for a contact that grows under friction, or for a turn of the motion."""
+    interface = model.interface
+    if interface is None or interface.friction is None:
         return
     names = [name for name, _ in named_ramps(model.scene.steps)]
     steps = held_steps(model.scene.ramps)
     loaded = list(from_nothing(steps))
-    if model.coupling.joins_normal and loaded and not measured(model):
-        graded = frozenset[int]() if model.growth is None else spaced_by_radius(model.scene.steps, friction=True)[0]
+    if interface.coupling.joins_normal and loaded and not interface.measured:
+        graded = (
+            frozenset[int]() if model.window.growth is None else spaced_by_radius(model.scene.steps, friction=True)[0]
+        )
         errors = {
             number: (_PER_EVEN_RADIUS if number in graded else _PER_INCREMENT) / steps[number].increments
             for number in loaded
@@ -273,45 +272,16 @@ def from_nothing(steps: Sequence[Step]) -> Iterator[int]:
                 yield number
 
 
-def shift_by_radius(model: Model) -> float:
-    """Largest shift of surfaces that wear, by the expected radius of the contact along it; 0 without any.
-
-    Infinite where no contact is expected.
-    """
-    if model.scene.wear is None:
-        return 0.0
-    extent = (0.0, 0.0) if model.expected is None else model.expected.extent
-    ratios = [0.0]
-    for name, side in zip(("shift_x", "shift_y"), extent, strict=True):
-        largest = max((abs(getattr(ramp, name) or 0.0) for ramp in model.scene.ramps), default=0.0)
-        if largest:
-            ratios.append(2.0 * largest / side if side else float("inf"))
-    return max(ratios)
-
-
-def _of_the_shift(model: Model) -> Iterator[Caution]:
-    """Surfaces that wear below a contact that would move over them."""
-    ratio = shift_by_radius(model)
-    if _SHORT < ratio < np.inf and not measured(model):
-        error = ratio / (1.0 + ratio)
-        words = (
-            f"the shift reaches {percent(ratio)} of the radius of the contact, more than {percent(_SHORT)}, and a "
-            f"shift keeps the contact where it is: the scar is {percent(error)} shorter along the shift than that of a "
-            "moving contact, and too deep in its middle; let travel-x or travel-y move the contact"
-        )
-        yield Caution("shift", words, error)
-
-
 def _turns(steps: Sequence[Step]) -> Iterator[int]:
     """Steps whose loads or motions along the surface go back against the step before."""
     names = [name for mode in TANGENTIAL_MODES for name in mode]
     values = np.array([[getattr(step, name) or 0.0 for name in names] for step in steps])
     moves = np.diff(values, axis=0, prepend=0.0)
     for number in range(1, len(steps)):
-        if float((moves[number] * moves[number - 1]).sum()) < 0.0 and _same(steps[number - 1], steps[number], names):
+        if float((moves[number] * moves[number - 1]).sum()) < 0.0 and _alike(steps[number - 1], steps[number], names):
             yield number
 
 
-def _same(one: Step, other: Step, names: Sequence[str]) -> bool:
-    """Whether two steps prescribe the same of loads and motions."""
-    return all((getattr(one, name) is None) == (getattr(other, name) is None) for name in names)
+def _alike(first: Step, second: Step, names: Sequence[str]) -> bool:
+    """Whether two steps prescribe the same loads and motions."""
+    return all((getattr(first, name) is None) == (getattr(second, name) is None) for name in names)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, PlasticDamage, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, PlasticDamage, hook_for, require
 
 __all__ = ["ExponentialDamage"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,11 +41,8 @@ class ExponentialDamage(PlasticDamage):
 
     def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `DamageLaw.damage`."""
-        left = np.exp(-p / self.strain)
-        return self.saturation * (1.0 - left), self.saturation / self.strain * left
+        decay = np.exp(-p / self.strain)
+        return self.saturation * (1.0 - decay), self.saturation / self.strain * decay
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the exponential law."""
-    return [ExponentialDamage]
+eigencontact_register = hook_for(ExponentialDamage)

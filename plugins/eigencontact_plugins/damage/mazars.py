@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, StrainDamage, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, StrainDamage, hook_for, require
 
 __all__ = ["MazarsDamage"]
 
-FloatArray = NDArray[np.float64]
 
 #: Stiffness that is left in the end, in parts of that of the sound material.
 _LEAST = 1e-6
@@ -61,13 +56,11 @@ class MazarsDamage(StrainDamage):
     def damage(self, driven: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `DamageLaw.damage`."""
         strain = np.maximum(driven, self.threshold)
-        left, fading = self.threshold * (1.0 - self.A) / strain, self.A * np.exp(-self.B * (strain - self.threshold))
+        residual = self.threshold * (1.0 - self.A) / strain
+        fading = self.A * np.exp(-self.B * (strain - self.threshold))
         grows = driven > self.threshold
-        damage = np.minimum(np.where(grows, 1.0 - left - fading, 0.0), 1.0 - _LEAST)
-        return damage, np.where(grows, left / strain + self.B * fading, 0.0)
+        damage = np.minimum(np.where(grows, 1.0 - residual - fading, 0.0), 1.0 - _LEAST)
+        return damage, np.where(grows, residual / strain + self.B * fading, 0.0)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register Mazars' law."""
-    return [MazarsDamage]
+eigencontact_register = hook_for(MazarsDamage)

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, DataFile, PlasticDamage, StrainDamage, hookimpl, read_columns, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    DataFile,
+    FloatArray,
+    PlasticDamage,
+    StrainDamage,
+    hook_for,
+    read_columns,
+    require,
+)
 
 __all__ = ["TabulatedDamage"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +71,4 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
         return np.interp(driven, strain, values), slopes[np.searchsorted(strain, driven, side="right") - 1]
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the measured curve."""
-    return [TabulatedDamage]
+eigencontact_register = hook_for(TabulatedDamage)

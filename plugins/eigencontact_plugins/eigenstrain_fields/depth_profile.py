@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
-from eigencontact_plugins.eigenstrain_fields.values import Direction, directed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Length, Row, TimedField, hook_for, mandel_strain, require
 
 __all__ = ["DepthProfile"]
 
-FloatArray = NDArray[np.float64]
+
+#: How one number is spread over the components: all three alike, along the surface alone, or by three weights.
+Direction = Literal["isotropic", "in-plane"] | Row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,17 +53,23 @@ class DepthProfile(TimedField):
         require(good, self.key, "depths", self.depths, "at least one, finite and ascending [m]")
         rule = f"{depths.size} finite numbers, one for each of depths [-]"
         require(values.shape == depths.shape and np.all(np.isfinite(values)), self.key, "values", self.values, rule)
-        directed(self.key, self.direction)
+        _directed(self.key, self.direction)
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Mandel eigenstrain at factor 1; see `TimedField`."""
         depth = np.broadcast_to(z, np.broadcast_shapes(x.shape, y.shape, z.shape))
         return np.multiply.outer(
-            directed(self.key, self.direction), np.interp(depth, self.depths, self.values, right=0.0)
+            _directed(self.key, self.direction), np.interp(depth, self.depths, self.values, right=0.0)
         )
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
-    """Register the tabulated profile."""
-    return [DepthProfile]
+def _directed(key: str, direction: Direction) -> FloatArray:
+    """Mandel vector ``(6,)`` that one number of a profile multiplies."""
+    directions = {"isotropic": 1.0, "in-plane": (1.0, 1.0, 0.0)}
+    if isinstance(direction, str):
+        require(direction in directions, key, "direction", direction, "'isotropic', 'in-plane' or three numbers")
+        return mandel_strain(key, "direction", directions[direction])  # type: ignore[arg-type]
+    return mandel_strain(key, "direction", direction)
+
+
+eigencontact_register = hook_for(DepthProfile)

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, EigenstrainField, GriddedData, TimedField, hookimpl, read_gridded, to_mandel
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    DataFile,
+    FloatArray,
+    GriddedData,
+    TimedField,
+    hook_for,
+    read_gridded,
+    to_mandel,
+)
 
 __all__ = ["FromFile"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +60,4 @@ class FromFile(TimedField):
         return self._data.at(self.variable, z, y, x, outside="zero")
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
-    """Register the field from a file."""
-    return [FromFile]
+eigencontact_register = hook_for(FromFile)

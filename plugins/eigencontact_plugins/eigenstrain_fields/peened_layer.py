@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Length, TimedField, hook_for, require
 
 __all__ = ["PeenedLayer"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +76,4 @@ class PeenedLayer(TimedField):
         return np.asarray(np.multiply.outer(tensor, self.peak * course))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
-    """Register the peened layer."""
-    return [PeenedLayer]
+eigencontact_register = hook_for(PeenedLayer)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, Unit, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Length, TimedField, Unit, hook_for, require
 
 __all__ = ["Thermal"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +67,4 @@ class Thermal(TimedField):
         return np.asarray(np.multiply.outer(np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), strain))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
-    """Register thermal expansion."""
-    return [Thermal]
+eigencontact_register = hook_for(Thermal)

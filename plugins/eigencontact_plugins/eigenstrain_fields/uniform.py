@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Strain, TimedField, hookimpl, mandel_strain
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Strain, TimedField, hook_for, mandel_strain
 
 __all__ = ["Uniform"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +46,4 @@ class Uniform(TimedField):
         return mandel_strain(self.key, "value", self.value).reshape(6, *point_axes)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
-    """Register the uniform field."""
-    return [Uniform]
+eigencontact_register = hook_for(Uniform)

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import FrictionLaw, FrictionState, SceneError, by_material, hookimpl
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, SceneError, by_material, hook_for
 from eigencontact_plugins.friction.coulomb import Coulomb, check_coefficient
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ByMaterial"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +60,4 @@ class ByMaterial(FrictionLaw):
         return bound
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
-    """Register friction by material."""
-    return [ByMaterial]
+eigencontact_register = hook_for(ByMaterial)

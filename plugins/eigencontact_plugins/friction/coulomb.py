@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import FrictionLaw, FrictionState, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, hook_for, require
 
 __all__ = ["Coulomb", "check_coefficient"]
-
-FloatArray = NDArray[np.float64]
 
 
 def check_coefficient(where: str, field: str, value: float) -> None:
@@ -47,7 +41,4 @@ class Coulomb(FrictionLaw):
         return self.coefficient * state.pressure
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
-    """Register Coulomb friction."""
-    return [Coulomb]
+eigencontact_register = hook_for(Coulomb)

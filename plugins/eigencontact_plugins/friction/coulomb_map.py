@@ -4,21 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, DataFile, FrictionLaw, FrictionState, Length, SceneError, hookimpl, require
+from eigencontact.plugin import (
+    Angle,
+    DataFile,
+    FloatArray,
+    FrictionLaw,
+    FrictionState,
+    GriddedData,
+    Length,
+    SceneError,
+    hook_for,
+    require,
+)
 from eigencontact_plugins.friction.coulomb import check_coefficient
-from eigencontact_plugins.friction.map_file import FrictionMap, read_map
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact_plugins.friction.map_file import map_at, read_map
+from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
 __all__ = ["CoulombMap", "Region"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,26 +55,24 @@ class Region:
     def check(self, where: str) -> None:
         """Refuse an invalid region; `where` names it."""
         check_coefficient(where, "coefficient", self.coefficient)
-        finite = len(self.center) == 2 and bool(np.isfinite(self.center).all())
-        require(finite, where, "center", self.center, "two finite lengths (x, y)")
-        require(np.isfinite(self.angle), where, "angle", self.angle, "finite [rad]")
+        check_center(where, self.center)
+        check_angle(where, self.angle)
         if (self.size is None) == (self.radius is None):
             extents = "neither" if self.size is None else "both"
             raise SceneError(f"{where} must have a size (a rectangle) or a radius (a circle) (got {extents})")
         if self.radius is not None:
-            require(0 < self.radius < np.inf, where, "radius", self.radius, "positive and finite [m]")
+            check_length(where, "radius", self.radius)
         if self.size is not None:
             good = len(self.size) == 2 and all(0 < edge < np.inf for edge in self.size)
             require(good, where, "size", self.size, "two positive and finite lengths")
 
     def contains(self, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
         """Whether points [m] that broadcast lie in the region; its edge belongs to it."""
-        dx, dy = x - self.center[0], y - self.center[1]
         if self.radius is not None:
+            dx, dy = body_axes(x, y, self.center)
             return np.asarray(dx**2 + dy**2 <= self.radius**2)
         assert self.size is not None
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        along, across = cos * dx + sin * dy, cos * dy - sin * dx
+        along, across = body_axes(x, y, self.center, self.angle)
         return np.asarray((np.abs(along) <= 0.5 * self.size[0]) & (np.abs(across) <= 0.5 * self.size[1]))
 
 
@@ -108,7 +113,7 @@ class CoulombMap(FrictionLaw):
     def __post_init__(self) -> None:
         if self.coefficient is not None:
             check_coefficient(self.key, "coefficient", self.coefficient)
-        require(0 < self.lateral_unit < np.inf, self.key, "lateral_unit", self.lateral_unit, "positive and finite [m]")
+        check_length(self.key, "lateral_unit", self.lateral_unit)
         choices = ("linear", "nearest")
         require(self.interpolation in choices, self.key, "interpolation", self.interpolation, "'linear' or 'nearest'")
         for number, region in enumerate(self.regions):
@@ -121,12 +126,12 @@ class CoulombMap(FrictionLaw):
         _ = self._map  # read and checked now, not in the middle of a run
 
     @cached_property
-    def _map(self) -> FrictionMap | None:
+    def _map(self) -> GriddedData | None:
         return None if self.file is None else read_map(self.key, self.file, self.lateral_unit)
 
     @cached_property
     def _last(self) -> dict[tuple[bytes, bytes], FloatArray]:
-        """Coefficients at the centres asked for last: a run asks for the same ones each time."""
+        """Coefficients at the last centres, which are the same throughout a run."""
         return {}
 
     def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -135,7 +140,7 @@ class CoulombMap(FrictionLaw):
         base = np.nan if self.coefficient is None else self.coefficient
         out = np.full(shape, base)
         if self._map is not None:
-            mapped = self._map.at(np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
+            mapped = map_at(self._map, np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
             out = np.where(np.isnan(mapped), base, mapped)
         for region in self.regions:
             out[region.contains(np.asarray(x), np.asarray(y))] = region.coefficient
@@ -158,7 +163,7 @@ class CoulombMap(FrictionLaw):
         if lost.any():
             assert self._map is not None
             row, column = np.argwhere(lost)[0]
-            (x0, x1), (y0, y1) = self._map.x[[0, -1]], self._map.y[[0, -1]]
+            (y0, y1), (x0, x1) = (axis[[0, -1]] for axis in self._map.axes)
             raise SceneError(
                 f"{self.key}.file must cover the contact (got {self.file!r} with x from {x0:.6g} to {x1:.6g} m, y from "
                 f"{y0:.6g} to {y1:.6g} m, and contact at x = {float(state.x[0, column]):.6g} m, y = "
@@ -167,7 +172,4 @@ class CoulombMap(FrictionLaw):
         return np.where(np.isnan(values), 0.0, values) * state.pressure
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
-    """Register Coulomb friction with a map."""
-    return [CoulombMap]
+eigencontact_register = hook_for(CoulombMap)

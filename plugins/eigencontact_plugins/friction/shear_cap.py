@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import FrictionLaw, FrictionState, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, Stress, hook_for, require
 from eigencontact_plugins.friction.coulomb import check_coefficient
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ShearCap"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +41,4 @@ class ShearCap(FrictionLaw):
         return np.minimum(self.coefficient * state.pressure, self.cap)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
-    """Register friction with a shear cap."""
-    return [ShearCap]
+eigencontact_register = hook_for(ShearCap)

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, Geometry, Length, hookimpl, require
+from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Cylinder"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +68,4 @@ class Cylinder(Geometry):
         return np.asarray(xi * (xi / (2.0 * self.radius)) + end)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the cylinder."""
-    return [Cylinder]
+eigencontact_register = hook_for(Cylinder)

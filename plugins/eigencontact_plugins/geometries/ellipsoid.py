@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, Geometry, Length, hookimpl
+from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hook_for
 from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Ellipsoid", "axis_ratio"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +98,4 @@ def axis_ratio(radius_ratio: float) -> float:
     return float(np.exp(brentq(excess, -1.01 * np.log(radius_ratio), -0.3 * np.log(radius_ratio), xtol=1e-15)))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the ellipsoid."""
-    return [Ellipsoid]
+eigencontact_register = hook_for(Ellipsoid)

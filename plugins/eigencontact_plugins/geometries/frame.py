@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from eigencontact.plugin import real_points, require
+from eigencontact.plugin import FloatArray, real_points, require
 
 __all__ = ["body_axes", "check_angle", "check_center", "check_length"]
-
-FloatArray = NDArray[np.float64]
 
 
 def body_axes(

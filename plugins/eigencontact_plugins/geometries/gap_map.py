@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, Geometry, Grid, GriddedData, hookimpl, read_gridded, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, GriddedData, hook_for, read_gridded, require
 
 __all__ = ["GapMap"]
 
-FloatArray = NDArray[np.float64]
 
 #: Steps of an axis that differ by more than this part of it are uneven.
 _EVEN = 1e-6
@@ -70,7 +65,4 @@ class GapMap(Geometry):
         return self._data.values["gap"] if on_raster else self._data.at("gap", y, x)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the given separation."""
-    return [GapMap]
+eigencontact_register = hook_for(GapMap)

@@ -13,13 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import TEXT_FILES, SceneError, read_arrays
+from eigencontact.plugin import TEXT_FILES, FloatArray, SceneError, read_arrays
 from eigencontact_plugins.geometries.text_header import Header, read_header
 from eigencontact_plugins.geometries.text_table import read_table
 
 __all__ = ["Measurement", "read_measurement"]
 
-FloatArray = NDArray[np.float64]
 GALLERY = "gallery:"
 FIELD = "topography.file"
 
@@ -69,10 +68,6 @@ def read_measurement(file: str) -> Measurement:
 
 def _refusal(rule: str, file: str, reason: str) -> SceneError:
     return SceneError(f"{FIELD} must be {rule} (got {file!r}); {reason}")
-
-
-def _first_line(problem: BaseException) -> str:
-    return (str(problem).strip().splitlines() or [type(problem).__name__])[0]
 
 
 def _locate(file: str) -> Path:
@@ -202,7 +197,8 @@ def _read_instrument(path: Path, file: str) -> Measurement:
             heights: FloatArray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
             steps = [float(size / number) for size, number in zip(topography.physical_sizes, points, strict=True)]
     except Exception as problem:  # each of its readers raises errors of its own
-        raise _refusal("a format that SurfaceTopography reads", file, _first_line(problem)) from problem
+        reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+        raise _refusal("a format that SurfaceTopography reads", file, reason) from problem
     spacing, unit = (steps[0], steps[-1]) if extent else None, 1.0 if in_metres else None
     heights = np.ascontiguousarray(heights.T)
     return Measurement(heights=heights, spacing=spacing, height_unit=unit, lateral_unit=unit)

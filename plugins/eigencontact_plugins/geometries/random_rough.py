@@ -1,4 +1,4 @@
-"""A self-affine random surface of stated spectrum: the same one on whatever points it is asked for.
+"""A self-affine random surface of stated spectrum, the same on every grid.
 
 Every wave of the period has the amplitude of the spectrum and a random phase. The phase belongs to the wave, not to a
 cell of a grid, so that a finer grid sees the same surface, and a smaller cutoff adds waves without a change of others.
@@ -8,20 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Grid, Length, Lengths, hookimpl, require
+from eigencontact.plugin import FloatArray, Geometry, Grid, Length, Lengths, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 __all__ = ["RandomRough", "phases"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of the native grid to the shortest wave.
 _CELLS_PER_WAVE = 8
@@ -226,7 +222,4 @@ def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray |
     return np.ascontiguousarray(line) if same else None
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the random surface."""
-    return [RandomRough]
+eigencontact_register = hook_for(RandomRough)

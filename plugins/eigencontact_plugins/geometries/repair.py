@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.plugin import FloatArray
 
 __all__ = ["fitted_plane", "harmonic_fill"]
-
-FloatArray = NDArray[np.float64]
 
 
 def fitted_plane(height: FloatArray) -> FloatArray:

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, Geometry, Length, Revolution, hookimpl, require
+from eigencontact.plugin import Angle, FloatArray, Length, Revolution, hook_for, require
 from eigencontact_plugins.geometries.frame import check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["RoundedCone"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +72,4 @@ class RoundedCone(Revolution):
         return np.asarray((2.0 * (t - outer) + b * np.arctan2(outer, b)) / self.tip_radius)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the rounded cone."""
-    return [RoundedCone]
+eigencontact_register = hook_for(RoundedCone)

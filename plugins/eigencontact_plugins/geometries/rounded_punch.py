@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Length, Revolution, hookimpl
+from eigencontact.plugin import FloatArray, Length, Revolution, hook_for
 from eigencontact_plugins.geometries.frame import check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["RoundedPunch"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +64,4 @@ class RoundedPunch(Revolution):
         return np.asarray((2.0 * outer - b * np.arctan2(outer, b)) / self.edge_radius)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the rounded punch."""
-    return [RoundedPunch]
+eigencontact_register = hook_for(RoundedPunch)

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Length, Revolution, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, Revolution, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Sphere"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +89,4 @@ class Sphere(Revolution):
         return np.asarray(peak * np.sqrt(np.maximum(0.0, 1.0 - (r / a) ** 2)))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the sphere."""
-    return [Sphere]
+eigencontact_register = hook_for(Sphere)

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
 from eigencontact_plugins.geometries.text_header import REMARK, Refusal
 
 __all__ = ["Table", "read_table"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of points without a height.
 _MISSING = frozenset(("", "nan", "na", "n/a", "bad", "null", "none", "-", "--", "---", "***", "void"))

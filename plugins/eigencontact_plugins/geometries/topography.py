@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, Geometry, Grid, Length, Lengths, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, Length, Lengths, SceneError, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 from eigencontact_plugins.geometries.measurement import Measurement, read_measurement
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Topography"]
 
-FloatArray = NDArray[np.float64]
 
 #: How an array goes on beyond its ends, for `scipy.ndimage.map_coordinates`.
 _MODES = {"far": "nearest", "mirror": "reflect", "repeat": "grid-wrap"}
@@ -177,7 +172,7 @@ class Topography(Geometry):
         return dx, dy, height_unit
 
     def _unit(self, name: str, file_unit: float | None, *, fixed: bool) -> float | None:
-        """Unit that the field gives, else the file."""
+        """Unit of the field, else of the file."""
         unit: float | None = getattr(self, name)
         if unit is None:
             return file_unit
@@ -194,7 +189,4 @@ _SILENT = {
 }
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
-    """Register the measured surface."""
-    return [Topography]
+eigencontact_register = hook_for(Topography)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, KinematicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, KinematicHardening, Stress, hook_for, require
 
 __all__ = ["ArmstrongFrederick", "Prager"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +68,4 @@ class ArmstrongFrederick(KinematicHardening):
         return theta, -self.recovery * theta**2
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the laws of the back-stress."""
-    return [Prager, ArmstrongFrederick]
+eigencontact_register = hook_for(Prager, ArmstrongFrederick)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Linear"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +67,4 @@ class Linear(IsotropicHardening):
         return np.maximum(stress, floor), np.where(stress > floor, slope, 0.0)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register linear hardening."""
-    return [Linear]
+eigencontact_register = hook_for(Linear)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Perfect"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +37,4 @@ class Perfect(IsotropicHardening):
         return np.full_like(p, self.yield_stress), np.zeros_like(p)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register perfect plasticity."""
-    return [Perfect]
+eigencontact_register = hook_for(Perfect)

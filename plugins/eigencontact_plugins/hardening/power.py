@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Ludwik", "Swift"]
 
-FloatArray = NDArray[np.float64]
 
 #: Plastic strain below which Ludwik's slope, infinite at zero for n < 1, is that of the chord from zero.
 _FIRST = 1e-9
@@ -95,7 +90,4 @@ class Ludwik(IsotropicHardening):
         return self.yield_stress + grown, np.where(early, first, self.n * self.strength * later ** (self.n - 1.0))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register Swift's and Ludwik's laws."""
-    return [Swift, Ludwik]
+eigencontact_register = hook_for(Swift, Ludwik)

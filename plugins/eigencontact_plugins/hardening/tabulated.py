@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, DataFile, IsotropicHardening, Stress, hookimpl, read_columns, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    DataFile,
+    FloatArray,
+    IsotropicHardening,
+    Stress,
+    hook_for,
+    read_columns,
+    require,
+)
 
 __all__ = ["Tabulated"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +69,4 @@ class Tabulated(IsotropicHardening):
         return np.interp(p, strain, stress), slopes[piece]
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the measured curve."""
-    return [Tabulated]
+eigencontact_register = hook_for(Tabulated)

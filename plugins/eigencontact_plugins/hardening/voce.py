@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Voce"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,11 +43,8 @@ class Voce(IsotropicHardening):
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `IsotropicHardening.flow_stress`."""
-        left = np.exp(-self.rate * p)
-        return self.yield_stress + self.saturation * (1.0 - left), self.saturation * self.rate * left
+        decay = np.exp(-self.rate * p)
+        return self.yield_stress + self.saturation * (1.0 - decay), self.saturation * self.rate * decay
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register Voce's law."""
-    return [Voce]
+eigencontact_register = hook_for(Voce)

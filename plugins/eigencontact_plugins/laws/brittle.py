@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
-    ConstitutiveLaw,
+    FloatArray,
     LawStep,
     Response,
-    SceneError,
     StrainDamage,
-    Stress,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
+from eigencontact_plugins.laws.constants import BodyConstants
 from eigencontact_plugins.laws.principal import Damaged, principal, tangent_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 __all__ = ["Brittle"]
 
-FloatArray = NDArray[np.float64]
 
 #: Largest rise of damage by a mean while the strain grows by `_SHARE`. The iteration between cells converges at a tenth
 #: of that steepness (Mazars with B κ0 = 10) and stalls at a residual of 0.35 a little above it (B κ0 = 100).
@@ -43,7 +35,7 @@ _STRAINS = (1e-8, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Brittle(ConstitutiveLaw):
+class Brittle(BodyConstants):
     """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest stretch so far.
 
     The stretch is Mazars' equivalent strain, the root of the sum of the squares of the positive principal strains; its
@@ -75,7 +67,6 @@ class Brittle(ConstitutiveLaw):
         "J. Ladeveze, J. Lemaitre 1984, Proc. 16th IUTAM Congress (crack closure)",
     )
 
-    isotropic: ClassVar[bool] = True
     symmetric: ClassVar[bool] = False
     variables: ClassVar[Mapping[str, Variable]] = {
         "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
@@ -83,28 +74,18 @@ class Brittle(ConstitutiveLaw):
     }
 
     damage: StrainDamage
-    young_modulus: Stress | None = None
-    poisson_ratio: float | None = None
     crack_closure: bool = False
 
     def __post_init__(self) -> None:
-        E, nu = self.young_modulus, self.poisson_ratio
-        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
+        nu = self.poisson_ratio
         require(nu is None or 0 <= nu < 0.5, self.key, "poisson_ratio", nu, "in [0, 0.5) [-]")
+        super().__post_init__()
         sound = isinstance(self.damage, StrainDamage) and not self.damage.damage(np.full(1, 1e-9))[0].any()
         rule = "a law of strain that is zero up to some strain"
         require(sound, self.key, "damage", getattr(self.damage, "key", None), rule)
         self.damage.averaged("equivalent_strain")
         if self.damage.length is not None:
             self._require_gradual()
-
-    def of_body(self, young_modulus: float, poisson_ratio: float) -> Brittle:
-        """See `ConstitutiveLaw.of_body`."""
-        return replace(
-            self,
-            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
-            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
-        )
 
     def _require_gradual(self) -> None:
         """Refuse damage by a mean that rises so steeply that no iteration finds it: cells flip to and fro."""
@@ -131,14 +112,6 @@ class Brittle(ConstitutiveLaw):
         """See `ConstitutiveLaw.words`."""
         return f"brittle material ({self.damage.key})"
 
-    @cached_property
-    def _constants(self) -> tuple[float, float]:
-        E, nu = self.young_modulus, self.poisson_ratio
-        if E is None or nu is None:
-            name = "young-modulus" if E is None else "poisson-ratio"
-            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
-        return E, nu
-
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
         """See `ConstitutiveLaw.update`; the tangent is that of the increment, at given means without their change."""
         previous = before["equivalent_strain"][0]
@@ -147,7 +120,7 @@ class Brittle(ConstitutiveLaw):
         stretch = np.sqrt(np.sum(stretched**2, axis=0))
         largest, mean = np.maximum(previous, stretch), step.means.get("equivalent_strain")
         D, slope = self.damage.damage(largest if mean is None else np.maximum(mean[0], 0.0))
-        at = Damaged.of(values, D, *self._constants, closing=self.crack_closure)
+        at = Damaged.of(values, D, *self._young_and_poisson, closing=self.crack_closure)
         growing = (stretch > previous) & (mean is None)
         # Derivative of D by the principal strains.
         grown = np.where(growing, slope / np.where(stretch > 0.0, stretch, 1.0), 0.0) * stretched
@@ -158,7 +131,4 @@ class Brittle(ConstitutiveLaw):
         )
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register brittle materials."""
-    return [Brittle]
+eigencontact_register = hook_for(Brittle)

@@ -4,28 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
+    FloatArray,
     LawStep,
     Length,
     Response,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ByDepth"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +119,4 @@ class ByDepth(ConstitutiveLaw):
         return f"layers, from the surface down: {'; '.join(law.words for law in self.laws)}"
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register laws by depth."""
-    return [ByDepth]
+eigencontact_register = hook_for(ByDepth)

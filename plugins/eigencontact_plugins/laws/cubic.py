@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, Direction, LinearLaw, Stress, frame_of, hookimpl, mandel_rotation, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    Direction,
+    FloatArray,
+    LinearLaw,
+    Stress,
+    frame_of,
+    hook_for,
+    mandel_rotation,
+    require,
+)
 
 __all__ = ["Cubic"]
 
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 
@@ -60,7 +64,4 @@ class Cubic(LinearLaw):
         return turn @ crystal @ turn.T
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register cubic crystals."""
-    return [Cubic]
+eigencontact_register = hook_for(Cubic)

@@ -2,84 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from eigencontact.plugin import (
-    Component,
-    LinearLaw,
-    SceneError,
-    Stress,
-    hookimpl,
-    isotropic_factors,
-    isotropic_stiffness,
-    require,
-)
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, LinearLaw, hook_for, isotropic_factors, isotropic_stiffness
+from eigencontact_plugins.laws.constants import BodyConstants
 
 __all__ = ["Elastic"]
 
-FloatArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True, kw_only=True)
-class Elastic(LinearLaw):
+class Elastic(BodyConstants, LinearLaw):
     """Isotropic elasticity with the constants of the body: an elastic layer or region in a body that yields.
 
-    Parameters
-    ----------
-    young_modulus, poisson_ratio : float, optional
-        E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given. A region of
-        other constants is `isotropic`.
+    A region of other constants than those of the body is `isotropic`.
     """
 
     key: ClassVar[str] = "elastic"
     example: ClassVar[dict[str, Any]] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
     references: ClassVar[tuple[str, ...]] = ("R. Hooke 1678, Lectures de potentia restitutiva",)
-    isotropic: ClassVar[bool] = True
-
-    young_modulus: Stress | None = None
-    poisson_ratio: float | None = None
-
-    def __post_init__(self) -> None:
-        E, nu = self.young_modulus, self.poisson_ratio
-        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
-        require(nu is None or -1 < nu < 0.5, self.key, "poisson_ratio", nu, "in (-1, 0.5) [-]")
-
-    def of_body(self, young_modulus: float, poisson_ratio: float) -> Elastic:
-        """See `ConstitutiveLaw.of_body`."""
-        return replace(
-            self,
-            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
-            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
-        )
-
-    @property
-    def _constants(self) -> tuple[float, float]:
-        if self.young_modulus is None or self.poisson_ratio is None:
-            raise SceneError(f"{self.key}.young-modulus must be that of a body (got none); name it in a scene with one")
-        return self.young_modulus, self.poisson_ratio
+    words: ClassVar[str] = "material as around, elastic"
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""
-        return isotropic_stiffness(*self._constants)
+        return isotropic_stiffness(*self._young_and_poisson)
 
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
         """See `LinearLaw.factors`."""
-        return isotropic_factors(*self._constants, shear_modulus)
-
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "material as around, elastic"
+        return isotropic_factors(*self._young_and_poisson, shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the elasticity of the body."""
-    return [Elastic]
+eigencontact_register = hook_for(Elastic)

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
+    FloatArray,
     LinearLaw,
     SceneError,
     Stress,
-    hookimpl,
+    hook_for,
     isotropic_factors,
     isotropic_stiffness,
     readable,
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Isotropic"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +63,4 @@ class Isotropic(LinearLaw):
         return f"E = {readable(self.young_modulus, 'Pa')}, ν = {self.poisson_ratio:g}"
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register isotropic elasticity."""
-    return [Isotropic]
+eigencontact_register = hook_for(Isotropic)

@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
+from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
-    ConstitutiveLaw,
+    FloatArray,
     HardeningLaw,
     IsotropicHardening,
     KinematicHardening,
     LawStep,
     PlasticDamage,
     Response,
-    SceneError,
-    Stress,
     Surroundings,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
+from eigencontact_plugins.laws.constants import BodyConstants
 from eigencontact_plugins.laws.radial_return import Drive, RadialReturn, Returned
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 __all__ = ["J2"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT = float(np.sqrt(1.5))
 _UNIT = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
@@ -41,7 +34,7 @@ _DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class J2(ConstitutiveLaw):
+class J2(BodyConstants):
     """Isotropic elasticity up to the yield stress of von Mises; what is beyond flows along the deviator.
 
     The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
@@ -51,8 +44,6 @@ class J2(ConstitutiveLaw):
     hardening : HardeningLaw, or several
         One that is isotropic, which gives the yield stress, and any number of back-stresses; several of
         ``armstrong-frederick`` are Chaboche's law.
-    young_modulus, poisson_ratio : float, optional
-        E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given.
     damage : PlasticDamage, optional
         Loss of stiffness by plastic strain; with a length, by its mean over a neighbourhood.
     yield_on : str
@@ -72,36 +63,22 @@ class J2(ConstitutiveLaw):
         "J. Lemaitre 1985, J. Eng. Mater. Technol. 107, 83 (effective stress)",
     )
 
-    isotropic: ClassVar[bool] = True
-
     hardening: tuple[HardeningLaw, ...]
-    young_modulus: Stress | None = None
-    poisson_ratio: float | None = None
     damage: PlasticDamage | None = None
     yield_on: Literal["nominal", "effective"] = "nominal"
 
     def __post_init__(self) -> None:
-        E, nu = self.young_modulus, self.poisson_ratio
-        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
-        require(nu is None or -1 < nu < 0.5, self.key, "poisson_ratio", nu, "in (-1, 0.5) [-]")
+        super().__post_init__()
         sizes = [law.key for law in self.hardening if isinstance(law, IsotropicHardening)]
         rule = "one that gives a yield stress (perfect, linear, swift ...), and any number of back-stresses"
         require(len(sizes) == 1, self.key, "hardening", [law.key for law in self.hardening], rule)
         good = self.damage is None or isinstance(self.damage, PlasticDamage)
         require(good, self.key, "damage", getattr(self.damage, "key", None), "a law of plastic strain")
-        if E is not None:
+        if self.young_modulus is not None:
             for law in self.hardening:
-                law.of_material(E)
+                law.of_material(self.young_modulus)
         if self.damage is not None:
             self.damage.averaged("equivalent_plastic_strain")
-
-    def of_body(self, young_modulus: float, poisson_ratio: float) -> J2:
-        """See `ConstitutiveLaw.of_body`."""
-        return replace(
-            self,
-            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
-            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
-        )
 
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
@@ -157,10 +134,7 @@ class J2(ConstitutiveLaw):
     @cached_property
     def _constants(self) -> tuple[float, float]:
         """Shear and bulk modulus [Pa]."""
-        E, nu = self.young_modulus, self.poisson_ratio
-        if E is None or nu is None:
-            name = "young-modulus" if E is None else "poisson-ratio"
-            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
+        E, nu = self._young_and_poisson
         return E / (2.0 * (1.0 + nu)), E / (3.0 * (1.0 - 2.0 * nu))
 
     @cached_property
@@ -296,7 +270,4 @@ def _outer(left: FloatArray, right: FloatArray) -> FloatArray:
     return left[:, None, :] * right[None, :, :]
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register metal plasticity."""
-    return [J2]
+eigencontact_register = hook_for(J2)

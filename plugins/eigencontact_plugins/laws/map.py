@@ -5,32 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
     DataFile,
+    FloatArray,
     GriddedData,
     LawStep,
     LinearLaw,
     Response,
-    hookimpl,
+    hook_for,
     isotropic_factors,
     isotropic_stiffness,
     read_gridded,
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ElasticityMap"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +94,4 @@ class IsotropicPoints(LinearLaw):
         return isotropic_factors(self.young_modulus, self.poisson_ratio, shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the map."""
-    return [ElasticityMap]
+eigencontact_register = hook_for(ElasticityMap)

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     Direction,
+    FloatArray,
     LinearLaw,
     Stress,
     factors_of_compliance,
     frame_of,
-    hookimpl,
+    hook_for,
     mandel_rotation,
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Orthotropic"]
 
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 
@@ -107,7 +102,4 @@ class Orthotropic(LinearLaw):
         return factors_of_compliance(self.compliance_matrix(), shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register elasticity with three planes of symmetry."""
-    return [Orthotropic]
+eigencontact_register = hook_for(Orthotropic)

@@ -14,11 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.plugin import FloatArray
 
 __all__ = ["Damaged", "principal", "tangent_of"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT = float(np.sqrt(2.0))
 #: Rows of the axes that a shear of the Mandel order yz, xz, xy turns into each other.

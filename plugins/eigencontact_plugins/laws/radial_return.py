@@ -26,11 +26,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import IsotropicHardening, KinematicHardening, NotUnique, PlasticDamage
+from eigencontact.plugin import FloatArray, IsotropicHardening, KinematicHardening, NotUnique, PlasticDamage
 
 __all__ = ["Drive", "RadialReturn", "Returned"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT = float(np.sqrt(1.5))
 #: Most steps of the search for dp.

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, LinearLaw, SceneError, hookimpl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, LinearLaw, SceneError, hook_for
 
 __all__ = ["Rigid"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +23,7 @@ class Rigid(LinearLaw):
     key: ClassVar[str] = "rigid"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
     isotropic: ClassVar[bool] = True
+    words: ClassVar[str] = "a rigid material"
 
     def stiffness_matrix(self) -> FloatArray:
         """Infinite; see `LinearLaw.stiffness_matrix`."""
@@ -38,13 +33,5 @@ class Rigid(LinearLaw):
         """See `LinearLaw.factors`."""
         return np.zeros((6, 6)), np.eye(6)
 
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "a rigid material"
 
-
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the rigid material."""
-    return [Rigid]
+eigencontact_register = hook_for(Rigid)

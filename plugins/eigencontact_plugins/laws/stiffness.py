@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     Direction,
+    FloatArray,
     LinearLaw,
     Stress,
     checked_stiffness,
     frame_of,
-    hookimpl,
+    hook_for,
     mandel_rotation,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["GivenStiffness"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +54,4 @@ class GivenStiffness(LinearLaw):
         return np.asarray(turn @ np.array(self.stiffness) @ turn.T)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register elasticity given as a matrix."""
-    return [GivenStiffness]
+eigencontact_register = hook_for(GivenStiffness)

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     Direction,
+    FloatArray,
     LinearLaw,
     Stress,
     factors_of_compliance,
-    hookimpl,
+    hook_for,
     mandel_rotation,
     require,
     unit_vector,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["TransverselyIsotropic"]
 
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 
@@ -109,7 +104,4 @@ class TransverselyIsotropic(LinearLaw):
         return factors_of_compliance(self.compliance_matrix(), shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register elasticity that is isotropic across an axis."""
-    return [TransverselyIsotropic]
+eigencontact_register = hook_for(TransverselyIsotropic)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, LinearLaw, hookimpl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, LinearLaw, hook_for
 
 __all__ = ["Void"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,18 +19,11 @@ class Void(LinearLaw):
     key: ClassVar[str] = "void"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
     isotropic: ClassVar[bool] = True
+    words: ClassVar[str] = "nothing (a void)"
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""
         return np.zeros((6, 6))
 
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "nothing (a void)"
 
-
-@hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
-    """Register the void."""
-    return [Void]
+eigencontact_register = hook_for(Void)

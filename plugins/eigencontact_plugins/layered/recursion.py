@@ -38,13 +38,11 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Material
+from eigencontact.plugin import FloatArray, Material
 
 __all__ = ["Slab", "State", "Waves"]
 
-FloatArray = NDArray[np.float64]
 
 ONE = np.eye(2)[..., None]
 # Below this k h a layer is passed with its transfer matrix, above it with decaying waves.

@@ -1,4 +1,4 @@
-"""Any number of bonded, isotropic, elastic layers on a half-space: exact answer to traction waves at any depth.
+"""Any number of bonded, isotropic, elastic layers on a half-space: exact field of traction waves at any depth.
 
 The recursion is in `recursion`; here are the scene table, the choice of materials and the change from the axes along
 and across the wavevector to x and y.
@@ -6,9 +6,10 @@ and across the wavevector to x and y.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,22 +17,19 @@ from numpy.typing import NDArray
 from eigencontact.plugin import (
     COMPONENTS,
     SQRT2,
+    FloatArray,
     LayeredMedium,
     Length,
     Material,
     SceneError,
     Stress,
-    hookimpl,
+    hook_for,
     require,
 )
 from eigencontact_plugins.layered.recursion import Slab, Waves
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 __all__ = ["BondedLayers", "Layer", "Substrate"]
 
-FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 # Stress of a uniform traction (k = 0); every other component is 0 there.
@@ -48,7 +46,15 @@ SAME_DEPTH = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class _Solid:
-    """Elastic constants of a layer or of the substrate."""
+    """Elastic constants of a layer or of the substrate.
+
+    Parameters
+    ----------
+    young_modulus : float
+        E [Pa].
+    poisson_ratio : float
+        ν [-] in (-1, 0.5]; 0.5 is exact.
+    """
 
     young_modulus: Stress
     poisson_ratio: float
@@ -67,15 +73,7 @@ class _Solid:
 
 @dataclass(frozen=True, kw_only=True)
 class Substrate(_Solid):
-    """The half-space under the layers.
-
-    Parameters
-    ----------
-    young_modulus : float
-        E [Pa].
-    poisson_ratio : float
-        ν [-] in (-1, 0.5]; 0.5 is exact.
-    """
+    """The half-space under the layers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,10 +82,6 @@ class Layer(_Solid):
 
     Parameters
     ----------
-    young_modulus : float
-        E [Pa].
-    poisson_ratio : float
-        ν [-] in (-1, 0.5]; 0.5 is exact.
     thickness : float
         h [m].
     name : str, optional
@@ -165,18 +159,18 @@ class BondedLayers(LayeredMedium):
 
     @property
     def layer_names(self) -> tuple[str, ...]:
-        """Names of the layers, those that the scene gives or their numbers."""
+        """Names of the layers in the scene; numbers for layers without a name."""
         return tuple(layer.name or name for layer, name in zip(self.layers, super().layer_names, strict=True))
 
     def thinned(self, depth: float) -> BondedLayers | Material:
         """See `Thinning.thinned`."""
         undersides = self._undersides - depth
-        left = tuple(
+        layers = tuple(
             replace(layer, thickness=float(min(under, layer.thickness)))
             for layer, under in zip(self.layers, undersides, strict=True)
             if under >= THINNEST
         )
-        return replace(self, layers=left) if left else self.deep_material
+        return replace(self, layers=layers) if layers else self.deep_material
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""
@@ -293,7 +287,4 @@ def _turned(name: str, components: Mapping[str, FloatArray], m: FloatArray, n: F
             return component(name)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[LayeredMedium]]:
-    """Register bonded elastic layers."""
-    return [BondedLayers]
+eigencontact_register = hook_for(BondedLayers)

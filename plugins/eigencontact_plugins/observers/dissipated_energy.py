@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Observer, SceneError, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Observer, StepView, hook_for, require
+from eigencontact_plugins.observers.friction_fields import friction_field
 
 __all__ = ["DissipatedEnergy"]
-
-_UNITS = {
-    "total": "J",
-    "patches": "1",
-    "largest_patch": "J",
-    "max_density": "J/m2",
-    "max_x": "m",
-    "max_y": "m",
-    "mean_density": "J/m2",
-    "spread": "m",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,16 +31,21 @@ class DissipatedEnergy(Observer):
     """
 
     key: ClassVar[str] = "dissipated-energy"
+    units: ClassVar[Mapping[str, str]] = {
+        "total": "J",
+        "patches": "1",
+        "largest_patch": "J",
+        "max_density": "J/m2",
+        "max_x": "m",
+        "max_y": "m",
+        "mean_density": "J/m2",
+        "spread": "m",
+    }
 
     threshold: float = 1e-6
 
     def __post_init__(self) -> None:
         require(0 <= self.threshold < 1, self.key, "threshold", self.threshold, "0 or more and below 1 [-]")
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """See `Observer.units`."""
-        return _UNITS
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the density of dissipated energy.
@@ -73,15 +66,10 @@ class DissipatedEnergy(Observer):
         from scipy.ndimage import label
         from scipy.ndimage import sum as sum_by_label
 
-        density = step.fields.get("dissipated_energy_density")
-        if density is None:
-            raise SceneError(
-                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
-                "add a table [friction]"
-            )
+        density = friction_field(self.key, step, "dissipated_energy_density")
         largest = float(density.max())
         if largest <= 0:
-            return dict.fromkeys(_UNITS, 0.0)
+            return dict.fromkeys(self.units, 0.0)
         worked = density > self.threshold * largest
         marks, patches = label(worked, structure=np.ones((3, 3)))
         energies = np.asarray(sum_by_label(density, marks, range(1, patches + 1))) * step.grid.cell_area
@@ -100,10 +88,7 @@ class DissipatedEnergy(Observer):
             np.mean(density[worked]),
             spread,
         )
-        return {name: float(value) for name, value in zip(_UNITS, values, strict=True)}
+        return {name: float(value) for name, value in zip(self.units, values, strict=True)}
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the dissipated energy."""
-    return [DissipatedEnergy]
+eigencontact_register = hook_for(DissipatedEnergy)

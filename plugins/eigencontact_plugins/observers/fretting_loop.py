@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import Angle, Observer, SceneError, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Angle, Observer, StepView, hook_for, require
+from eigencontact_plugins.observers.friction_fields import friction_field
 
 __all__ = ["FrettingLoop"]
 
@@ -69,15 +68,10 @@ class FrettingLoop(Observer):
         SceneError
             If the run has no friction.
         """
-        if "shear_x" not in step.fields and "shear_y" not in step.fields:
-            raise SceneError(
-                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
-                "add a table [friction]"
-            )
         cell = step.grid.cell_area
         zero = np.zeros(step.grid.shape)
         q_x, q_y = (step.fields.get(f"shear_{axis}", zero) for axis in "xy")
-        energy = float(np.sum(step.fields["dissipated_energy_density"])) * cell
+        energy = float(np.sum(friction_field(self.key, step, "dissipated_energy_density"))) * cell
         if self.motion == "twist":
             y, x = step.grid.axes()
             moment = float(np.sum(x * q_y - y * q_x)) * cell
@@ -98,7 +92,4 @@ def _ratio(value: float, of: float) -> float:
     return value / of if of > 0 else 0.0
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the fretting loop."""
-    return [FrettingLoop]
+eigencontact_register = hook_for(FrettingLoop)

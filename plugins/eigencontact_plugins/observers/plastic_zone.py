@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import Observer, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+from eigencontact.plugin import Observer, StepView, hook_for, require
 
 __all__ = ["PlasticZone"]
-
-_UNITS = {
-    "max_strain": "1",
-    "x": "m",
-    "y": "m",
-    "depth": "m",
-    "volume": "m^3",
-    "deepest": "m",
-    "shallowest": "m",
-    "radius": "m",
-    "max_damage": "1",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone(Observer):
-    """The cells of a body that remember plastic strain.
+    """Size and place of the plastic zone of a body.
 
     Parameters
     ----------
@@ -46,6 +32,17 @@ class PlasticZone(Observer):
     """
 
     key: ClassVar[str] = "plastic-zone"
+    units: ClassVar[Mapping[str, str]] = {
+        "max_strain": "1",
+        "x": "m",
+        "y": "m",
+        "depth": "m",
+        "volume": "m^3",
+        "deepest": "m",
+        "shallowest": "m",
+        "radius": "m",
+        "max_damage": "1",
+    }
 
     threshold: float = 1e-9
     body: Literal[1, 2] = 1
@@ -59,17 +56,12 @@ class PlasticZone(Observer):
         """See `Observer`."""
         return (f"equivalent_plastic_strain_{self.body}",)
 
-    @property
-    def units(self) -> Mapping[str, str]:
-        """See `Observer.units`."""
-        return _UNITS
-
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the plastic zone; see the notes of the class."""
         record = step.history[f"equivalent_plastic_strain_{self.body}"]
         damage = step.history.get(f"damage_{self.body}")
         strain = record.values[0]
-        out = dict.fromkeys(_UNITS, 0.0)
+        out = dict.fromkeys(self.units, 0.0)
         if damage is not None:
             out["max_damage"] = float(damage.values.max())
         plastic = strain > self.threshold
@@ -92,7 +84,4 @@ class PlasticZone(Observer):
         }
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the observer of plastic zones."""
-    return [PlasticZone]
+eigencontact_register = hook_for(PlasticZone)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Length, Observer, SceneError, StepView, hook_for, require
 
 __all__ = ["Roughness"]
-
-_UNITS = {"mean": "m", "sa": "m", "sq": "m", "sz": "m"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +29,7 @@ class Roughness(Observer):
     """
 
     key: ClassVar[str] = "roughness"
+    units: ClassVar[Mapping[str, str]] = {"mean": "m", "sa": "m", "sq": "m", "sz": "m"}
     references: ClassVar[tuple[str, ...]] = ("ISO 25178-2:2021, sections 4.3.1, 4.3.2 and 4.3.7",)
 
     start: tuple[Length, Length] | None = None
@@ -44,11 +41,6 @@ class Roughness(Observer):
         if self.start is not None and self.end is not None:
             good = all(low < high for low, high in zip(self.start, self.end, strict=True))
             require(good, self.key, "end", self.end, "beyond start along x and y [m]")
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """See `Observer.units`."""
-        return _UNITS
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the heights; see the notes of the class.
@@ -78,7 +70,4 @@ class Roughness(Observer):
         }
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the observer of roughness."""
-    return [Roughness]
+eigencontact_register = hook_for(Roughness)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Observer, SceneError, StepView, hookimpl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Observer, StepView, hook_for
+from eigencontact_plugins.observers.friction_fields import friction_field
 
 __all__ = ["StickRadius"]
 
 #: Value of the field ``contact_zone`` where a cell sticks (0 open, 1 slip).
 _STICK = 2
-_UNITS = {"radius": "m", "half_width_x": "m", "half_width_y": "m", "eccentricity": "m", "ratio": "1"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,11 +29,13 @@ class StickRadius(Observer):
     """
 
     key: ClassVar[str] = "stick-radius"
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """See `Observer.units`."""
-        return _UNITS
+    units: ClassVar[Mapping[str, str]] = {
+        "radius": "m",
+        "half_width_x": "m",
+        "half_width_y": "m",
+        "eccentricity": "m",
+        "ratio": "1",
+    }
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the stick zone.
@@ -52,16 +52,11 @@ class StickRadius(Observer):
         SceneError
             If the run has no friction.
         """
-        zone = step.fields.get("contact_zone")
-        if zone is None:
-            raise SceneError(
-                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
-                "add a table [friction]"
-            )
+        zone = friction_field(self.key, step, "contact_zone")
         stick, contact = np.rint(zone) == _STICK, zone > 0
         cells = np.count_nonzero(stick)
         if cells == 0:
-            return dict.fromkeys(_UNITS, 0.0)
+            return dict.fromkeys(self.units, 0.0)
         grid = step.grid
         y, x = grid.axes()
         columns, rows = np.flatnonzero(stick.any(axis=0)), np.flatnonzero(stick.any(axis=1))
@@ -76,10 +71,7 @@ class StickRadius(Observer):
             np.hypot(off_x, off_y),
             np.sqrt(cells / np.count_nonzero(contact)),
         )
-        return {name: float(value) for name, value in zip(_UNITS, values, strict=True)}
+        return {name: float(value) for name, value in zip(self.units, values, strict=True)}
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the stick radius."""
-    return [StickRadius]
+eigencontact_register = hook_for(StickRadius)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from eigencontact.plugin import Length, Observer, StepView, hook_for, require
 
 __all__ = ["StressProbe"]
 
@@ -64,7 +62,4 @@ class StressProbe(Observer):
         return [f"{self.quantity}_{number}" for number in range(1, len(self.points) + 1)]
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
-    """Register the stress probe."""
-    return [StressProbe]
+eigencontact_register = hook_for(StressProbe)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
+    FloatArray,
     InclusionShape,
     Length,
     Order,
@@ -19,7 +20,7 @@ from eigencontact.plugin import (
     PointSources,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     integrated_chi,
     real_points,
     require,
@@ -31,7 +32,6 @@ from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, dist
 
 __all__ = ["Cuboid"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Distance from a face, in half edges, below which a point lies on it.
@@ -303,7 +303,4 @@ def _corner_sum(
     return out
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the cuboid."""
-    return [Cuboid]
+eigencontact_register = hook_for(Cuboid)

@@ -25,13 +25,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Order
+from eigencontact.plugin import FloatArray, Order
 
 __all__ = ["Corner", "corner_derivative"]
 
-FloatArray = NDArray[np.float64]
 
 #: Smallest R and R + x_i in a logarithm or a quotient, in the unit of length of the coordinates.
 FLOOR = 1e-30

@@ -15,13 +15,11 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Order, PointKernels
+from eigencontact.plugin import FloatArray, Order, PointKernels
 
 __all__ = ["distant_derivatives", "distant_from", "gauss_rule"]
 
-FloatArray = NDArray[np.float64]
 
 #: Largest d (d + c)² / (abc) at which corners are summed: a relative loss of some 1.5e-11.
 LARGEST_LOSS = 3e4

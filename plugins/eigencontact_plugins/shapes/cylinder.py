@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -10,11 +9,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Place, Row, as_tuple, hookimpl, real_points, require
+from eigencontact.plugin import FloatArray, InclusionShape, Length, Place, Row, as_tuple, hook_for, real_points, require
 
 __all__ = ["Cylinder"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 AXES: dict[str, Row] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -96,7 +94,4 @@ class Cylinder(InclusionShape):
         return np.asarray(within & (np.abs(along) <= 0.5 * self.length * (1 + SNAP)))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the cylinder."""
-    return [Cylinder]
+eigencontact_register = hook_for(Cylinder)

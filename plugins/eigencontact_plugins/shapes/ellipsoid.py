@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
+    FloatArray,
     InclusionShape,
     Length,
     Order,
@@ -18,7 +19,7 @@ from eigencontact.plugin import (
     PointSources,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     integrated_chi,
     real_points,
     require,
@@ -30,7 +31,6 @@ from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivativ
 
 __all__ = ["Ellipsoid"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Distance of Σ (x_i/a_i)² from 1 up to which a point lies on the boundary.
@@ -203,7 +203,4 @@ class Ellipsoid(InclusionShape):
         return values.reshape(len(orders), *np.shape(x))
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the ellipsoid."""
-    return [Ellipsoid]
+eigencontact_register = hook_for(Ellipsoid)

@@ -20,12 +20,11 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Order, PointKernels
+from eigencontact.plugin import FloatArray, Order, PointKernels
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
 
 __all__ = ["chi_degrees", "focal_chi", "focal_sources"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Degrees of cubature in use, across and around the ellipse.

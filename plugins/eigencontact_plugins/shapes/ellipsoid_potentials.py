@@ -35,13 +35,11 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Jet, Order, implicit, variables
+from eigencontact.plugin import FloatArray, Jet, Order, implicit, variables
 
 __all__ = ["ellipsoidal_level", "potential_derivatives"]
 
-FloatArray = NDArray[np.float64]
 
 #: Ratio of the largest to the smallest A_i up to which one change of variable serves.
 _ROUND = 4.0

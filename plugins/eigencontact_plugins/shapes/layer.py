@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,10 +13,11 @@ from numpy.typing import NDArray
 from eigencontact.plugin import (
     TEXT_FILES,
     DataFile,
+    FloatArray,
     InclusionShape,
     Length,
     SceneError,
-    hookimpl,
+    hook_for,
     read_arrays,
     real_points,
     require,
@@ -25,7 +25,6 @@ from eigencontact.plugin import (
 
 __all__ = ["Layer"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -140,7 +139,4 @@ def _read(file: str) -> FloatArray:
         raise SceneError(f"{field} must be a readable map of numbers (got {file!r}); {reason}") from problem
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the layer."""
-    return [Layer]
+eigencontact_register = hook_for(Layer)

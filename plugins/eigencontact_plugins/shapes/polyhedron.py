@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -12,12 +11,13 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import (
     DataFile,
+    FloatArray,
     InclusionShape,
     Length,
     Place,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     real_points,
     require,
     rotation_matrix,
@@ -28,7 +28,6 @@ from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
 
 __all__ = ["Polyhedron"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Pairs of point and triangle worked on together.
@@ -102,7 +101,7 @@ class Polyhedron(InclusionShape):
         return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points lie inside; on the surface either answer."""
+        """Whether points lie inside; on the surface either value."""
         x, y, z = real_points(self.key, x, y, z)
         points = np.broadcast_arrays(*(np.asarray(t, dtype=float) for t in (x, y, z)))
         low, high = self.bounds
@@ -130,7 +129,4 @@ class Polyhedron(InclusionShape):
         return sorted_into_bins(self.surface.vertices[self.surface.triangles])
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the polyhedron."""
-    return [Polyhedron]
+eigencontact_register = hook_for(Polyhedron)

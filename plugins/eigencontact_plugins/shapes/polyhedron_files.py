@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import SceneError, require
+from eigencontact.plugin import FloatArray, SceneError, require
 
 __all__ = ["read_faces"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 TYPES = (".stl", ".ply", ".obj", ".off", ".vtk", ".vtu")
 #: Points ``(n, 3)``; tables ``(faces, corners)`` of numbers of points, in order around each face; what is solid.

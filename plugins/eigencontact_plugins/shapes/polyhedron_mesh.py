@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import SceneError, require
+from eigencontact.plugin import FloatArray, SceneError, require
 from eigencontact_plugins.shapes.polyhedron_files import read_faces
 
 __all__ = ["Surface", "read_surface"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Distance of the corners of a face from their plane, in its extents, that five written digits of theirs explain.

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
+
 __all__ = ["Bins", "sorted_into_bins"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Distances, in extents of the surface, below which a ray is said to pass an edge.

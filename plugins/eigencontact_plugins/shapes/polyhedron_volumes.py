@@ -12,9 +12,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
+
 __all__ = ["volumes_in_cells"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Polygons worked on together.
@@ -95,10 +96,10 @@ def _clipped(polygons: FloatArray, axis: int, plane: FloatArray, side: float) ->
     vertices = np.stack([polygons, met], axis=2).reshape(count, 2 * size, 3)
     valid = np.stack([above >= 0, crossing], axis=2).reshape(count, 2 * size)
     number = valid.sum(axis=1)
-    left = np.flatnonzero(number >= 3)
-    if not left.size:
-        return np.empty((0, 3, 3)), left
-    order = np.argsort(~valid[left], axis=1, kind="stable")
-    corners = np.minimum(np.arange(number[left].max()), number[left, None] - 1)
+    polygon = np.flatnonzero(number >= 3)
+    if not polygon.size:
+        return np.empty((0, 3, 3)), polygon
+    order = np.argsort(~valid[polygon], axis=1, kind="stable")
+    corners = np.minimum(np.arange(number[polygon].max()), number[polygon, None] - 1)
     order = np.take_along_axis(order, corners, axis=1)
-    return np.take_along_axis(vertices[left], order[:, :, None], axis=1), left
+    return np.take_along_axis(vertices[polygon], order[:, :, None], axis=1), polygon

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
+    FloatArray,
     InclusionShape,
     Length,
     Order,
     Place,
     PointKernels,
     PointSources,
-    hookimpl,
+    hook_for,
     real_points,
     require,
 )
 
 __all__ = ["SphericalInclusion"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Distance from the boundary, in radii, below which a point lies on it.
@@ -162,7 +162,4 @@ class SphericalInclusion(InclusionShape):
         return fraction
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the sphere."""
-    return [SphericalInclusion]
+eigencontact_register = hook_for(SphericalInclusion)

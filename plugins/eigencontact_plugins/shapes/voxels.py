@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, InclusionShape, Length, Place, hookimpl, read_arrays, real_points, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    DataFile,
+    FloatArray,
+    InclusionShape,
+    Length,
+    Place,
+    hook_for,
+    read_arrays,
+    real_points,
+    require,
+)
 
 __all__ = ["VoxelShape"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -108,7 +114,4 @@ class VoxelShape(InclusionShape):
         return np.clip(np.where(np.abs(fractions - nearly) < 1e-9, nearly, fractions), 0.0, 1.0)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
-    """Register the voxels."""
-    return [VoxelShape]
+eigencontact_register = hook_for(VoxelShape)

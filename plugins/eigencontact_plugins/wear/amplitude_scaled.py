@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["AmplitudeScaled"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +46,4 @@ class AmplitudeScaled(WearLaw):
         return self.coefficient * state.slip_amplitude * state.energy
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
-    """Register the law of energy and amplitude."""
-    return [AmplitudeScaled]
+eigencontact_register = hook_for(AmplitudeScaled)

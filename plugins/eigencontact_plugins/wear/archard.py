@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Stress, Unit, WearLaw, WearState, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Stress, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["Archard"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +43,4 @@ class Archard(WearLaw):
         return self.coefficient / (self.hardness or 1.0) * state.pressure * state.slip
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
-    """Register Archard's law."""
-    return [Archard]
+eigencontact_register = hook_for(Archard)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import SceneError, WearLaw, WearState, by_material, hookimpl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, SceneError, WearLaw, WearState, by_material, hook_for
 
 __all__ = ["ByMaterial"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +68,4 @@ class ByMaterial(WearLaw):
         return depth
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
-    """Register wear by material."""
-    return [ByMaterial]
+eigencontact_register = hook_for(ByMaterial)

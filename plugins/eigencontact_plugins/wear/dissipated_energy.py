@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["DissipatedEnergy", "VolumePerEnergy"]
 
-FloatArray = NDArray[np.float64]
 
 #: A worn volume by work of friction: 1 mm³/J is 1e-9 m³/J.
 VolumePerEnergy = Annotated[float, Unit("m^3/J", "a worn volume by work of friction")]
@@ -55,7 +50,4 @@ class DissipatedEnergy(WearLaw):
         return self.coefficient
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
-    """Register the law of the dissipated energy."""
-    return [DissipatedEnergy]
+eigencontact_register = hook_for(DissipatedEnergy)

@@ -1,22 +1,16 @@
-"""Wear by work of friction beyond what the surface takes unworn."""
+"""Wear by the work of friction beyond a threshold."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 from eigencontact_plugins.wear.dissipated_energy import VolumePerEnergy
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ThresholdEnergy"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +47,4 @@ class ThresholdEnergy(WearLaw):
         return self.coefficient * (after - before)
 
 
-@hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
-    """Register the law with a threshold."""
-    return [ThresholdEnergy]
+eigencontact_register = hook_for(ThresholdEnergy)

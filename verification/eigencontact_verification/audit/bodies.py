@@ -1,4 +1,4 @@
-"""The bodies of a stored step in plain numbers: what finite elements are given, and what they cannot stand for."""
+"""The bodies of a stored step as finite elements see them, and the reasons why they cannot represent a body."""
 
 from __future__ import annotations
 
@@ -9,26 +9,80 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.shapes import NotJudged, Part, moduli_of
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.model import Layer, Region
 
 if TYPE_CHECKING:
+    from eigencontact.core.material import Material
     from eigencontact.hooks.registry import Registry
     from eigencontact.model.sources import Inhomogeneity, Source
     from eigencontact_verification.audit.stored import StoredStep
 
-__all__ = ["AuditedBody", "bodies_of_step", "tractions_on"]
+__all__ = ["AuditedBody", "NotJudged", "Part", "bodies_of_step", "moduli_of", "tractions_on"]
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Triple = tuple[float, float, float]
 
+#: Young's modulus of a void, in that of the body: small enough, and the system stays solvable.
+VOID = 1e-6
 #: Poisson's ratio from which displacement elements lock.
 _INCOMPRESSIBLE = 0.495
 #: Layers of cells of a patch that names no number of its own.
 _PATCH_LAYERS = 32
 #: Cells across a shape that is filled by an eigenstrain that is not uniform.
 _ACROSS = 24
+
+
+class NotJudged(Exception):
+    """No finite-element model of this package has this feature; the text is the reason."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Part:
+    """Region of a shape without later shapes, raised by the worn depth above it.
+
+    It is a dataclass and no closure, because cases are sent to other processes.
+
+    Attributes
+    ----------
+    shape : object
+        With ``contains(x, y, z)`` and ``bounds``.
+    later : tuple of object
+        Shapes that replace parts of this one.
+    worn : (ny, nx) float64 or None
+        Worn depth [m].
+    edges : (x, y)
+        Edges of the cells of `worn`.
+    """
+
+    shape: Any
+    later: tuple[Any, ...] = ()
+    worn: FloatArray | None = None
+    edges: tuple[FloatArray, FloatArray] | None = None
+
+    def __call__(self, x: FloatArray, y: FloatArray, z: FloatArray) -> BoolArray:
+        """Whether points lie in the region."""
+        x, y, z = np.broadcast_arrays(x, y, z)
+        if self.worn is not None and self.edges is not None:
+            column = np.clip(np.searchsorted(self.edges[0], x) - 1, 0, self.worn.shape[1] - 1)
+            row = np.clip(np.searchsorted(self.edges[1], y) - 1, 0, self.worn.shape[0] - 1)
+            z = z + self.worn[row, column]
+        inside = np.asarray(self.shape.contains(x, y, z), dtype=bool)
+        for other in self.later:
+            inside = inside & ~np.asarray(other.contains(x, y, z), dtype=bool)
+        return inside
+
+    @property
+    def bounds(self) -> tuple[Triple, Triple]:
+        """Box around the region, below the surface."""
+        low, high = (tuple(float(value) for value in corner) for corner in self.shape.bounds)
+        risen = 0.0 if self.worn is None else float(self.worn.max())
+        top = max(low[2] - risen, 0.0)
+        if top < 1e-9 * (high[2] - low[2]):
+            top = 0.0
+        return (low[0], low[1], top), (high[0], high[1], high[2])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,6 +118,35 @@ class AuditedBody:
     means: tuple[str, ...] = ()
 
 
+def moduli_of(law: Any, body: Material) -> tuple[float, float]:
+    """Young's modulus [Pa] and Poisson's ratio of a law where it is elastic; nearly no modulus of a void.
+
+    Raises
+    ------
+    NotJudged
+        A law that is not isotropic, differs from place to place, or closes its cracks.
+    """
+    from eigencontact.plugin import LinearLaw
+
+    if law.varies:
+        raise NotJudged(f"the law {getattr(law, 'key', '')!r} differs from place to place")
+    if getattr(law, "crack_closure", False):
+        raise NotJudged(f"the law {law.key!r} closes its cracks, which is no factor of the stiffness")
+    if isinstance(law, LinearLaw):
+        stiffness = np.asarray(law.stiffness_matrix(), dtype=float)
+        if not law.isotropic:
+            raise NotJudged(f"the law {law.key!r} is not isotropic")
+        twice_shear, lame = float(stiffness[3, 3]), float(stiffness[0, 1])
+        if twice_shear == 0.0:
+            return VOID * body.young_modulus, body.poisson_ratio
+        nu = lame / (2.0 * lame + twice_shear)
+        return twice_shear * (1.0 + nu), nu
+    constants = getattr(law, "young_modulus", None), getattr(law, "poisson_ratio", None)
+    if constants[0] is None or constants[1] is None:
+        raise NotJudged(f"the law {law.key!r} does not tell its elastic constants")
+    return float(constants[0]), float(constants[1])
+
+
 def bodies_of_step(stored: StoredStep) -> tuple[tuple[AuditedBody, ...], list[Gap]]:
     """Deformable bodies of a step, and what cannot be judged.
 
@@ -78,17 +161,17 @@ def bodies_of_step(stored: StoredStep) -> tuple[tuple[AuditedBody, ...], list[Ga
     solids = bodies_of(scene, registry)
     deep = [getattr(solid, "deep_material", solid) for solid in solids]
     prescribed, inhomogeneities = build_sources(scene, registry, None if _sized(scene) else _grid(stored), deep)
-    found = []
+    bodies = []
     for number, solid in enumerate(solids, 1):
         if solid is None:
             continue
         material = deep[number - 1]
         assert isinstance(material, Material)
         try:
-            found.append(_body(stored, registry, number, solid, material, prescribed, inhomogeneities))
+            bodies.append(_body(stored, registry, number, solid, material, prescribed, inhomogeneities))
         except NotJudged as problem:
             gaps.append(Gap(subject=stored.name, what=f"body {number}", reason=str(problem)))
-    return tuple(found), gaps
+    return tuple(bodies), gaps
 
 
 def _sized(scene: Any) -> bool:
@@ -165,8 +248,8 @@ def _law_of_body(stored: StoredStep, registry: Registry, number: int, material: 
     law = build_law(registry, table, f"body{number}.law", material)
     if law.varies:  # the constants of a body are its own, whatever yields in it
         return True
-    young, nu = moduli_of(law, material)
-    if not (np.isclose(young, material.young_modulus, atol=0) and np.isclose(nu, material.poisson_ratio, atol=0)):
+    constants = material.young_modulus, material.poisson_ratio
+    if not np.allclose(moduli_of(law, material), constants, atol=0):
         raise NotJudged(f"the law {law.key!r} of the body has other elastic constants than the body")
     return bool(law.variables)
 
@@ -250,7 +333,7 @@ def _sampled(source: Source, stored: StoredStep) -> Cells:
 def _merged(x: FloatArray, y: FloatArray, z: FloatArray, tensor: FloatArray) -> Cells:
     """Cells whose equal neighbours along x or y are one."""
 
-    def kept(axis: int) -> NDArray[np.bool_]:
+    def kept(axis: int) -> BoolArray:
         jumps = np.any(np.diff(tensor, axis=axis) != 0.0, axis=tuple(k for k in range(tensor.ndim) if k != axis))
         return np.concatenate([[True], jumps])
 

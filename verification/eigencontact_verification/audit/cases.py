@@ -8,37 +8,45 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
+from eigencontact_verification.audit.engines import CAUSES, alone, effects
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
-from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.lines import STRESSES, chosen, columns
+from eigencontact_verification.crosscheck.own_errors import widened
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-__all__ = ["AuditCase", "cases_of", "cases_of_step"]
+__all__ = ["AuditCase", "RunCase", "cases_of", "cases_of_step"]
 
 FloatArray = NDArray[np.float64]
 
 #: Part of a cell by which the boundary of what is cut into cells may be off.
 _HALF = 0.5
-#: Least own error of a component, in its largest on the line.
-_LEAST = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AuditCase(Case):
-    """What a step stores against finite elements under its tractions.
+class RunCase(Case):
+    """Stored values of a run against finite elements."""
+
+    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
+        """The finer meshes of a full audit, or finer cells of the run; see `Case.remedy`."""
+        if part == "judged":
+            return "run the scene with finer cells"
+        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AuditCase(RunCase):
+    """Stored values of a step against finite elements under its tractions.
 
     The run's own error (`own_error`) counts only where the run cuts into cells what has no cells: inclusions of other
     constants, and damage. Their boundary may be off by half a cell, so that the field which they cause is uncertain by
@@ -69,7 +77,7 @@ class AuditCase(Case):
     #: hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
-        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous", "loads")),
+        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
         *(
             f"{__name__}:{name}"
             for name in ("AuditCase.reference", "_asked", "_read", "_read_at", "_as_stored", "_known", "_watched")
@@ -90,19 +98,21 @@ class AuditCase(Case):
         fields = {line.profile.name: np.zeros(line.values.shape) for line in self.lines}
         unknowns = 0
         for body in self.bodies:
-            mine = _lines_of(self.lines, body.number)
-            for line in mine:
+            lines = _lines_of(self.lines, body.number)
+            for line in lines:
                 fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
-            for moved, sign, part in _asked(body, self.causes) if mine else ():
-                found = engines.solve_body(
-                    self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget,
-                    ratio=self.ratio, read=_read_at(mine),
+            for moved, sign, loaded in _asked(body, self.causes) if lines else ():
+                solution = engines.solve_body(
+                    self.engine, loaded, level=level, outer=outer, watched=_watched(lines), budget=self.budget,
+                    ratio=self.ratio, read=_read_at(lines),
                 )  # fmt: skip
-                for line in mine:
+                for line in lines:
                     counts = [bool(line.body) or name in moved for name in line.profile.components]
                     if any(counts):
-                        fields[line.profile.name] += sign * np.where(counts, _read(found, line, body, self.window), 0.0)
-                unknowns = max(unknowns, int(getattr(found, "unknowns", 0)))
+                        fields[line.profile.name] += sign * np.where(
+                            counts, _read(solution, line, body, self.window), 0.0
+                        )
+                unknowns = max(unknowns, int(getattr(solution, "unknowns", 0)))
         return {**fields, UNKNOWNS: np.array([unknowns])}
 
     def judged(self) -> Fields:
@@ -113,45 +123,39 @@ class AuditCase(Case):
         for line in self.lines:
             name = line.profile.name
             fields[name] = line.values
-            own = _widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
-            if np.any(own):
-                fields[own_error(name)] = own
+            error = widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
+            if np.any(error):
+                fields[own_error(name)] = error
         return fields
-
-    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
-        """The finer meshes of a full audit; see `Case.remedy`."""
-        if part == "judged":
-            return "run the scene with finer cells"
-        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
 
     @property
     def words(self) -> str:
-        """What is compared, for the figures."""
+        """Title of the figures: scene and methods."""
         way = "of revolution" if self.engine == "revolution" else "of three dimensions"
         return f"{self.subject}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Every stored plane of stress beside that of the medium mesh."""
         return tuple(
-            draw_section(one, self._stress(one), self.words, folder / f"{one.name}.png") for one in self.sections
+            draw_section(section, self._stress(section), self.words, folder / f"{section.name}.png")
+            for section in self.sections
         )
 
     def _stress(self, section: Section) -> FloatArray:
         """Stress ``(m, n, 6)`` of the medium mesh in a plane; nan where none is judged."""
         body = next(body for body in self.bodies if body.number == section.body)
-        kept = np.isfinite(section.values).all(axis=-1)
-        points, found = section.points[kept], np.full(section.values.shape, np.nan)
-        total = np.zeros((len(points), len(_PLACES)))
+        judged = np.isfinite(section.values).all(axis=-1)
+        points, stress = section.points[judged], np.full(section.values.shape, np.nan)
+        total = np.zeros((len(points), len(STRESSES)))
         total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
-        for sign, part in engines.asked(body.loaded):
+        for sign, loaded in engines.asked(body.loaded):
             solved = engines.solve_body(
-                self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
+                self.engine, loaded, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
                 ratio=self.ratio, read=_read_at(_lines_of(self.lines, body.number)),
             )  # fmt: skip
-            stress = solved.stress(points)
-            total += sign * np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
-        found[kept] = total
-        return found
+            total += sign * columns(solved.stress(points), STRESSES)
+        stress[judged] = total
+        return stress
 
 
 def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float, LoadedBody]]:
@@ -161,8 +165,8 @@ def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[s
     """
     loaded = body.loaded
     for kinds, moved in effects(CAUSES["full"] if loaded.regions or loaded.cells else causes):
-        for sign, part in engines.asked(alone(loaded, kinds)):
-            yield moved, sign, part
+        for sign, solved in engines.asked(alone(loaded, kinds)):
+            yield moved, sign, solved
 
 
 def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
@@ -174,23 +178,22 @@ def _watched(lines: Sequence[Line]) -> FloatArray:
 
 
 def _read_at(lines: Sequence[Line]) -> FloatArray:
-    """Where stress is read."""
+    """Points at which stress is read."""
     return _watched([line for line in lines if line.body])
 
 
-def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
+def _read(solution: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
     """Values of a solution as a line stores them."""
     points = line.profile.points
     if line.body:
-        stress = found.stress(points)
-        return np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
-    values = _as_stored(found.displacement(points), line, body.number)
+        return chosen(solution.stress(points), line.profile)
+    values = _as_stored(solution.displacement(points), line, body.number)
     columns = [k for k, name in enumerate(line.profile.components) if name in body.means]
     if columns:
         offsets = (
             np.array([(a, b, 0.0) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]) * (*window, 0.0) * 0.5 / np.sqrt(3.0)
         )
-        around = [_as_stored(found.displacement(points + offset), line, body.number) for offset in offsets]
+        around = [_as_stored(solution.displacement(points + offset), line, body.number) for offset in offsets]
         values[:, columns] = np.mean(around, axis=0)[:, columns]
     return values
 
@@ -198,37 +201,27 @@ def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]
 def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
     """Share of a body in what the surfaces do to each other: along the surface body 1 less body 2, both along z."""
     side = np.array([1.0, 1.0, 1.0] if number == 1 else [-1.0, -1.0, 1.0])
-    return np.asarray((displacement * side)[:, [["u_x", "u_y", "u_z"].index(n) for n in line.profile.components]])
+    return chosen(displacement * side, line.profile)
 
 
 def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
-    """What a homogeneous body gives along the lines under what the elements do not get, or do not know well enough."""
-    known = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
-    if known.tractions is None:
+    """Field of a homogeneous body along the lines under the tractions that the elements do not carry."""
+    carried = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
+    if carried.tractions is None:
         return {}
-    found = {}
-    young, nu = engines.base_of(known)
+    fields = {}
+    young, nu = engines.base_of(carried)
     for line in _lines_of(lines, body.number):
         points = line.profile.points
         if line.body:
-            values = homogeneous_stress(known.tractions, points, nu)
+            values = homogeneous_stress(carried.tractions, points, nu)
         else:
             values = np.zeros(line.values.shape)
             for kinds, moved in effects(causes):
-                by = homogeneous_displacement(alone(known, kinds).tractions, points, young, nu)
+                by = homogeneous_displacement(alone(carried, kinds).tractions, points, young, nu)
                 values += np.isin(line.profile.components, moved) * _as_stored(by, line, body.number)
-        found[f"{body.number} {line.profile.name}"] = values
-    return found
-
-
-_PLACES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-
-
-def _widened(error: FloatArray) -> FloatArray:
-    """Largest of three neighbours, and not less than a part of the largest of all: it may happen to vanish."""
-    index = np.arange(len(error))
-    near = [error[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    return np.asarray(np.maximum.reduce([*near, np.broadcast_to(_LEAST * error.max(axis=0), error.shape)]))
+        fields[f"{body.number} {line.profile.name}"] = values
+    return fields
 
 
 def cases_of(
@@ -253,7 +246,13 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     bodies, gaps = bodies_of_step(stored)
     deformable = sum(not body.rigid for body in (stored.scene.body1, stored.scene.body2))
     middle = middle_of(stored)
-    bases = {body.number: _base(stored, body) for body in bodies if body.different or body.damaged}
+    bases = {
+        body.number: partial(
+            homogeneous_stress, tractions_on(stored, body.number), poisson_ratio=engines.base_of(body.loaded)[1]
+        )
+        for body in bodies
+        if body.different or body.damaged
+    }
     below, lost = stress_lines(stored, bodies, middle, bases)
     gaps += lost
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
@@ -278,24 +277,16 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     return (replace(case, sections=sections_of(stored, bodies, middle)),), tuple(gaps)
 
 
-def _base(stored: StoredStep, body: AuditedBody) -> Callable[[FloatArray], FloatArray]:
-    return partial(_homogeneous, tractions_on(stored, body.number), engines.base_of(body.loaded)[1])
-
-
-def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> FloatArray:
-    return homogeneous_stress(tractions, points, poisson_ratio)
-
-
 def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:
     """Tractions that displace along x, y and z: a contact with friction may leave some out (numerics.coupling)."""
     sheared = any(np.any(stored.surface.get(name, 0.0)) for name in ("shear_x", "shear_y"))
     coupling = stored.scene.numerics.coupling
     if stored.scene.friction is None or coupling == "full" or not sheared:
         return CAUSES["full"]
-    left = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
-    left = f"u_x by shear along y, u_y by shear along x, {left}" if coupling == "none" else left
+    missing = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
+    missing = f"u_x by shear along y, u_y by shear along x, {missing}" if coupling == "none" else missing
     reason = f'the scene leaves it out: numerics.coupling = "{coupling}"'
-    gaps.append(Gap(subject=stored.name, what=left, reason=reason))
+    gaps.append(Gap(subject=stored.name, what=missing, reason=reason))
     return CAUSES[coupling]
 
 
@@ -310,11 +301,11 @@ def _case(
     seen = [body for body in loaded if _lines_of(lines, body.number)]
     watched = [_watched(_lines_of(lines, body.number)) for body in seen]
     read = [_read_at(_lines_of(lines, body.number)) for body in seen]
-    solved = [[part for _, _, part in _asked(body, causes)] for body in seen]
+    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in seen]
     budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
-    known: Fields = {}
+    closed_form: Fields = {}
     for body in loaded:
-        known |= _known(body, lines, causes)
+        closed_form |= _known(body, lines, causes)
     return AuditCase(
         subject=stored.name,
         name=f"step-{stored.step}",
@@ -333,7 +324,7 @@ def _case(
         bodies=loaded,
         engine=engine,
         lines=lines,
-        known=known,
+        known=closed_form,
         causes=causes,
         budget=budget,
         window=stored.window.cell,
@@ -342,16 +333,16 @@ def _case(
 
 def digest(body: LoadedBody) -> str:
     """Digest of all numbers of a body; of a region, which is code, its text and what it says on points in its box."""
-    found = hashlib.sha256(f"{body.young_modulus!r} {body.poisson_ratio!r} {body.layers!r}".encode())
+    sha = hashlib.sha256(f"{body.young_modulus!r} {body.poisson_ratio!r} {body.layers!r}".encode())
     for region in body.regions:
         low, high = np.asarray(region.bounds)
         margin = 0.1 * (high - low)
         x, y, z = np.meshgrid(*(np.linspace(a, b, 41) for a, b in zip(low - margin, high + margin, strict=True)))
         inside = np.asarray(region.contains(x, y, np.maximum(z, 0.0)), dtype=bool)
-        found.update(f"{region.bounds!r} {region.young_modulus!r} {region.poisson_ratio!r}".encode())
-        found.update(region.eigenstrain.tobytes() + np.packbits(inside).tobytes())
-        found.update(inspect.getsource(type(region.contains)).encode())
-    for part in (*([body.tractions] if body.tractions else []), *body.cells):
-        for name, value in vars(part).items():
-            found.update(name.encode() + (b"" if value is None else np.ascontiguousarray(value).tobytes()))
-    return found.hexdigest()
+        sha.update(f"{region.bounds!r} {region.young_modulus!r} {region.poisson_ratio!r}".encode())
+        sha.update(region.eigenstrain.tobytes() + np.packbits(inside).tobytes())
+        sha.update(inspect.getsource(type(region.contains)).encode())
+    for arrays in (*([body.tractions] if body.tractions else []), *body.cells):
+        for name, value in vars(arrays).items():
+            sha.update(name.encode() + (b"" if value is None else np.ascontiguousarray(value).tobytes()))
+    return sha.hexdigest()

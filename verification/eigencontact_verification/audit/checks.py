@@ -1,4 +1,7 @@
-"""Checks of a stored step that need no finite elements: balance, contact, bounds, what materials remember."""
+"""Checks of a stored step without finite elements, and the gap of the contact by the displacement of the elements.
+
+The checks: balance, contact conditions, bounds of friction, history of the materials.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact_verification.audit.cases import AuditCase
 from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer
 from eigencontact_verification.crosscheck.judge import JudgedCase, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from eigencontact_verification.audit.stored import StoredStep
 
-__all__ = ["checked"]
+__all__ = ["checked", "gap_in_words"]
 
 #: A run promises its residuals to its tolerance; what follows from them may be so many times it.
 _MARGIN = 10.0
@@ -25,7 +29,7 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Checks(Case):
-    """Stands for the checks in a report; nothing is solved."""
+    """Case of the checks in a report; nothing is solved."""
 
     def __post_init__(self) -> None:
         """Without profiles."""
@@ -45,10 +49,10 @@ def checked(stored: StoredStep) -> JudgedCase:
     rows = tuple(
         Row(
             subject=stored.name, case=name, profile=profile, quantity="check", component=component,
-            word="agrees" if found <= allowed else "disagrees",
-            reason=f"{found:.2g} of {allowed:.2g} allowed", difference=found, uncertainty=allowed,
+            word="agrees" if value <= allowed else "disagrees",
+            reason=f"{value:.2g} of {allowed:.2g} allowed", difference=value, uncertainty=allowed,
         )
-        for profile, component, found, allowed in _checks(stored)
+        for profile, component, value, allowed in _checks(stored)
     )  # fmt: skip
     case = _Checks(subject=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
     return JudgedCase(case=case, rows=rows, outcomes=(), judged={}, estimates={})
@@ -134,5 +138,46 @@ def _friction(stored: StoredStep, tolerance: float) -> Iterator[tuple[str, str, 
     if slipping.any():
         # body 1 slips on body 2 against the shear that acts on it: their product is less than minus their sizes by this
         power = (shear * slip).sum(axis=0)[slipping] + (size * speed)[slipping]
-        part = float(np.abs(power).max() / (size * speed)[slipping].max())
-        yield "shear is against the slip", "q", part, max(tolerance, 1e-3)
+        ratio = float(np.abs(power).max() / (size * speed)[slipping].max())
+        yield "shear is against the slip", "q", ratio, max(tolerance, 1e-3)
+
+
+def gap_in_words(stored: StoredStep, judged: Iterable[JudgedCase]) -> list[str]:
+    """Sentences with the gap that finite elements leave under the stored pressure, and the overlap beside it.
+
+    The gap of the elements is the stored one with their displacement in place of the stored one; an overlap is a gap
+    below zero.
+    """
+    if "gap" not in stored.surface or "pressure" not in stored.surface:
+        return []
+    gaps: list[tuple[float, float, bool]] = []
+    for case in judged:
+        if not isinstance(case.case, AuditCase) or case.case.subject != stored.name:
+            continue
+        for line in case.case.lines:
+            estimate = case.estimates.get(line.profile.name)
+            if line.body or estimate is None or "u_z" not in line.profile.components:
+                continue
+            column = line.profile.components.index("u_z")
+            gap = stored.surface["gap"][line.indices] + estimate.value[:, column] - line.values[:, column]
+            touching = stored.surface["pressure"][line.indices] > 0.0
+            band = estimate.uncertainty[:, column]
+            gaps += [(float(g), float(b), bool(t)) for g, b, t in zip(gap, band, touching, strict=True)]
+    if not gaps:
+        return []
+    depth = abs(stored.scalars.get("approach", 0.0))
+    inside, outside = ([(gap, band) for gap, band, touching in gaps if touching is state] for state in (True, False))
+    words = []
+    if inside:
+        largest, around = max(inside, key=lambda pair: abs(pair[0]))
+        words.append(f"largest gap where there is pressure {_length(largest, depth)}, u_FE {_length(around, depth)}")
+    if outside:
+        least, around = min(outside)
+        sentence = f"largest overlap where there is none {_length(-least, depth)}, u_FE {_length(around, depth)}"
+        words.append(sentence if least < 0.0 else "no overlap where there is no pressure")
+    return [f"{stored.name}, step {stored.step}, by finite elements under the stored tractions: {'; '.join(words)}."]
+
+
+def _length(value: float, depth: float) -> str:
+    share = f" ({100 * value / depth:.2g} % of the approach)" if np.isfinite(depth) and depth > 0.0 else ""
+    return f"{value:.3g} m{share}"

@@ -61,22 +61,23 @@ def audit_results(
         Beside that, solve each run whose contact is of revolution wholly by finite elements.
     """
     from eigencontact_verification.audit.cases import cases_of_step
-    from eigencontact_verification.audit.checks import checked
-    from eigencontact_verification.audit.closing import gap_in_words
+    from eigencontact_verification.audit.checks import checked, gap_in_words
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.audit.stored import read_step
     from eigencontact_verification.crosscheck.whole import crosscheck
+    from eigencontact_verification.reporting.files import open_folder
 
     runs = [read_step(path, step) for path in paths]
     names = [run.name for run in runs]
     if len(set(names)) != len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise ValueError(f"RESULTS must be of scenes of different names (got {twice!r} twice); audit one at a time")
-    found: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
-    found += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
+    open_folder(output, ())  # references take seconds: a folder that cannot be written is refused before
+    answers: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
+    answers += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
     return crosscheck(
-        [case for cases, _ in found for case in cases], [gap for _, gaps in found for gap in gaps], output,
+        [case for cases, _ in answers for case in cases], [gap for _, gaps in answers for gap in gaps], output,
         executor=executor, limit=limit, quick=quick, pictures=pictures, show=show,
-        beside=tuple(one for one in map(checked, runs) if one.rows), method=_METHOD,
+        beside=tuple(checks for checks in map(checked, runs) if checks.rows), method=_METHOD,
         remarks=lambda judged: [words for run in runs for words in gap_in_words(run, judged)],
     )  # fmt: skip

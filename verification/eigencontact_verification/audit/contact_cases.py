@@ -1,17 +1,28 @@
-"""Cases of whole contacts from the folders of runs, and what has none, with the reason."""
+"""Whole contacts of revolution, solved by finite elements along the loads of a run, against the stored results."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
-from eigencontact_verification.audit.contact_case import ContactCase
-from eigencontact_verification.audit.contact_lines import contact_lines, read_contact
-from eigencontact_verification.audit.contact_model import junctions
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.audit.bodies import NotJudged
+from eigencontact_verification.audit.cases import RunCase
+from eigencontact_verification.audit.contact_lines import ContactLine, contact_lines, read_contact
+from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
-from eigencontact_verification.audit.shapes import NotJudged
-from eigencontact_verification.crosscheck.case import Gap
+from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.fem.yielding import solve_indentation
 
-__all__ = ["contact_cases_of"]
+if TYPE_CHECKING:
+    from eigencontact_verification.fem.yielding import IndentationSolution
+
+__all__ = ["ContactCase", "contact_cases_of"]
+
+FloatArray = NDArray[np.float64]
 
 #: Divisions of the undivided mesh by level; its size in contact radii.
 _DIVISIONS, _QUICK, _REACH = (3, 6, 12), (2, 4, 8), 40.0
@@ -25,6 +36,73 @@ _YIELDING, _SLOWER, _PRESSED, _FEWER, _FEW = 8.0, 1.5, 1.25, (2, 4, 8), (1, 2, 4
 _EDGE = 4.0
 #: Elements of the undivided mesh to the thickness of a layer or the semi-axis of an inclusion, and least size of all.
 _PARTS, _SMALLEST = 1.0, 0.25
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactCase(RunCase):
+    """Stored values of a run of revolution against finite elements with a contact algorithm of their own.
+
+    Both take the same load steps, by backward Euler: what they share of its error is not judged. `parameters` are those
+    of `contact_scene.ContactScene.numbers`, with ``loads`` [N], ``mesh``, and ``divisions`` of its elements by level.
+
+    Parameters
+    ----------
+    lines : tuple of ContactLine
+        Their profiles are `profiles`.
+    """
+
+    lines: tuple[ContactLine, ...]
+
+    code: ClassVar[tuple[str, ...]] = (
+        "eigencontact_verification.audit.contact_model",
+        "eigencontact_verification.crosscheck.plasticity:point_law",
+        "eigencontact_verification.crosscheck.plasticity:_curve",
+        f"{__name__}:ContactCase.reference",
+        f"{__name__}:_read",
+    )
+    method: ClassVar[str] = "finite elements with a contact of their own"
+
+    def reference(self, level: Level, outer: Outer) -> Fields:
+        """Values of the elements at the points of every line."""
+        model = contact_model(self.parameters, self.parameters["divisions"][level], outer)
+        solution = solve_indentation(model, self.parameters["loads"])
+        return {line.profile.name: _read(solution, line, self.parameters["mesh"]["radius"]) for line in self.lines}
+
+    def judged(self) -> Fields:
+        """Stored values, with their own error."""
+        fields: Fields = {}
+        for line in self.lines:
+            fields[line.profile.name] = line.values
+            if np.any(line.own):
+                fields[own_error(line.profile.name)] = line.own
+        return fields
+
+    @property
+    def words(self) -> str:
+        """Title of the figures: scene and methods."""
+        return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
+
+
+def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:
+    """Values (n, components) of a line; radii in the widest of the run."""
+    if line.kind == "approach":
+        return np.array([[solution.moments[k].depth] for k in line.moments])
+    if line.kind == "radius":
+        return np.array([[solution.moments[k].contact_radius / widest] for k in line.moments])
+    (moment,) = line.moments
+    x, y, z = line.profile.points.T
+    r = np.hypot(x, y)
+    if line.kind == "print":
+        return np.asarray(solution.surface_displacement(r, moment)[:, None])
+    if line.kind == "pressure":
+        s, p = solution.surface.r**2, solution.moments[moment].pressure ** 2  # p² is smooth in r² to the edge
+        middle = p[0] - s[0] * (p[1] - p[0]) / (s[1] - s[0])
+        root = np.sqrt(np.interp(r**2, np.insert(s, 0, 0.0), np.insert(p, 0, max(middle, 0.0))))
+        return np.asarray(-root[:, None])
+    rr, tt, zz, rz = solution.stress(np.stack((r, z), axis=1), moment)
+    c, s = np.where(r > 0, x / np.where(r > 0, r, 1.0), 1.0), np.where(r > 0, y / np.where(r > 0, r, 1.0), 0.0)
+    columns = {"s_xx": c * c * rr + s * s * tt, "s_yy": s * s * rr + c * c * tt, "s_zz": zz, "s_xz": c * rz}
+    return np.stack([columns[name] for name in line.profile.components], axis=1)
 
 
 def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[ContactCase, ...], tuple[Gap, ...]]:
@@ -45,12 +123,12 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
     except NotJudged as problem:
         return (), (Gap(subject=name, what="whole contact", reason=str(problem)),)
     if not stored.load[: stored.straight].max(initial=0.0) > 0:
-        alone = "none of its steps has a load along the axis alone"
-        return (), (Gap(subject=name, what="whole contact", reason=alone),)
+        reason = "none of its steps has a load along the axis alone"
+        return (), (Gap(subject=name, what="whole contact", reason=reason),)
     gaps = [Gap(subject=name, what="whole contact: sides", reason=note) for note in scene.notes]
     if stored.straight < len(stored.load):
-        rest = f"step {stored.straight + 1} and those after it have shear or a moment"
-        gaps.append(Gap(subject=name, what="whole contact: later steps", reason=rest))
+        later = f"step {stored.straight + 1} and those after it have shear or a moment"
+        gaps.append(Gap(subject=name, what="whole contact: later steps", reason=later))
     a = float(stored.radius[: stored.straight].max())
     lines = contact_lines(folder, stored, scene)
     if scene.cells and not any(line.kind == "stress" for line in lines):
@@ -79,7 +157,7 @@ def _yields(scene: ContactScene) -> bool:
 
 def _flat(scene: ContactScene) -> float:
     """Radius of the flat part of a punch; 0 without [m]."""
-    return max((one.get("flat", 0.0) for one in scene.profile), default=0.0)
+    return max((body.get("flat", 0.0) for body in scene.profile), default=0.0)
 
 
 def _divisions(scene: ContactScene, *, quick: bool) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""What a run of revolution stores, as lines: approach, contact radius, pressure, print, stress near the axis.
+"""Stored values of a run of revolution along lines: approach, contact radius, pressure, print, stress near the axis.
 
 The run's own error is added to that of the elements:
 
@@ -31,11 +31,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.contact_case import ContactLine
 from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
+from eigencontact_verification.audit.lines import spread
 from eigencontact_verification.audit.stored import read_step
-from eigencontact_verification.crosscheck.case import Profile
+from eigencontact_verification.crosscheck.case import Profile, Quantity
 from eigencontact_verification.fem.loaded_body import Tractions
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from eigencontact_verification.audit.contact_scene import ContactScene
     from eigencontact_verification.audit.stored import StoredRegion
 
-__all__ = ["StoredContact", "contact_lines", "read_contact"]
+__all__ = ["ContactLine", "StoredContact", "contact_lines", "read_contact"]
 
 FloatArray = NDArray[np.float64]
 
@@ -56,8 +56,39 @@ _MARGIN = 0.1
 _POINTS = 40
 #: Part of the second difference by which a mean over a cell may differ from the value in its middle.
 _MEAN = 1 / 8
+#: Quantity, label of the abscissa, components and unit by kind of line. A radius is no displacement of the field.
+_PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
+    "approach": ("displacement", "step [1]", ("u_z",), "m"),
+    "radius": ("strain", "step [1]", ("a",), "largest a"),
+    "pressure": ("stress", "x [m]", ("s_zz",), "Pa"),
+    "print": ("displacement", "x [m]", ("u_z",), "m"),
+    "stress": ("stress", "z [m]", ("s_xx", "s_zz"), "Pa"),
+}
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactLine:
+    """Stored values along one line.
+
+    Attributes
+    ----------
+    profile : Profile
+        ``along`` of lines over load steps is the number of the step.
+    kind : str
+        ``"approach"``, ``"radius"``, ``"pressure"``, ``"print"`` or ``"stress"``.
+    moments : tuple of int
+        Load steps, from 0: of every point, or one for all.
+    values, own : (n, components) float64
+        Stored values and their numerical error.
+    """
+
+    profile: Profile
+    kind: str
+    moments: tuple[int, ...]
+    values: FloatArray
+    own: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,15 +136,15 @@ class StoredContact:
 def read_contact(path: str | Path) -> StoredContact:
     """Read what a run stores over its steps."""
     from eigencontact.results.reader import open_results
-    from eigencontact_verification.audit.shapes import NotJudged
+    from eigencontact_verification.audit.bodies import NotJudged
 
     with open_results(path) as data:
-        found: dict[str, Any] = {
+        arrays: dict[str, Any] = {
             str(name): np.asarray(field.values, dtype=float)
             for name, field in data.variables.items()
             if field.attrs.get("role") in ("scalar", "field")
         }
-        if "pressure" not in found:
+        if "pressure" not in arrays:
             raise NotJudged("it has no contact")
         x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
         size = np.asarray(data.attrs["cell_size"], dtype=float)
@@ -124,28 +155,28 @@ def read_contact(path: str | Path) -> StoredContact:
                 pitch = max([pitch, *(float(np.diff(line).max()) for line in lines if line.size > 1)])
                 middles = lines[2]
         text, name = str(data.attrs["scene"]), str(data.attrs["name"])
-    count = len(found["normal_load"])
-    scale = max(float(found["normal_load"].max()), 1e-300) * max(float(found["contact_radius"].max()), 1e-300)
+    count = len(arrays["normal_load"])
+    scale = max(float(arrays["normal_load"].max()), 1e-300) * max(float(arrays["contact_radius"].max()), 1e-300)
     bent = np.zeros(count, dtype=bool)
     for key in ("moment_x", "moment_y"):
-        bent |= np.abs(found.get(key, np.zeros(count))) > 1e-4 * scale
+        bent |= np.abs(arrays.get(key, np.zeros(count))) > 1e-4 * scale
     for key in ("shear_x", "shear_y"):
-        if key in found:
-            bent |= np.abs(found[key]).reshape(count, -1).max(axis=1) > 0
-    counted = np.sqrt(found["contact_area_counted"] / np.pi)
+        if key in arrays:
+            bent |= np.abs(arrays[key]).reshape(count, -1).max(axis=1) > 0
+    counted = np.sqrt(arrays["contact_area_counted"] / np.pi)
     return StoredContact(
         name=name,
         text=text,
-        load=found["normal_load"],
-        approach=found["approach"],
-        radius=found["contact_radius"],
-        correction=np.abs(counted - found["contact_radius"]),
+        load=arrays["normal_load"],
+        approach=arrays["approach"],
+        radius=arrays["contact_radius"],
+        correction=np.abs(counted - arrays["contact_radius"]),
         straight=int(np.argmax(bent)) if np.any(bent) else count,
         x=x,
         y=y,
-        pressure=found["pressure"],
-        residual=found.get("residual_displacement_z"),
-        homogeneous=found.get("homogeneous_pressure"),
+        pressure=arrays["pressure"],
+        residual=arrays.get("residual_displacement_z"),
+        homogeneous=arrays.get("homogeneous_pressure"),
         cell=float(size.max()),
         pitch=pitch,
         middles=middles,
@@ -170,34 +201,33 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     corner = float(Heights(bodies=tuple(scene.profile))(np.array([stored.cell / np.sqrt(2)]))[0])
     open_rim = np.array([pliancy(scene.profile, b) * stored.cell**2 / (8 * b) if b > 0 else corner for b in a])
     number = np.arange(1.0, len(steps) + 1)
-    lines = [
-        _line("approach", "approach", number, d, np.maximum(share * np.abs(d), open_rim) + moved, tuple(steps)),
-    ]
+    nowhere = np.zeros((len(steps), 3))
+    error = np.maximum(share * np.abs(d), open_rim) + moved
+    lines = [_line("approach", "approach", nowhere, number, d, error, tuple(steps))]
     wide = np.flatnonzero(a > _WIDE * a.max())
-    parts = a[wide] / a.max(), stored.correction[wide] / a.max()
-    lines.append(_line("contact radius", "radius", number[wide], *parts, tuple(int(k) for k in wide)))
+    radii, error = a[wide] / a.max(), stored.correction[wide] / a.max()
+    moments = tuple(int(k) for k in wide)
+    lines.append(_line("radius", "contact radius", nowhere[wide], number[wide], radii, error, moments))
     inside = right & (r < _INNER * a[peak])
     p = stored.pressure[peak, row]
-    own = _bend(p)
+    error = _bend(p)
     if h and stored.homogeneous is not None:
-        own = own + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
+        error = error + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
     if not scene.cut:
-        own = np.maximum(own, 0.5 * own[inside].max())
-    bend = float(np.median(own[inside]))
-    where = f"pressure, step {peak + 1}"
-    lines.append(_surface(where, "pressure", stored, row, inside, -p, own, peak))
+        error = np.maximum(error, 0.5 * error[inside].max())
+    bend = float(np.median(error[inside]))
+    lines.append(_surface("pressure", stored, row, inside, -p, error, peak))
     if stored.load[last] == 0.0 and stored.residual is not None:
         u = stored.residual[last, row]
         near = right & (r < _AWAY * a.max())
-        own = 0.5 * h * np.abs(np.gradient(u, stored.x))
-        lines.append(
-            _surface(
-                f"print, step {last + 1}", "print", stored, row, near, u, np.maximum(own, 0.5 * own[near].max()), last
-            )
-        )
+        error = 0.5 * h * np.abs(np.gradient(u, stored.x))
+        error = np.maximum(error, 0.5 * error[near].max())
+        lines.append(_surface("print", stored, row, near, u, error, last))
     for step in dict.fromkeys((peak, last)):
-        kept = read_step(path, step + 1)
-        region = next((found for one in kept.regions if one.body == scene.number if (found := _column(one))), None)
+        step_data = read_step(path, step + 1)
+        region = next(
+            (column for stress in step_data.regions if stress.body == scene.number if (column := _column(stress))), None
+        )
         if region is not None:
             name = f"stress on the axis, step {step + 1}"
             under = bend if stored.load[step] > 0 else 0.0
@@ -222,42 +252,34 @@ def _change(values: FloatArray, along: FloatArray, h: float, *, cut: bool) -> Fl
 
 
 def _bend(p: FloatArray) -> FloatArray:
-    """What a mean over a cell differs by from its middle, the largest of three neighbours."""
+    """Difference between the mean over a cell and the value in its middle, the largest of three neighbours."""
     second = _MEAN * np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
 
 
 def _line(
-    name: str, kind: str, number: FloatArray, values: FloatArray, own: FloatArray, moments: tuple[int, ...]
-) -> ContactLine:
-    points = np.zeros((len(number), 3))
-    away = kind == "approach"  # a radius has no part in the field of displacement
+    kind: str, name: str, points: FloatArray, along: FloatArray, values: FloatArray, error: FloatArray,
+    moments: tuple[int, ...],
+) -> ContactLine:  # fmt: skip
+    quantity, label, components, unit = _PROFILES[kind]
     profile = Profile(
-        name=name, quantity="displacement" if away else "strain", points=points, along=number, label="step [1]",
-        components=("u_z" if away else "a",), unit="m" if away else "largest a",
-    )  # fmt: skip
-    return ContactLine(profile=profile, kind=kind, moments=moments, values=values[:, None], own=own[:, None])
+        name=name, quantity=quantity, points=points, along=along, label=label, components=components, unit=unit
+    )
+    table = along.size, len(components)
+    return ContactLine(
+        profile=profile, kind=kind, moments=moments, values=values.reshape(table), own=error.reshape(table)
+    )
 
 
 def _surface(
-    name: str, kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray,
-    own: FloatArray, step: int,
+    kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray, error: FloatArray,
+    step: int,
 ) -> ContactLine:  # fmt: skip
-    chosen = _thinned(np.flatnonzero(which))
+    """Line along x on the surface."""
+    chosen = spread(np.flatnonzero(which), _POINTS)
     x = stored.x[chosen]
     points = np.stack([x, np.full_like(x, stored.y[row]), 0 * x], axis=1)
-    stress = kind == "pressure"
-    profile = Profile(
-        name=name, quantity="stress" if stress else "displacement", points=points, along=x, label="x [m]",
-        components=("s_zz" if stress else "u_z",), unit="Pa" if stress else "m",
-    )  # fmt: skip
-    return ContactLine(profile=profile, kind=kind, moments=(step,), values=values[chosen, None], own=own[chosen, None])
-
-
-def _thinned(index: NDArray[np.int64]) -> NDArray[np.int64]:
-    if index.size <= _POINTS:
-        return index
-    return np.asarray(index[np.unique(np.linspace(0, index.size - 1, _POINTS).round().astype(int))])
+    return _line(kind, f"{kind}, step {step + 1}", points, x, values[chosen], error[chosen], (step,))
 
 
 def _column(region: StoredRegion) -> tuple[FloatArray, FloatArray] | None:
@@ -292,18 +314,14 @@ def _stress(
         inside = (z > stored.middles[0] - 0.6 * h) & (z < stored.middles[-1] + 0.6 * h)
         nearest = np.abs(z[:, None] - stored.middles).min(axis=1) < 0.1 * h
         good &= nearest | ~inside
-    chosen = _thinned(np.flatnonzero(good))
+    chosen = spread(np.flatnonzero(good), _POINTS)
     if chosen.size < 5:
         return None
     columns = [0, 2]
     values = stress[:, columns]
-    own = np.full_like(values, under)
+    error = np.full_like(values, under)
     if h:
         caused = values - _homogeneous(stored, scene, points, step)[:, columns]
-        own += _change(caused, z, h, cut=scene.cut)
-        own = np.maximum(own, 0.5 * own[chosen].max(axis=0 if scene.cut else None))
-    profile = Profile(
-        name=name, quantity="stress", points=points[chosen], along=z[chosen], label="z [m]",
-        components=("s_xx", "s_zz"), unit="Pa",
-    )  # fmt: skip
-    return ContactLine(profile=profile, kind="stress", moments=(step,), values=values[chosen], own=own[chosen])
+        error += _change(caused, z, h, cut=scene.cut)
+        error = np.maximum(error, 0.5 * error[chosen].max(axis=0 if scene.cut else None))
+    return _line("stress", name, points[chosen], z[chosen], values[chosen], error[chosen], (step,))

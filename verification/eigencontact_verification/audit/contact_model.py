@@ -31,30 +31,30 @@ class Heights:
 
     def __call__(self, r: FloatArray) -> FloatArray:
         """Height at radii (n,)."""
-        return np.asarray(sum(_height(one, np.asarray(r, dtype=float)) for one in self.bodies))
+        return np.asarray(sum(_height(body, np.asarray(r, dtype=float)) for body in self.bodies))
 
 
-def _height(one: Mapping[str, Any], r: FloatArray) -> FloatArray:
-    R = one["radius"]
-    if one["kind"] == "parabola":
+def _height(body: Mapping[str, Any], r: FloatArray) -> FloatArray:
+    R = body["radius"]
+    if body["kind"] == "parabola":
         return np.asarray(r**2 / (2 * R))
-    if one["kind"] == "circle":
+    if body["kind"] == "circle":
         return np.asarray(R - np.sqrt(np.maximum(R * R - r * r, 0.0)))
-    if one["kind"] == "punch":
-        return np.where(r > one["flat"], (r - one["flat"]) ** 2 / (2 * R), 0.0)
-    slope = 1 / np.tan(one["half_angle"])
+    if body["kind"] == "punch":
+        return np.where(r > body["flat"], (r - body["flat"]) ** 2 / (2 * R), 0.0)
+    slope = 1 / np.tan(body["half_angle"])
     return np.asarray(np.where(r < R * slope, r**2 / (2 * R), slope * (r - R * slope) + 0.5 * R * slope**2))
 
 
 def junctions(profile: Sequence[Mapping[str, Any]]) -> tuple[float, ...]:
     """Radii at which a profile changes its form."""
-    found = []
-    for one in profile:
-        if one["kind"] == "punch" and one["flat"] > 0:
-            found.append(float(one["flat"]))
-        if one["kind"] == "cone":
-            found.append(float(one["radius"] / np.tan(one["half_angle"])))
-    return tuple(found)
+    radii = []
+    for body in profile:
+        if body["kind"] == "punch" and body["flat"] > 0:
+            radii.append(float(body["flat"]))
+        if body["kind"] == "cone":
+            radii.append(float(body["radius"] / np.tan(body["half_angle"])))
+    return tuple(radii)
 
 
 def pliancy(profile: Sequence[Mapping[str, Any]], a: float) -> float:
@@ -73,19 +73,19 @@ def pliancy(profile: Sequence[Mapping[str, Any]], a: float) -> float:
     return (approach(a + small) - approach(a - small)) / (2 * small)
 
 
-def contact_model(given: Mapping[str, Any], divisions: int, outer: Outer) -> Indentation:
+def contact_model(parameters: Mapping[str, Any], divisions: int, outer: Outer) -> Indentation:
     """Model of the parameters of a case; ``mesh`` in them has fine, extent, inner, deep, reach and growth."""
-    mesh = given["mesh"]
-    heights = Heights(bodies=tuple(given["profile"]))
-    E, nu, law = given["young_modulus"], given["poisson_ratio"], given["law"]
+    mesh = parameters["mesh"]
+    heights = Heights(bodies=tuple(parameters["profile"]))
+    E, nu, law = parameters["young_modulus"], parameters["poisson_ratio"], parameters["law"]
     a = mesh["radius"]
     regions = []
     top = 0.0
-    for layer in given["layers"]:
+    for layer in parameters["layers"]:
         bottom = top + layer["thickness"]
         regions.append(_region({"kind": "layer", "top": top, "bottom": bottom, **layer}, mesh["reach"]))
         top = bottom
-    regions += [_region(one, mesh["reach"]) for one in given["regions"]]
+    regions += [_region(region, mesh["reach"]) for region in parameters["regions"]]
     return Indentation(
         young_modulus=E,
         poisson_ratio=nu,
@@ -101,25 +101,25 @@ def contact_model(given: Mapping[str, Any], divisions: int, outer: Outer) -> Ind
         growth=mesh["growth"],
         outer=outer,
         divisions=divisions,
-        lines=tuple(r for r in junctions(given["profile"]) if r < mesh["extent"]),
+        lines=tuple(r for r in junctions(parameters["profile"]) if r < mesh["extent"]),
     )
 
 
-def _region(given: Mapping[str, Any], reach: float) -> YieldingRegion:
-    young, nu, law = given.get("young_modulus"), given.get("poisson_ratio"), given.get("law")
-    e_r, e_z = given.get("eigenstrain", (0.0, 0.0))
-    own = None if law is None else point_law(law, young or 0.0, nu or 0.0)
-    common: dict[str, Any] = {"young_modulus": young, "poisson_ratio": nu, "law": own, "eigenstrain": (e_r, e_z)}
-    if given["kind"] == "ellipsoid":
-        radius, height = given["radius"], given["height"]
-        depth = max(given["depth"], height * (1 + _LEAST_ROOF))
+def _region(region: Mapping[str, Any], reach: float) -> YieldingRegion:
+    young, nu, law = region.get("young_modulus"), region.get("poisson_ratio"), region.get("law")
+    e_r, e_z = region.get("eigenstrain", (0.0, 0.0))
+    point = None if law is None else point_law(law, young or 0.0, nu or 0.0)
+    common: dict[str, Any] = {"young_modulus": young, "poisson_ratio": nu, "law": point, "eigenstrain": (e_r, e_z)}
+    if region["kind"] == "ellipsoid":
+        radius, height = region["radius"], region["height"]
+        depth = max(region["depth"], height * (1 + _LEAST_ROOF))
 
         def inside(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
             return np.asarray((r / radius) ** 2 + ((z - depth) / height) ** 2 < 1.0)
 
         bounds = ((0.0, depth - height), (radius, depth + height))
         return YieldingRegion(contains=inside, bounds=bounds, fitted=True, **common)
-    top, bottom, radius = given["top"], given["bottom"], given.get("radius", reach)
+    top, bottom, radius = region["top"], region["bottom"], region.get("radius", reach)
 
     def within(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         return np.asarray((r <= radius) & (z > top) & (z < bottom))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.shapes import NotJudged, moduli_of
+from eigencontact_verification.audit.bodies import NotJudged, moduli_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -95,13 +95,13 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
     _refuse(scene)
     registry = scene.known_plugins()
     solids = bodies_of(scene, registry)
-    (number, solid), *others = [(k, one) for k, one in enumerate(solids, 1) if one is not None]
+    (number, solid), *others = [(k, elastic) for k, elastic in enumerate(solids, 1) if elastic is not None]
     if others:
         raise NotJudged("both bodies are elastic, and the elements press a rigid one")
     material: Any = getattr(solid, "deep_material", solid)
     if material.poisson_ratio > _INCOMPRESSIBLE:
         raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, and the elements need less than 0.5")
-    deep: list[Any] = [getattr(one, "deep_material", one) for one in solids]
+    deep: list[Any] = [getattr(elastic, "deep_material", elastic) for elastic in solids]
     if scene.eigenstrain:
         raise NotJudged("a patch of eigenstrain has corners")
     prescribed, different = build_sources(scene, registry, None, deep)
@@ -149,9 +149,9 @@ def _refuse(scene: Any) -> None:
 
 def _plain(component: Any) -> dict[str, Any]:
     """Fields of a component with its key as ``type``."""
-    found = {field.name: getattr(component, field.name) for field in fields(component)}
-    found = {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
-    return {"type": component.key, **{name: value for name, value in found.items() if value is not None}}
+    table = {field.name: getattr(component, field.name) for field in fields(component)}
+    table = {name: list(value) if isinstance(value, tuple) else value for name, value in table.items()}
+    return {"type": component.key, **{name: value for name, value in table.items() if value is not None}}
 
 
 def _law(law: Any, young_modulus: float) -> dict[str, Any] | None:
@@ -160,11 +160,11 @@ def _law(law: Any, young_modulus: float) -> dict[str, Any] | None:
         return None
     if law.key != "j2":
         raise NotJudged(f"the elements have no law {law.key!r}")
-    table: dict[str, Any] = {"hardening": [_plain(one) for one in law.hardening], "yield_on": law.yield_on}
-    for one in table["hardening"]:
-        if "tangent_modulus" in one:
-            slope = one.pop("tangent_modulus")
-            one["modulus"] = young_modulus * slope / (young_modulus - slope)
+    table: dict[str, Any] = {"hardening": [_plain(hardening) for hardening in law.hardening], "yield_on": law.yield_on}
+    for hardening in table["hardening"]:
+        if "tangent_modulus" in hardening:
+            slope = hardening.pop("tangent_modulus")
+            hardening["modulus"] = young_modulus * slope / (young_modulus - slope)
     if law.damage is not None:
         damage = _plain(law.damage)
         if damage["type"] != "exponential":
@@ -189,10 +189,10 @@ def _layers(solid: Any) -> list[dict[str, float]]:
     if not hasattr(solid, "interfaces"):
         return []
     depths = [0.0, *solid.interfaces]
-    found = []
+    layers = []
     for top, bottom in pairwise(depths):
         made = solid.material_at(top)
-        found.append(
+        layers.append(
             {
                 "thickness": bottom - top,
                 "young_modulus": made.young_modulus,
@@ -201,7 +201,7 @@ def _layers(solid: Any) -> list[dict[str, float]]:
         )
         if solid.material_at(0.5 * (top + bottom)) != made:
             raise NotJudged("the constants of a layer change with depth")
-    return found
+    return layers
 
 
 def _place(shape: Any, name: str, contact_radius: float, notes: list[str]) -> dict[str, Any]:
@@ -233,13 +233,13 @@ def _of_revolution(name: str, mandel: FloatArray) -> list[float]:
 def _profile(registry: Any, table: Mapping[str, Any], contact_radius: float) -> dict[str, Any]:
     from eigencontact.scene.components import build_component
 
-    one = build_component(registry, "geometry", table, "geometry")
-    if max(abs(v) for v in getattr(one, "center", (0.0, 0.0))) > _CENTRED * contact_radius:
-        raise NotJudged(f"the geometry {one.key!r} is not on the axis")
-    if one.key == "sphere":
-        return {"kind": one.profile, "radius": one.radius}
-    if one.key == "rounded-punch":
-        return {"kind": "punch", "flat": one.flat_radius, "radius": one.edge_radius}
-    if one.key == "rounded-cone":
-        return {"kind": "cone", "half_angle": one.half_angle, "radius": one.tip_radius}
-    raise NotJudged(f"the geometry {one.key!r} is not one of revolution that the elements have")
+    geometry = build_component(registry, "geometry", table, "geometry")
+    if max(abs(v) for v in getattr(geometry, "center", (0.0, 0.0))) > _CENTRED * contact_radius:
+        raise NotJudged(f"the geometry {geometry.key!r} is not on the axis")
+    if geometry.key == "sphere":
+        return {"kind": geometry.profile, "radius": geometry.radius}
+    if geometry.key == "rounded-punch":
+        return {"kind": "punch", "flat": geometry.flat_radius, "radius": geometry.edge_radius}
+    if geometry.key == "rounded-cone":
+        return {"kind": "cone", "half_angle": geometry.half_angle, "radius": geometry.tip_radius}
+    raise NotJudged(f"the geometry {geometry.key!r} is not one of revolution that the elements have")

@@ -1,22 +1,24 @@
-"""Which finite elements solve a body, and what they are asked: of revolution where it is, else of three dimensions.
+"""Finite elements of a body: of revolution where it is of revolution, else of three dimensions; and their loads.
 
-Where a homogeneous half-space carries the tractions, its field is known in closed form (`homogeneous`). Elements are
-then asked what layers, inclusions, damage and eigenstrain change of it: the field with them less the field without on
-the same mesh, so that the error of the load drops out, the kink beside a jump of the tractions with it; of eigenstrain
-alone the field without load. Under layers the half-space is all of the material of the uppermost. A homogeneous body
-has nothing to change: there elements get the tractions, smoothed (`loads`).
+The field of tractions on a homogeneous half-space is known in closed form (`homogeneous`). Elements compute the change
+of this field by layers, inclusions, damage and eigenstrain: the field with them less the field without them on the same
+mesh. The error of the load and the kink beside a jump of the tractions then cancel. For eigenstrain alone the elements
+have no load. Below layers the half-space is of the material of the uppermost layer.
+
+A homogeneous body has no such change; its elements carry the tractions. No mesh knows the field beside a jump of the
+tractions to the accuracy of its three sizes, unless one of its lines lies there; rough surfaces and worn edges are full
+of jumps. So the elements carry smoothed tractions, means over a part of the loaded area. The field of the difference is
+known in closed form.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.loads import less, smoothed
 from eigencontact_verification.crosscheck.case import Level, Outer
 from eigencontact_verification.fem.loaded_body import LoadedBody, Tractions
 from eigencontact_verification.fem.loaded_parity import parities
@@ -25,17 +27,15 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "Engine", "asked", "base_of", "budget_for", "engine_for", "known_tractions", "ratio_for", "solve_body",
-    "without_load",
+    "CAUSES", "Effect", "Engine", "alone", "asked", "base_of", "budget_for", "effects", "engine_for", "known_tractions",
+    "less", "ratio_for", "smoothed", "solve_body", "without_load",
 ]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
 Engine = Literal["revolution", "solid"]
+#: Tractions, and the components of displacement that they cause.
+Effect = tuple[str, tuple[str, ...]]
 
-_MODULES: dict[Engine, str] = {
-    "revolution": "eigencontact_verification.fem.loaded_revolution",
-    "solid": "eigencontact_verification.fem.loaded_solid",
-}
 #: Unknowns of the fine mesh in three dimensions: quick (a quarter has 27 elements each way), and else.
 _BUDGETS = (510_000, 1_200_000)
 #: Where the mesh follows small cells: quick, and else. A million take 1.9 GB, and the medium mesh has an eighth.
@@ -48,6 +48,12 @@ _FOLLOWING = (2_000_000, 2_800_000)
 _REACHES = (8.0, 16.0, 32.0, 64.0)
 #: What is left of all contrasts where a body stands for the matrix alone: its symmetry, and so its mesh, stay the same.
 _TRACE = 1e-9
+#: Tractions that displace along x, y and z in the bodies of a contact with friction, by numerics.coupling.
+CAUSES = {
+    "none": ("x", "y", "z"), "partial": ("xy", "xy", "z"), "one-way": ("xyz", "xyz", "z"), "full": ("xyz",) * 3
+}  # fmt: skip
+#: Reach of the weights of a mean to either side, in half widths of what is loaded.
+_SPREAD = 0.5
 
 
 def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
@@ -59,7 +65,8 @@ def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
     """
     if any(body.cells or not body.regions or (body.tractions and body.layers) for body in bodies):
         return "solid"
-    of_revolution = import_module(_MODULES["revolution"]).of_revolution
+    from eigencontact_verification.fem.revolution import of_revolution
+
     return "revolution" if all(of_revolution(body) is not None for body in bodies) else "solid"
 
 
@@ -79,7 +86,7 @@ def known_tractions(body: LoadedBody) -> Tractions | None:
 
 
 def _is_split(body: LoadedBody) -> bool:
-    """Whether the elements are asked for the change of a field that is known."""
+    """Whether the elements compute only the change of the field of the tractions."""
     return bool(body.tractions is not None and (body.regions or body.cells or body.layers))
 
 
@@ -95,12 +102,12 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
         return []
     if not _is_split(body):
         carried = None if body.tractions is None else smoothed(body.tractions)
-        return [(1.0, part) for part in parities(replace(body, tractions=carried))]
+        return [(1.0, parity) for parity in parities(replace(body, tractions=carried))]
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
     if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
-        return [] if without_load(unloaded) else [(1.0, part) for part in parities(unloaded)]
-    return [one for part in parities(body) for one in ((1.0, part), (-1.0, _matrix(part)))]
+        return [] if without_load(unloaded) else [(1.0, parity) for parity in parities(unloaded)]
+    return [signed for parity in parities(body) for signed in ((1.0, parity), (-1.0, _matrix(parity)))]
 
 
 def _matrix(body: LoadedBody) -> LoadedBody:
@@ -117,11 +124,11 @@ def _matrix(body: LoadedBody) -> LoadedBody:
     )
     cells = tuple(
         replace(
-            one,
-            eigenstrain=_TRACE * one.eigenstrain,
-            kept=None if one.kept is None else 1.0 - _TRACE * (1.0 - one.kept),
+            block,
+            eigenstrain=_TRACE * block.eigenstrain,
+            kept=None if block.kept is None else 1.0 - _TRACE * (1.0 - block.kept),
         )
-        for one in body.cells
+        for block in body.cells
     )
     layers = tuple(replace(layer, young_modulus=young, poisson_ratio=nu) for layer in body.layers)
     return replace(body, young_modulus=young, poisson_ratio=nu, layers=layers, regions=regions, cells=cells)
@@ -157,10 +164,10 @@ def budget_for(
     least, most = _BUDGETS if ratio == RATIO else _FOLLOWING
     chosen = least if quick else most
     for parts, points, inner in zip(bodies, watched, read, strict=True):
-        for one in parts:
-            centre = centred(one)
+        for body in parts:
+            centre = centred(body)
             far = float(np.abs(points - centre.origin).max(initial=0.0))
-            reach = max(reach_of(centre.body, _reaches(one)), 1.25 * far)
+            reach = max(reach_of(centre.body, _reaches(body)), 1.25 * far)
             near = inner - centre.origin
             for budget in (chosen, most):
                 try:
@@ -190,9 +197,13 @@ def solve_body(
 ) -> Any:  # fmt: skip
     """Solution with ``displacement`` at the points that are watched and ``stress`` at those where it is read."""
     settings: dict[str, Any] = {"level": level, "outer": outer, "watched": watched}
-    if engine == "solid":
-        settings |= {"budget": budget, "reaches": _reaches(body), "ratio": ratio, "read": read}
-    return import_module(_MODULES[engine]).solve_loaded(body, **settings)
+    if engine == "revolution":
+        from eigencontact_verification.fem import loaded_revolution
+
+        return loaded_revolution.solve_loaded(body, **settings)
+    from eigencontact_verification.fem import loaded_solid
+
+    return loaded_solid.solve_loaded(body, **settings, budget=budget, reaches=_reaches(body), ratio=ratio, read=read)
 
 
 def without_load(body: LoadedBody) -> bool:
@@ -200,3 +211,65 @@ def without_load(body: LoadedBody) -> bool:
     strained = any(np.any(region.eigenstrain) for region in body.regions)
     remembered = any(np.any(cells.eigenstrain) for cells in body.cells)
     return not (strained or remembered or (body.tractions is not None and np.any(body.tractions.values)))
+
+
+# --- loads ------------------------------------------------------------------------------------------------------------
+
+
+def effects(causes: tuple[str, ...]) -> tuple[Effect, ...]:
+    """Kinds of tractions with the components that they displace.
+
+    Examples
+    --------
+    >>> effects(CAUSES["partial"])
+    (('xy', ('u_x', 'u_y')), ('z', ('u_z',)))
+    >>> effects(CAUSES["full"])
+    (('xyz', ('u_x', 'u_y', 'u_z')),)
+    """
+    components: dict[tuple[str, ...], str] = {}
+    for kind in "xyz":
+        moved = tuple(f"u_{axis}" for axis, by in zip("xyz", causes, strict=True) if kind in by)
+        components[moved] = components.get(moved, "") + kind
+    return tuple((kinds, moved) for moved, kinds in components.items())
+
+
+def alone(body: LoadedBody, kinds: str) -> LoadedBody:
+    """A body under some kinds of its tractions."""
+    if body.tractions is None:
+        return body
+    values = np.isin(list("xyz"), list(kinds))[:, None, None] * body.tractions.values
+    return replace(body, tractions=replace(body.tractions, values=values) if np.any(values) else None)
+
+
+def smoothed(tractions: Tractions) -> Tractions:
+    """Means of tractions over half of what is loaded, along x and along y, weighted as a raised cosine.
+
+    The force stays. Cells, which have one size, are added around: the means reach beyond what is loaded.
+
+    Examples
+    --------
+    >>> edges = np.arange(17.0)
+    >>> push = np.ones((3, 16, 16))
+    >>> found = smoothed(Tractions(x=edges, y=edges, values=push))
+    >>> found.values.shape, found.force.round(9).tolist()
+    ((3, 24, 24), [256.0, 256.0, 256.0])
+    """
+    values, lines = tractions.values, []
+    for axis, edges in ((2, tractions.x), (1, tractions.y)):
+        size = (edges[-1] - edges[0]) / (edges.size - 1)
+        reach = int(_SPREAD * 0.5 * (edges.size - 1))
+        lines.append(edges[0] + size * np.arange(-reach, edges.size + reach))
+        weights = 1.0 + np.cos(np.pi * np.arange(-reach, reach + 1) / (reach + 1))
+        weights /= weights.sum()
+        values = np.apply_along_axis(np.convolve, axis, values, weights)
+    return Tractions(x=lines[0], y=lines[1], values=values)
+
+
+def less(tractions: Tractions, smooth: Tractions) -> Tractions:
+    """Tractions less others, on the cells of the others, which are those of the first and some around."""
+    values = -smooth.values
+    rows, columns = (
+        (wide.size - narrow.size) // 2 for wide, narrow in ((smooth.y, tractions.y), (smooth.x, tractions.x))
+    )
+    values[:, rows : values.shape[1] - rows, columns : values.shape[2] - columns] += tractions.values
+    return replace(smooth, values=values)

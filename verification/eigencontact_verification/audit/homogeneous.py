@@ -39,9 +39,9 @@ def _forces(tractions: Tractions) -> tuple[FloatArray, FloatArray, FloatArray, F
 
 def homogeneous_stress(tractions: Tractions | None, points: FloatArray, poisson_ratio: float) -> FloatArray:
     """Stress ``(n, 6)`` (xx, yy, zz, yz, xz, xy) [Pa] at points ``(n, 3)`` below the surface."""
-    found = np.zeros((len(points), 6))
+    stress = np.zeros((len(points), 6))
     if tractions is None:
-        return found
+        return stress
     x, y, forces, *_ = _forces(tractions)
     step = max(1, _CHUNK // max(x.size, 1))
     for start in range(0, len(points), step):
@@ -49,17 +49,17 @@ def homogeneous_stress(tractions: Tractions | None, points: FloatArray, poisson_
         place = at[:, :1] - x, at[:, 1:2] - y, np.broadcast_to(at[:, 2:], (len(at), x.size))
         for load, force in zip(_LOADS, forces, strict=True):
             if np.any(force):
-                found[start : start + step] += (point_force(load, *place, poisson_ratio)[3:] @ force).T
-    return found
+                stress[start : start + step] += (point_force(load, *place, poisson_ratio)[3:] @ force).T
+    return stress
 
 
 def homogeneous_displacement(
     tractions: Tractions | None, points: FloatArray, young_modulus: float, poisson_ratio: float
 ) -> FloatArray:
     """Displacement ``(n, 3)`` [m] at points ``(n, 3)`` of the surface, against distant ones."""
-    found = np.zeros((len(points), 3))
+    displacement = np.zeros((len(points), 3))
     if tractions is None:
-        return found
+        return displacement
     x, y, forces, middles, sizes = _forces(tractions)
     rows, columns = np.nonzero(np.any(tractions.values != 0.0, axis=0))
     each = tractions.values[:, rows, columns]
@@ -71,9 +71,9 @@ def homogeneous_displacement(
         for load, force, traction in zip(_LOADS, forces, each, strict=True):
             if not np.any(force):
                 continue
-            found[k] += point_force(load, *place, poisson_ratio)[:3] @ force[far]
+            displacement[k] += point_force(load, *place, poisson_ratio)[:3] @ force[far]
             for cell in np.flatnonzero(near & (traction != 0.0)):
                 offset = (float(at[0] - middles[0, cell]), float(at[1] - middles[1, cell]), 0.0)
                 half = (0.5 * float(sizes[0, cell]), 0.5 * float(sizes[1, cell]))
-                found[k] += traction[cell] * rectangle(load, offset, half, poisson_ratio)[:3]
-    return found * 2.0 * (1.0 + poisson_ratio) / young_modulus
+                displacement[k] += traction[cell] * rectangle(load, offset, half, poisson_ratio)[:3]
+    return displacement * 2.0 * (1.0 + poisson_ratio) / young_modulus

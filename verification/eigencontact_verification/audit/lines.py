@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from eigencontact_verification.audit.bodies import AuditedBody
 from eigencontact_verification.audit.stored import StoredRegion, StoredStep
 from eigencontact_verification.crosscheck.case import Gap, Profile
+from eigencontact_verification.crosscheck.lines import STRESSES
 
-__all__ = ["Line", "Middle", "judged_points", "middle_of", "stress_lines", "surface_lines"]
+__all__ = ["Line", "Middle", "judged_points", "middle_of", "spread", "stress_lines", "surface_lines"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Base = Callable[[FloatArray], FloatArray]
 
-STRESSES = ("s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 #: Most points of a line inside what is loaded, outside, and on a line below the surface.
 _INSIDE, _OUTSIDE, _BELOW = 20, 16, 24
 #: Fewest points of a line that is compared.
@@ -62,7 +62,7 @@ class Line:
 
 @dataclass(frozen=True, kw_only=True)
 class Middle:
-    """What lines go through: the middle of the load, or of the largest displacement; and its half widths [m]."""
+    """Centre of the lines: middle of the load, or of the largest displacement; and its half widths [m]."""
 
     x: float
     y: float
@@ -91,12 +91,11 @@ def middle_of(stored: StoredStep) -> Middle:
     return Middle(x=at[0], y=at[1], half=(half[0], half[1]), loaded=loaded)
 
 
-def _spread(indices: Iterable[int], most: int) -> list[int]:
-    """At most so many of the indices, evenly."""
-    given = np.asarray(list(indices), dtype=int)
-    if given.size <= most:
-        return [int(one) for one in given]
-    return sorted({int(one) for one in given[np.linspace(0, given.size - 1, most).round().astype(int)]})
+def spread(indices: IntArray, most: int) -> IntArray:
+    """At most so many of ascending indices, evenly."""
+    if indices.size <= most:
+        return indices
+    return np.asarray(indices[np.unique(np.linspace(0, indices.size - 1, most).round().astype(int))])
 
 
 def surface_lines(stored: StoredStep, middle: Middle) -> list[Line]:
@@ -109,11 +108,12 @@ def surface_lines(stored: StoredStep, middle: Middle) -> list[Line]:
     x, y = stored.window.x, stored.window.y
     lines = []
     for axis, (line, centre, half) in enumerate(((x, middle.x, middle.half[0]), (y, middle.y, middle.half[1]))):
-        other, through = ((y, middle.y), (x, middle.x))[axis]
-        fixed = int(np.argmin(np.abs(other - through)))
+        across, through = ((y, middle.y), (x, middle.x))[axis]
+        fixed = int(np.argmin(np.abs(across - through)))
         near = np.abs(line - centre) <= half
-        chosen = sorted(_spread(np.flatnonzero(near), _INSIDE) + _spread(np.flatnonzero(~near), _OUTSIDE))
-        along = np.asarray(chosen)
+        along = np.sort(
+            np.concatenate([spread(np.flatnonzero(near), _INSIDE), spread(np.flatnonzero(~near), _OUTSIDE)])
+        )
         at = (np.full(along.size, fixed), along) if axis == 0 else (along, np.full(along.size, fixed))
         values = np.stack([_whole(stored, name)[at] for name in names], axis=-1)
         slopes = np.zeros((3, *values.shape))
@@ -158,13 +158,13 @@ def stress_lines(
         fit, lost = judged_points(stored, region, body, middle)
         gaps += [Gap(subject=stored.name, what=f"stress in '{region.name}'", reason=text) for text in lost]
         strained = _strained(body, region.points)
-        ways = [(way, part) for way in _through(region, body, middle) for part in (False, True)]
-        for (words, whole, abscissa, label), part in ways:
-            kept = fit[whole] & (strained[whole] == part)
-            if np.count_nonzero(kept) < _FEWEST:
+        ways = [(way, yielded) for way in _through(region, body, middle) for yielded in (False, True)]
+        for (words, indices, abscissa, label), yielded in ways:
+            judged = fit[indices] & (strained[indices] == yielded)
+            if np.count_nonzero(judged) < _FEWEST:
                 continue
-            at, along = _thinned(tuple(index[kept] for index in whole), abscissa[kept])
-            name = f"{region.name}, {words}" + (", in what has yielded" if part else "")
+            at, along = _thinned(tuple(index[judged] for index in indices), abscissa[judged])
+            name = f"{region.name}, {words}" + (", in what has yielded" if yielded else "")
             profile = Profile(
                 name=name, quantity="stress", points=_settled(region.points[at], body),
                 along=along, label=label, components=STRESSES, unit="Pa",
@@ -175,7 +175,7 @@ def stress_lines(
 
 
 def _thinned(at: tuple[IntArray, ...], along: FloatArray) -> tuple[tuple[IntArray, ...], FloatArray]:
-    chosen = np.asarray(_spread(range(along.size), _BELOW))
+    chosen = spread(np.arange(along.size), _BELOW)
     return tuple(index[chosen] for index in at), along[chosen]
 
 
@@ -202,12 +202,12 @@ def judged_points(
         lost.append(f"above a depth of {shallow:.3g} m the tractions of single cells disturb the field")
     finite = np.isfinite(region.stress).all(axis=-1)
     smooth = np.ones(z.shape, dtype=bool)
-    for part in body.different:
+    for interface in body.different:
         for cells in range(1, _CUT + 1):
-            smooth &= ~_near_boundary(part, x, y, z, tuple(cells * edge for edge in body.cell))
+            smooth &= ~_near_boundary(interface, x, y, z, tuple(cells * edge for edge in body.cell))
     if not smooth.all():
         lost.append(f"within {_CUT} cells of an interface, where the steps of its cells disturb the field")
-    for inclusion in (one for one in body.loaded.regions if one.contains not in body.different):
+    for inclusion in (candidate for candidate in body.loaded.regions if candidate.contains not in body.different):
         size = max(high - low for low, high in zip(*inclusion.bounds, strict=True))
         clear = ~_near_boundary(inclusion.contains, x, y, z, (_RIM * size,) * 3)
         if not clear.all():
@@ -232,8 +232,8 @@ def _near_boundary(
 
 
 def _on_faces(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
-    """Whether points lie on faces of cells across which what the cells remember jumps."""
-    found = np.zeros(points.shape[:-1], dtype=bool)
+    """Whether points lie on faces of cells across which eigenstrain or damage jumps."""
+    on_face = np.zeros(points.shape[:-1], dtype=bool)
     for cells in body.loaded.cells:
         content = cells.eigenstrain.reshape(9, *cells.eigenstrain.shape[2:])
         if cells.kept is not None:
@@ -245,23 +245,23 @@ def _on_faces(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
         if cells.kept is not None:
             outside[9] = np.pad(cells.kept, 1, constant_values=1.0)
         index = [np.searchsorted(edges[axis], points[..., axis], side="right") for axis in range(3)]
-        own = outside[:, index[2], index[1], index[0]]
+        inner = outside[:, index[2], index[1], index[0]]
         for axis in range(3):
             face = np.argmin(np.abs(points[..., axis, None] - edges[axis]), axis=-1)
             near = np.abs(points[..., axis] - edges[axis][face]) < _FACE * np.diff(edges[axis]).min()
             if axis == 2:
                 near &= edges[2][face] > 0.0  # the surface is no face between cells
-            beyond = list(index)
-            beyond[axis] = np.where(index[axis] == face, face + 1, face)
-            other = outside[:, beyond[2], beyond[1], beyond[0]]
-            jump = np.any(np.abs(other - own) > allowed.reshape(-1, *([1] * near.ndim)), axis=0)
-            found |= near & jump
-    return found
+            neighbour = list(index)
+            neighbour[axis] = np.where(index[axis] == face, face + 1, face)
+            outer = outside[:, neighbour[2], neighbour[1], neighbour[0]]
+            jump = np.any(np.abs(outer - inner) > allowed.reshape(-1, *([1] * near.ndim)), axis=0)
+            on_face |= near & jump
+    return on_face
 
 
 def _strained(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
     """Whether points lie in cells with eigenstrain or beside these, where the field steps from cell to cell."""
-    found = np.zeros(points.shape[:-1], dtype=bool)
+    strained = np.zeros(points.shape[:-1], dtype=bool)
     for cells in body.loaded.cells:
         size = np.abs(cells.eigenstrain).max(axis=(0, 1))
         if cells.kept is not None:
@@ -272,8 +272,8 @@ def _strained(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
             near = near | np.roll(near, 1, axis=axis) | np.roll(near, -1, axis=axis)
         edges = (cells.x, cells.y, cells.z)
         z, y, x = (np.searchsorted(edges[axis], points[..., axis], side="right") + 1 for axis in (2, 1, 0))
-        found |= near[z, y, x]
-    return found
+        strained |= near[z, y, x]
+    return strained
 
 
 def _slopes(region: StoredRegion, at: tuple[IntArray, ...], base: Base | None) -> FloatArray:
@@ -321,7 +321,7 @@ def _through(
     places = {name: _places(name, line, body, middle) for name, line in lines.items()}
     if "z" not in region.axes:  # a plane at one depth: a cross
         places = {name: chosen[:1] for name, chosen in places.items()}
-    found: list[tuple[str, tuple[IntArray, ...], FloatArray, str]] = []
+    paths: list[tuple[str, tuple[IntArray, ...], FloatArray, str]] = []
     seen = set()
     for name, line in lines.items():
         others = [other for other in region.axes if other != name]
@@ -335,39 +335,39 @@ def _through(
                 np.arange(line.size) if axis == name else np.full(line.size, fixed[axis]) for axis in region.axes
             )
             words = ", ".join(f"{other} = {lines[other][fixed[other]]:.4g} m" for other in others)
-            found.append((f"along {name} at {words}", at, line, f"{name} [m]"))
-    return found
+            paths.append((f"along {name} at {words}", at, line, f"{name} [m]"))
+    return paths
 
 
 def _combinations(choices: list[list[int]]) -> list[tuple[int, ...]]:
     """One line through each place where there is one other axis; through the first of both where there are two."""
     if len(choices) == 1:
-        return [(one,) for one in choices[0]]
+        return [(place,) for place in choices[0]]
     return [tuple(choice[0] for choice in choices), tuple(choice[-1] for choice in choices)]
 
 
 def _places(name: str, line: FloatArray, body: AuditedBody, middle: Middle) -> list[int]:
     """Indices along an axis that lines across it go through: the middle, near the edge, inclusions, interfaces."""
-    wanted: list[float] = []
+    positions: list[float] = []
     radius = max(middle.half)
     bounds = [region.bounds for region in body.loaded.regions][:3]
     if name == "z":
-        wanted += [0.5 * radius] if middle.loaded or not bounds else []
-        wanted += [0.5 * (low[2] + high[2]) for low, high in bounds[:2]]
+        positions += [0.5 * radius] if middle.loaded or not bounds else []
+        positions += [0.5 * (low[2] + high[2]) for low, high in bounds[:2]]
         depth = 0.0
         for layer in body.loaded.layers[:2]:
-            wanted += [depth + 0.5 * layer.thickness, depth + 1.5 * layer.thickness]
+            positions += [depth + 0.5 * layer.thickness, depth + 1.5 * layer.thickness]
             depth += layer.thickness
         if body.loaded.cells and not middle.loaded:
             cells = body.loaded.cells[0]
             size = np.abs(cells.eigenstrain).sum(axis=(0, 1))
             if size.any():
                 deepest = int(np.argmax(size.max(axis=(1, 2))))
-                wanted.append(0.5 * float(cells.z[deepest] + cells.z[deepest + 1]))
+                positions.append(0.5 * float(cells.z[deepest] + cells.z[deepest + 1]))
     else:
         axis = "xyz".index(name)
         centre, half = (middle.x, middle.y)[axis], middle.half[axis]
-        wanted += [centre] + ([centre + 0.8 * half] if middle.loaded else [])
-        wanted += [0.5 * (low[axis] + high[axis]) for low, high in bounds]
-    inside = [place for place in wanted if line[0] <= place <= line[-1]] or [float(line[line.size // 2])]
+        positions += [centre] + ([centre + 0.8 * half] if middle.loaded else [])
+        positions += [0.5 * (low[axis] + high[axis]) for low, high in bounds]
+    inside = [place for place in positions if line[0] <= place <= line[-1]] or [float(line[line.size // 2])]
     return list(dict.fromkeys(_nearest(line, place) for place in inside))

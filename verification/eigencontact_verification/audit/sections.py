@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.lines import STRESSES, Middle, judged_points
+from eigencontact_verification.audit.lines import Middle, judged_points, spread
+from eigencontact_verification.crosscheck.lines import STRESSES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,21 +54,21 @@ class Section:
 
 def sections_of(stored: StoredStep, bodies: Sequence[AuditedBody], middle: Middle) -> tuple[Section, ...]:
     """Every stored plane of stress, thinned."""
-    numbers, found = {body.number: body for body in bodies}, []
+    numbers, sections = {body.number: body for body in bodies}, []
     for region in stored.regions:
         if region.shape != "plane" or region.body not in numbers or len(region.axes) != 2:
             continue
         fit, _ = judged_points(stored, region, numbers[region.body], middle)
         values = np.where(fit[..., None], region.stress, np.nan)
-        picked = np.ix_(*(np.unique(np.linspace(0, n - 1, min(n, _MOST)).round().astype(int)) for n in fit.shape))
+        picked = np.ix_(*(spread(np.arange(n), _MOST) for n in fit.shape))
         if np.isfinite(values[picked]).any():
             axes = (region.axes[0], region.axes[1])
-            found.append(
+            sections.append(
                 Section(
                     name=region.name, body=region.body, axes=axes, points=region.points[picked], values=values[picked]
                 )
             )  # fmt: skip
-    return tuple(found)
+    return tuple(sections)
 
 
 def draw_section(section: Section, elements: FloatArray, words: str, file: Path) -> Path:
@@ -88,8 +89,8 @@ def draw_section(section: Section, elements: FloatArray, words: str, file: Path)
     sizes = np.nanmax(np.abs(section.values), axis=(0, 1))
     place = int(np.argmax(sizes))
     stored = section.values[..., place]
-    found = np.where(np.isfinite(stored), elements[..., place], np.nan)
-    difference = found - stored
+    reference = np.where(np.isfinite(stored), elements[..., place], np.nan)
+    difference = reference - stored
     down, across = section.axes
     lines = {
         name: np.moveaxis(section.points, axis, 0)[:, 0, "xyz".index(name)] for axis, name in enumerate(section.axes)
@@ -104,7 +105,7 @@ def draw_section(section: Section, elements: FloatArray, words: str, file: Path)
         panels = figure.subplots(1, 3, sharey=True)
         shown = []
         titles = ("stored", "finite elements", f"difference, at most {worst:.2g} %")
-        for axes, values, title in zip(panels, (stored, found, difference), titles, strict=True):
+        for axes, values, title in zip(panels, (stored, reference, difference), titles, strict=True):
             axes.set_facecolor(_LEFT_OUT)
             looks = {"cmap": _MAP, "vmin": -top, "vmax": top, "rasterized": True}
             shown.append(axes.pcolormesh(edges[across], edges[down], stress(values), **looks))

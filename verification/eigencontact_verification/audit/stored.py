@@ -78,7 +78,7 @@ class StoredRegion:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StoredStep:
-    """What a file holds of a step.
+    """Stored step of a run.
 
     Attributes
     ----------
@@ -195,9 +195,9 @@ def plugin_files(path: str | Path) -> tuple[str, ...]:
 
 
 def _regions(data: Any, at: int) -> list[StoredRegion]:
-    found = []
-    for name, told in json.loads(data.attrs["regions"]).items():
-        if "stress" not in told["fields"] or f"{name}_stress" not in data.variables:
+    regions = []
+    for name, facts in json.loads(data.attrs["regions"]).items():
+        if "stress" not in facts["fields"] or f"{name}_stress" not in data.variables:
             continue
         field = data[f"{name}_stress"]
         axes = tuple(str(dim).removeprefix(f"{name}_") for dim in field.dims[2:])
@@ -216,10 +216,10 @@ def _regions(data: Any, at: int) -> list[StoredRegion]:
             points = np.broadcast_to(points, (*stress.shape[:-1], 3))
         order = [str(value) for value in data["component"].values]
         stress = stress[..., [order.index(name) for name in _COMPONENTS]]
-        found.append(
+        regions.append(
             StoredRegion(
-                name=name, shape=told["shape"], body=int(told["body"]), axes=axes, points=np.array(points),
-                stress=stress, mean_above=float(told["mean_above"]),
+                name=name, shape=facts["shape"], body=int(facts["body"]), axes=axes, points=np.array(points),
+                stress=stress, mean_above=float(facts["mean_above"]),
             )
         )  # fmt: skip
-    return found
+    return regions

@@ -12,18 +12,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks.campaign import Campaign, run_campaign
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task
 from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 from eigencontact_verification.benchmarks.codes import CODES
+from eigencontact_verification.benchmarks.measurements import Measurements, measure_all
 from eigencontact_verification.benchmarks.process import run_fresh
-from eigencontact_verification.benchmarks.task import Sample, Task
 from eigencontact_verification.reporting.machine import describe, facts
 from eigencontact_verification.reporting.table import replace_section, table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from eigencontact_verification.benchmarks.benchmark import Benchmark
 
 __all__ = ["main", "parser"]
 
@@ -63,14 +61,8 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(dest="benchmark", required=True)
     common = argparse.ArgumentParser(add_help=False)
     add = common.add_argument
-    add(
-        "--codes",
-        type=_code,
-        nargs="+",
-        default=[],
-        metavar="CODE",
-        help="only these; 'package.module:OBJECT' names your own",
-    )
+    names = "only these; 'package.module:OBJECT' names your own"
+    add("--codes", type=_code, nargs="+", default=[], metavar="CODE", help=names)
     add("--repeats", type=_count, default=3, help="fresh processes per code and size")
     add("--warm", type=_count, default=2, help="further calls in each process")
     add("--threads", type=_count, default=os.cpu_count() or 1, help="threads that a code may use")
@@ -89,7 +81,8 @@ def parser() -> argparse.ArgumentParser:
         if one.depths:
             add("--depths", type=_count, default=one.depths)
         if len(one.cases) > 1:
-            add("--cases", nargs="+", choices=one.cases, default=one.cases, metavar="CASE", help="; ".join(one.cases))
+            words = "; ".join(one.cases).replace("%", "%%")  # argparse fills in formats
+            add("--cases", nargs="+", choices=one.cases, default=one.cases, metavar="CASE", help=words)
         if one.peers:
             add("--peers", action="store_true", help=f"also {', '.join(one.peers)}, where installed")
         if one.draw:
@@ -97,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _report(out: Campaign, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
+def _report(out: Measurements, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
     """Table, notes, settings and machine, as Markdown."""
     columns = [column for column in benchmark.columns if column.brief or not brief]
     parts = [table(out.rows, columns)] if out.rows else []
@@ -129,9 +122,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warm=options.warm,
         depths=chosen.get("depths", 0),
     )
-    out = Campaign()
+    out = Measurements()
     for case in chosen.get("cases", benchmark.cases):
-        found = run_campaign(
+        found = measure_all(
             replace(template, case=case),
             codes=codes,
             sizes=sizes,

@@ -1,55 +1,93 @@
 """What a benchmark is, the loop that measures a code in its process, and the row that the processes make.
 
-A benchmark says what is set up, what is called, what the answer is worth, and the columns of its table; the loop and
-the medians stand here.
+A benchmark has a set-up, a call, a judge of the answer, and the columns of its table; the loop and the medians stand
+here.
 """
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.reporting.memory import PeakMemory
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["Benchmark", "Trial", "once", "one_and_all"]
+__all__ = ["Benchmark", "Sample", "Task", "Trial", "once", "one_and_all", "repeated", "timed"]
+
+T = TypeVar("T")
+#: Measurement of one process: JSON, with ``status`` "ok", "absent" or "failed" and a ``reason`` for the latter two.
+Sample = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Task:
+    """One code at one size in one process."""
+
+    benchmark: str  #: name of one of those in `eigencontact_verification.benchmarks.catalogue`
+    code: str  #: name for `eigencontact_verification.benchmarks.codes.find_code`
+    n: int  #: cells along each side; inclusions of a cloud; cells per contact radius (plasticity)
+    threads: int = 1  #: threads that the code may use
+    precision: str = "double"  #: ``"double"`` or ``"single"``, for codes that have the choice
+    warm: int = 2  #: calls after the first one in the same process
+    budget: float = 120.0  #: wall time after which no further repeat begins [s]
+    depths: int = 32  #: number of depths (stress and layers)
+    case: str = ""  #: one of the cases of the benchmark
+
+    def to_json(self) -> str:
+        """Text for the command line of the process."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Task:
+        """Read it back."""
+        return cls(**json.loads(text))
+
+
+def timed(call: Callable[[], T]) -> tuple[T, float, float]:
+    """Return what `call` returned, its wall time [s] and the processor time of all threads [s]."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = call()
+    return result, time.perf_counter() - wall, time.process_time() - cpu
+
+
+def repeated(call: Callable[[], object], *, least: int = 3, seconds: float = 0.05) -> list[float]:
+    """Wall times [s] of calls repeated at least `least` times and for at least `seconds`.
+
+    Examples
+    --------
+    >>> len(repeated(lambda: None, least=2, seconds=0.0))
+    2
+    """
+    times: list[float] = []
+    while len(times) < least or sum(times) < seconds:
+        times.append(timed(call)[1])
+    return times
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """What one process does with one code at one size.
+    """Calls of one code at one size in one process."""
 
-    Attributes
-    ----------
-    call : callable
-        What a user waits for. The first call counts apart: it pays for what the code remembers.
-    judge : callable
-        Values of the sample that tell what the answer of the first call is worth.
-    setup : callable, optional
-        What is timed by itself before the first call; `call` finds it done.
-    floors : callable
-        Made after the first call, so that it takes no memory of the code's: by name, what is timed in turn with
-        further calls, each as a function that returns wall times [s].
-    floor : callable
-        What becomes of the times of a floor; by default their median.
-    always : int
-        Further calls that are made even where the time of the task is over. Floors are then timed after them only.
-    """
-
+    #: Call that a user waits for. The first call counts apart: it pays for what the code remembers.
     call: Callable[[], Any]
+    #: Values of the sample from the answer of the first call, such as errors and counts.
     judge: Callable[[Any], dict[str, Any]]
+    #: Set-up, timed by itself before the first call; `call` finds it done.
     setup: Callable[[], object] | None = None
+    #: Functions that return wall times [s], by name, timed in turn with further calls. They are made after the first
+    #: call, so that they take no memory of the code's.
     floors: Callable[[], Mapping[str, Callable[[], list[float]]]] = dict
+    #: Number, or numbers, of the sample from the times of a floor.
     floor: Callable[[list[float]], float | list[float]] = median
+    #: Least number of further calls, even past the time of the task. Floors are then timed after them only.
     always: int = 0
     began: float = field(default_factory=time.perf_counter)
 
@@ -86,64 +124,37 @@ def one_and_all(
     return {f"{name}_1": partial(floor, 1), f"{name}_threads": partial(floor, threads)}
 
 
-#: What a sample says besides numbers; campaigns tell it below the table.
+#: Values of a sample that are no numbers; they stand below the table.
 _WORDS = ("status", "version", "settings", "peak_reset")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Benchmark:
-    """One problem that codes, or ways of computing, are timed and judged by.
+    """One problem on which codes, or ways of computing, are timed and judged."""
 
-    Attributes
-    ----------
-    name, help : str
-        What is typed, and one line on it.
-    measure : callable
-        ``measure(code, task) -> sample``, in a fresh process; mostly a `Trial`.
-    columns : sequence of Column
-        Of its table.
-    floors : sequence of str
-        Names of the floors that the first call and further ones are divided by.
-    medians, worst : sequence of str
-        Values of which the median of the processes, or the largest, belongs in the row, as that of times and that of
-        memory do; of others it is the value of the last process.
-    derive : callable
-        ``derive(task, row)``: what else belongs in the row.
-    remarks : callable
-        Sentences on all rows.
-    methods : mapping of str to Code, optional
-        Ways of computing by name; by default the codes of `eigencontact_verification.benchmarks.codes`.
-    ours, peers : sequence of str
-        What is run by default, and what else on request.
-    cases : sequence of str
-        What is measured one after the other.
-    sizes : sequence of int
-        Default sizes; where it is one, a run takes one; where it is none, there is nothing to choose.
-    unit : str
-        What a size counts.
-    depths : int
-        Default number of depths; 0 where there are none to choose.
-    draw : callable, optional
-        Draws all rows to a file.
-    """
-
-    name: str
-    help: str
-    measure: Callable[[Any, Task], Sample]
-    columns: Sequence[Column]
-    floors: Sequence[str] = ()
+    name: str  #: name on the command line
+    help: str  #: one line on it
+    measure: Callable[[Any, Task], Sample]  #: sample of a code and a task in a fresh process; mostly a `Trial`
+    columns: Sequence[Column]  #: columns of its table
+    floors: Sequence[str] = ()  #: floors by which the times of first and further calls are divided
+    #: Values of which the row has the median of the processes, as of times, or the largest, as of memory; of all other
+    #: values the row has that of the last process.
     medians: Sequence[str] = ()
     worst: Sequence[str] = ()
-    derive: Callable[[Task, Row], Row] = lambda *_: {}
-    remarks: Callable[[list[Row]], list[str]] = lambda _: []
+    derive: Callable[[Task, Row], Row] = lambda *_: {}  #: further values of the row
+    remarks: Callable[[list[Row]], list[str]] = lambda _: []  #: sentences on all rows
+    #: Ways of computing by name; by default the codes of `eigencontact_verification.benchmarks.codes`.
     methods: Mapping[str, Code] | None = None
-    ours: Sequence[str] = ("eigencontact",)
-    peers: Sequence[str] = ()
-    cases: Sequence[str] = ("",)
-    sizes: Sequence[int] = ()
-    unit: str = "N"
-    depths: int = 0
-    draw: Callable[[list[Row], Any], None] | None = None
+    function: str = ""  #: attribute of a code that the benchmark calls; codes without it take no part
+    ours: Sequence[str] = ("eigencontact",)  #: codes that run by default
+    peers: Sequence[str] = ()  #: further codes on request
+    cases: Sequence[str] = ("",)  #: cases, measured one after the other
+    sizes: Sequence[
+        int
+    ] = ()  #: default sizes; a run takes one where there is one, and has no choice where there is none
+    unit: str = "N"  #: unit of a size
+    depths: int = 0  #: default number of depths; 0 where there are none to choose
+    draw: Callable[[list[Row], Any], None] | None = None  #: function that draws all rows to a file
 
     def summarise(self, task: Task, samples: list[Sample]) -> Row:
         """One row of the table from the processes of one code, size and case; None where no process tells a value."""

@@ -10,36 +10,28 @@ is the sum over the inclusions one by one, by their own potentials, at some of t
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column
 
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
-
 __all__ = ["BENCHMARK", "CASES", "METHODS", "POINTS", "lattice", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 #: Shapes of the inclusions.
 CASES = ("spheres", "ellipsoids")
 #: Field points along x, y and z.
 POINTS = (128, 128, 64)
 MATERIAL: dict[str, Any] = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+_KERNELS = ("cloud_kernels", "expansion_kernels")
 METHODS = {
     name: Code(
         name=name,
         distribution="eigencontact",
-        modules=(
-            "eigencontact.library.inclusions",
-            "eigencontact.halfspace.cloud_kernels",
-            "eigencontact.halfspace.expansion_kernels",
-        ),
+        modules=("eigencontact.library.inclusions", *(f"eigencontact.halfspace.{kernels}" for kernels in _KERNELS)),
         settings=f"inclusion_field of a list of shapes, each with its own eigenstrain, tolerance {tolerance:g}",
     )
     for name, tolerance in (("eigencontact", 1e-6), ("one-by-one", 0.0))
@@ -80,7 +72,6 @@ def _inclusions(case: str, number: int, points: tuple[int, int, int]) -> tuple[l
 
 def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sample:
     """Compute once in a fresh process, and judge."""
-    code.load()
     from eigencontact import inclusion_field
 
     shapes, strains = _inclusions(task.case, task.n, points)
@@ -91,7 +82,7 @@ def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sa
         wanted = np.zeros((chosen.size, 3, 3))
         for shape, strain in zip(shapes, strains, strict=True):
             wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
-        return {"points": len(at), "error": float(np.abs(found[chosen] - wanted).max() / np.abs(wanted).max())}
+        return {"points": len(at), "error": largest_error(found[chosen], wanted)}
 
     tolerance = 0.0 if code.name == "one-by-one" else 1e-6
     call = partial(inclusion_field, shapes, strains, at, quantity="stress", tolerance=tolerance, **MATERIAL)

@@ -13,20 +13,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "BUILDERS", "CASES", "DEPTHS", "ERRORS", "METHODS", "Case", "Problem", "measure", "reference"]
-
-FloatArray = NDArray[np.float64]
 
 LAYERS = 16
 #: Planes of cell centres on which the stress is judged [h].
@@ -40,21 +37,11 @@ ALIASES = 2
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """Where the eigenstrain is.
+    """Cells that have eigenstrain."""
 
-    Parameters
-    ----------
-    name : str
-        For the table.
-    cells : (int, int)
-        Cells along x and y, and along z.
-    top : float
-        Depth of the uppermost face [h].
-    """
-
-    name: str
-    cells: tuple[int, int]
-    top: float
+    name: str  #: name in the table
+    cells: tuple[int, int]  #: cells along x and y, and along z
+    top: float  #: depth of the uppermost face [h]
 
     def amplitude(self, n: int) -> FloatArray:
         """Factor on the eigenstrain in each cell, ``(layers, n, n)``: a bump as wide as the zone, 1 in a lone cell."""
@@ -166,7 +153,7 @@ def periodic(problem: Problem, quantity: str, padding: float) -> Callable[[Float
     return lambda eigenstrain: unit * space.apply(eigenstrain, quantity, depths=depths)
 
 
-#: What makes a function from eigenstrain to field, by name of the way.
+#: Builders of a function from eigenstrain to field, by name of the treatment.
 BUILDERS: dict[str, Callable[[Problem, str], Callable[[FloatArray], FloatArray]]] = {
     "exact": exact,
     "exact, single": exact_single,
@@ -193,12 +180,7 @@ _SETTINGS = {
 _WAVES = f"PeriodicHalfSpace, {2 * ALIASES + 1} x {2 * ALIASES + 1} waves for each of the grid"
 #: Ways of computing, by their names in the table.
 METHODS = {
-    name: Code(
-        name=name,
-        distribution="eigencontact",
-        modules=_MODULES,
-        settings=_SETTINGS.get(name, _WAVES),
-    )
+    name: Code(name=name, distribution="eigencontact", modules=_MODULES, settings=_SETTINGS.get(name, _WAVES))
     for name in BUILDERS
 }
 
@@ -242,7 +224,6 @@ def reference(case: Case, quantity: Literal["displacement", "stress"], depth: fl
 
 def measure(code: Code, task: Task) -> Sample:
     """Time set-up and application for stress in the volume, then judge stress and surface displacement."""
-    code.load()
     case, build = CASES[task.case], BUILDERS[code.name]
     problem = Problem(case=case, n=task.n, threads=task.threads)
     eigenstrain = DIRECTION[:, None, None, None] * case.amplitude(task.n)
@@ -250,22 +231,16 @@ def measure(code: Code, task: Task) -> Sample:
 
     def judge(stress: FloatArray) -> dict[str, Any]:
         errors = {
-            f"stress_{depth:g}": _error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
+            f"stress_{depth:g}": largest_error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
             for depth in DEPTHS
         }
         wanted = reference(case, "displacement", 0.0, task.n)[2]
         found = build(problem, "displacement")(eigenstrain)[2, 0]
-        errors["u_z"] = _error(found, wanted)
+        errors["u_z"] = largest_error(found, wanted)
         errors["u_z_shape"] = float(np.abs(found - found.mean() - wanted + wanted.mean()).max() / np.abs(wanted).max())
         return errors
 
     return Trial(call=lambda: apply()(eigenstrain), judge=judge).run(task)
-
-
-def _error(found: FloatArray, wanted: FloatArray) -> float:
-    if found.shape != wanted.shape or not np.isfinite(found).all():
-        raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
-    return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
 #: Values of a sample that are errors.

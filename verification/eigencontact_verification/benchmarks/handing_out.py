@@ -1,7 +1,7 @@
-"""What a sweep on a cluster costs beyond its runs: variants refused before they run, on workers of this machine.
+"""Costs of a sweep on a cluster beyond its runs: variants refused before they run, on workers of this machine.
 
 ``python -m eigencontact_verification.benchmarks.handing_out [--variants 2000 20000] [--workers 2] [--markdown FILE]``
-prints the costs at two numbers of variants, and what the straight line through both says of 10⁵.
+prints the costs at two numbers of variants, and the extrapolation to 10⁵ by the straight line through both.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _SMALL = ["stress=[]", "grid.cells=32", 'grid.size="30 um"', "output.pictures=fa
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """Cost of a number of variants: what is measured, in which unit, and how much of it."""
+    """One measured cost, with its unit and its value by number of variants."""
 
     what: str
     unit: str
@@ -47,9 +47,14 @@ class Cost:
         >>> Cost(what="time", unit="s", values={10: 3.0, 30: 7.0}).at(100)
         21.0
         """
+        low = min(self.values)
+        return self.values[low] + self.slope * (count - low)
+
+    @property
+    def slope(self) -> float:
+        """Cost of one more variant."""
         low, high = min(self.values), max(self.values)
-        slope = (self.values[high] - self.values[low]) / (high - low)
-        return self.values[low] + slope * (count - low)
+        return (self.values[high] - self.values[low]) / (high - low)
 
 
 def measure(counts: Sequence[int], workers: int) -> list[Cost]:
@@ -139,19 +144,14 @@ def written(costs: Sequence[Cost], workers: int) -> str:
     from eigencontact_verification.reporting.machine import describe, facts
 
     counts = sorted(costs[0].values)
-    head = [
-        "",
-        *(f"{count} variants" for count in counts),
-        f"one more, from {counts[0]} to {counts[-1]}",
-        "10⁵, by the line",
-    ]
+    head = ["", *(f"{count} variants" for count in counts), f"one more, from {counts[0]} to {counts[-1]}"]
+    head.append("10⁵, by the line")
     rows = [f"| {' | '.join(head)} |", f"|---|{'---:|' * (len(head) - 1)}"]
     for one in costs:
         unit = "" if one.unit == "1" else f" {one.unit}"
-        slope = (one.values[counts[-1]] - one.values[counts[0]]) / (counts[-1] - counts[0])
-        more = f"{slope:.3g}" if one.unit == "1" else f"{1e3 * slope:.3g} {'ms' if one.unit == 's' else 'kB'}"
-        shown = [*(f"{one.values[count]:.3g}{unit}" for count in counts), more, f"{one.at(_MANY):.3g}{unit}"]
-        rows.append(f"| {one.what} | {' | '.join(shown)} |")
+        more = f"{one.slope:.3g}" if one.unit == "1" else f"{1e3 * one.slope:.3g} {'ms' if one.unit == 's' else 'kB'}"
+        cells = [*(f"{one.values[count]:.3g}{unit}" for count in counts), more, f"{one.at(_MANY):.3g}{unit}"]
+        rows.append(f"| {one.what} | {' | '.join(cells)} |")
     return "\n".join([*rows, "", f"On {workers} workers of one machine. Measured {describe(facts())}."])
 
 

@@ -1,4 +1,4 @@
-"""Frictionless Hertz contact: a whole solve against one bare convolution, and what it is worth.
+"""Frictionless Hertz contact: a whole solve against one bare convolution, and its error.
 
 Rigid paraboloid, load control, exact Love kernel, window of four contact radii. The time that counts is that of the
 **first call in a fresh process**, imports excluded: it includes kernel, operator and FFT plans, as a user's call does.
@@ -12,37 +12,27 @@ from functools import partial
 from math import log2
 from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, one_and_all
-from eigencontact_verification.benchmarks.clock import sample
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, one_and_all, repeated
 from eigencontact_verification.benchmarks.codes import PEERS
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code, Solution
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "measure", "scaling"]
 
 
 def measure(code: Code, task: Task) -> Sample:
-    """Solve, and solve again in turn with bare convolutions.
-
-    Raises
-    ------
-    ImportError
-        If the code is absent.
-    """
-    if code.solve is None:
-        raise ImportError("takes no part in this benchmark")
-    code.load()
+    """Solve, and solve again in turn with bare convolutions."""
+    assert code.solve is not None
     solve = partial(code.solve, task.n, task.threads, task.precision)
 
     def floors() -> Mapping[str, Callable[[], list[float]]]:
         problem = HertzProblem(n=task.n)
         convolution, field = Convolution(problem), problem.pressure
         convolution(field, task.threads)
-        return one_and_all("convolution", task.threads, lambda w: sample(lambda: convolution(field, w)))
+        return one_and_all("convolution", task.threads, lambda w: repeated(lambda: convolution(field, w)))
 
     def judged(answer: Solution) -> dict[str, Any]:
         pressure, iterations, convolutions = answer
@@ -85,6 +75,7 @@ BENCHMARK = Benchmark(
     name="hertz",
     help="frictionless Hertz against one bare convolution",
     measure=measure,
+    function="solve",
     floors=("convolution_1", "convolution_threads"),
     derive=_cost,
     remarks=scaling,

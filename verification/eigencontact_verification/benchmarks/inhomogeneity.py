@@ -11,40 +11,31 @@ from __future__ import annotations
 
 from functools import cache
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.clock import timed
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, timed
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
-
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "RATIOS", "measure"]
 
 #: Stiffness of the balls by that of the matrix.
 RATIOS = (0.0, 0.1, 0.5, 2.0, 10.0, 100.0, 1e6)
 CASES = ("inclusion-cluster", "coated-sphere", *(f"ratio {ratio:g}" for ratio in RATIOS))
-METHODS = {
-    "eigencontact": Code(
-        name="eigencontact",
-        distribution="eigencontact",
-        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.equivalent_inclusions"),
-        settings="tolerance 1e-6, double precision, exact half-space",
-    )
-}
+METHODS = ours(
+    "tolerance 1e-6, double precision, exact half-space",
+    "pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.equivalent_inclusions",
+)  # fmt: skip
 #: Cells of the cluster along (z, y, x), and their edge.
 _BOX, _EDGE = (31, 86, 86), 1.0
 #: Balls in cells: radius, distance, number along x and y and along z. Those of the bundled scene.
 _RADIUS, _SPACING, _ALONG, _DEEP = 3.0, 8.0, 11, 4
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
-    code.load()
     if task.case == "inclusion-cluster":
         return _cluster(task)
     if task.case == "coated-sphere":
@@ -77,14 +68,17 @@ def _coated(task: Task) -> Sample:
     scene = load_scene("coated-sphere", [f"grid.cells={task.n}", "grid.size=['8 um', '8 um']", "stress=[]"])
     planned = plan(scene)
     options = normal_options(scene.numerics)
-    medium = planned.bodies[0]
+    interface = planned.model.interface
+    assert interface is not None
+    medium, influence = interface.solids[0], interface.influences["p"]
     assert medium is not None
     bodies = {"coated": medium, "bare": medium.deep_material}  # type: ignore[union-attr]
     solvers = {
-        name: NormalSolver(planned.grid, PairCoefficients(planned.influences["p"], (body, None), "z"), options)
+        name: NormalSolver(planned.grid, PairCoefficients(influence, (body, None), "z"), options)
         for name, body in bodies.items()
     }
-    separation, control = planned.separation(), Control(normal_load=scene.steps[0].normal_load)
+    y, x = planned.grid.axes()
+    separation, control = interface.separation(x, y), Control(normal_load=scene.steps[0].normal_load)
     first: dict[str, float] = {}
     again: dict[str, list[float]] = {name: [] for name in solvers}
     counts: dict[str, int] = {}
@@ -123,15 +117,8 @@ def _ratio(task: Task, ratio: float) -> Sample:
 
     @cache
     def system() -> InhomogeneousCells:
-        operator = MeanVolumeField(
-            cell,
-            cells,
-            cells,
-            poisson_ratio=matrix.poisson_ratio,
-            shear_modulus=matrix.shear_modulus,
-            threads=task.threads,
-            applications=100,
-        )
+        constants: dict[str, Any] = {"poisson_ratio": matrix.poisson_ratio, "shear_modulus": matrix.shear_modulus}
+        operator = MeanVolumeField(cell, cells, cells, **constants, threads=task.threads, applications=100)
         return InhomogeneousCells(operator, matrix, [Isotropic(young_modulus=ratio, poisson_ratio=0.3)], inside)
 
     load = np.zeros((6, *_BOX))
@@ -164,14 +151,8 @@ def _balls() -> Any:
         return np.abs(at[:, None] - centres).min(axis=1)
 
     deep = away(z, _DEEP, _RADIUS + 0.5 * _SPACING * (_DEEP - 1))
-    return (
-        (
-            deep[:, None, None] ** 2
-            + away(y, _ALONG, 0.5 * ny)[None, :, None] ** 2
-            + away(x, _ALONG, 0.5 * nx)[None, None, :] ** 2
-        )
-        <= _RADIUS**2
-    ).astype(int)
+    squared = deep[:, None, None] ** 2 + away(y, _ALONG, 0.5 * ny)[None, :, None] ** 2
+    return (squared + away(x, _ALONG, 0.5 * nx)[None, None, :] ** 2 <= _RADIUS**2).astype(int)
 
 
 BENCHMARK = Benchmark(

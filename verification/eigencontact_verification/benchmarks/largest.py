@@ -6,23 +6,18 @@ size is solved in a process of its own, in memory, without pictures. Sizes of th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column, Row
-
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "largest", "measure"]
 
-_CODE = Code(
-    name="eigencontact",
-    distribution="eigencontact",
-    modules=("eigencontact.app", "eigencontact.planning.planner", "eigencontact.results.memory", "scipy.fft"),
-    settings="in memory, without pictures; the contact of 'hertz', and of 'plastic-hertz' pressed once",
-)
+METHODS = ours(
+    "in memory, without pictures; the contact of 'hertz', and of 'plastic-hertz' pressed once",
+    "eigencontact.app", "eigencontact.planning.planner", "eigencontact.results.memory", "scipy.fft",
+)  # fmt: skip
 _PLAIN = [f"output.{name}=false" for name in ("pictures", "vtk", "animation")]
 #: Scene and changes of each case.
 _CASES: dict[str, tuple[str, list[str]]] = {
@@ -75,9 +70,8 @@ def largest(scene: str, changes: list[str], memory: float) -> tuple[int, Any]:
     return low, found
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Find the size, and run it in this process, which is a fresh one."""
-    code.load()
     import eigencontact as ec
 
     scene, changes = _CASES[task.case]
@@ -108,7 +102,7 @@ BENCHMARK = Benchmark(
     help="the largest single contact that a given memory holds",
     measure=measure,
     remarks=_remarks,
-    methods={_CODE.name: _CODE},
+    methods=METHODS,
     cases=tuple(_CASES),
     sizes=(1, 4, 16),
     unit="GiB",

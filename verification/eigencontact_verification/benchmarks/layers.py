@@ -9,49 +9,41 @@ coated body is set up twice: with an empty folder of kept tables, and with what 
 from __future__ import annotations
 
 import os
-from contextlib import contextmanager
+from functools import cache
 from statistics import median
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark
-from eigencontact_verification.benchmarks.clock import timed
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, timed
+from eigencontact_verification.benchmarks.codes import Code, ours
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
 
-FloatArray = NDArray[np.float64]
-
 CASES = tuple(f"{shape}, {loads}" for shape in ("planes", "section", "line") for loads in ("pressure", "friction"))
-METHODS = {
-    "eigencontact": Code(
-        name="eigencontact",
-        distribution="eigencontact",
-        modules=("pyfftw", "scipy.fft", "scipy.special", "eigencontact.app", "eigencontact.solvers.subsurface"),
-        settings="double precision, exact half-space; coefficients agree to 1e-9 between two resolutions",
-    )
-}
+METHODS = ours(
+    "double precision, exact half-space; coefficients agree to 1e-9 between two resolutions",
+    "pyfftw", "scipy.fft", "scipy.special", "eigencontact.app", "eigencontact.solvers.subsurface",
+)  # fmt: skip
 #: Points of the line.
 _POINTS = 64
 #: Names the folder of kept tables; versions before there was one take no notice.
 VARIABLE = "EIGENCONTACT_CACHE"
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Set up and apply by turns: on the coated body from nothing and with kept tables, and on the bare one."""
-    code.load()
     times: dict[str, list[float]] = {}
     for turn in range(1 + task.warm):
-        with TemporaryDirectory() as folder, _kept_in(folder):
+        with TemporaryDirectory() as folder, patch.dict(os.environ, {VARIABLE: folder}):
             for name in ("coated", "kept", "bare"):
                 call, loads = _stress(task, "bare" if name == "bare" else "coated")
                 first = timed(lambda c=call, q=loads: c(q))[1]  # type: ignore[misc]
@@ -62,21 +54,8 @@ def measure(code: Code, task: Task) -> Sample:
     return {"status": "ok", **{name: median(values) for name, values in times.items()}}
 
 
-@contextmanager
-def _kept_in(folder: str) -> Iterator[None]:
-    """Keep tables in a folder, and nowhere else, for a while."""
-    before = os.environ.get(VARIABLE)
-    os.environ[VARIABLE] = folder
-    try:
-        yield
-    finally:
-        os.environ.pop(VARIABLE)
-        if before is not None:
-            os.environ[VARIABLE] = before
-
-
 def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatArray], list[FloatArray]]:
-    """What makes the stress of loads, with a memory that is empty at first, and the loads; lengths in thicknesses."""
+    """Function from loads to stress, whose first call sets the operator up, and the loads; lengths in thicknesses."""
     from eigencontact.core.grid import Box, Grid
     from eigencontact.model.bodies import influence_for
     from eigencontact.model.kernels import StressCoefficients
@@ -101,25 +80,16 @@ def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatAr
         return lambda q: stress_at_points(grid, kernels, q, points, threads=task.threads), loads
     box = Box.around(pressure > 0)
     assert box is not None
-    section = shape == "section"
-    known: list[SubsurfaceStress] = []
-
-    def apply(q: list[FloatArray]) -> FloatArray:
-        if not known:
-            operator = SubsurfaceStress(
-                grid,
-                kernels,
-                source=box,
-                target=(1, task.n) if section else grid.shape,
-                origin=(0.5 * (task.n - 1), 0.0) if section else (0.0, 0.0),
-                depths=depths,
-                precision=task.precision,
-                threads=task.threads,
-            )
-            known.append(operator)
-        return known[0].apply(q)
-
-    return apply, loads
+    target, origin = (grid.shape, (0.0, 0.0))
+    if shape == "section":
+        target, origin = (1, task.n), (0.5 * (task.n - 1), 0.0)
+    operator = cache(
+        lambda: SubsurfaceStress(
+            grid, kernels, source=box, target=target, origin=origin, depths=depths, precision=task.precision,
+            threads=task.threads,
+        )
+    )  # fmt: skip
+    return lambda q: operator().apply(q), loads
 
 
 def _ratios(task: Task, row: Row) -> Row:

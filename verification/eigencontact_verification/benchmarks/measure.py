@@ -15,13 +15,24 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-__all__ = ["Convolution", "HertzProblem", "Judgement", "judge", "love_influence"]
+__all__ = [
+    "Convolution",
+    "FloatArray",
+    "HertzProblem",
+    "Judgement",
+    "corners",
+    "judge",
+    "largest_error",
+    "love_influence",
+    "wrapped_lags",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -30,11 +41,6 @@ FloatArray = NDArray[np.float64]
 class HertzProblem:
     """Rigid paraboloid on an elastic half-space, `n` x `n` square cells on a window of side 4 a.
 
-    Parameters
-    ----------
-    n : int
-        Cells along each side.
-
     Examples
     --------
     >>> problem = HertzProblem(n=8)
@@ -42,7 +48,7 @@ class HertzProblem:
     (0.5, (8, 8), [-1.75, 1.75])
     """
 
-    n: int
+    n: int  #: cells along each side
     side: float = 4.0  #: side of the window [a]
     load: float = 4.0 / 3.0  #: normal load [E* a^2]
     approach: float = 1.0  #: rigid-body approach by Hertz [a]
@@ -79,6 +85,19 @@ class HertzProblem:
         return self.peak * np.sqrt(np.maximum(1.0 - self.squared_radius, 0.0))
 
 
+def largest_error(values: FloatArray, exact: FloatArray) -> float:
+    """Largest difference of a field over its largest exact value.
+
+    Raises
+    ------
+    ValueError
+        If the field has another shape or is not finite.
+    """
+    if values.shape != exact.shape or not np.isfinite(values).all():
+        raise ValueError(f"field must be finite and of shape {exact.shape} (got shape {values.shape})")
+    return float(np.abs(values - exact).max() / np.abs(exact).max())
+
+
 def love_influence(x: FloatArray, y: FloatArray, half_edge: float) -> FloatArray:
     """Normal surface displacement of unit pressure on a square, Love's closed form (Johnson eq. 3.25).
 
@@ -101,12 +120,21 @@ def love_influence(x: FloatArray, y: FloatArray, half_edge: float) -> FloatArray
     >>> round(float(love_influence(np.array(0.0), np.array(0.0), 1.0)), 6)
     2.244399
     """
+    return corners(lambda s, t: s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t)), x, y, half_edge) / np.pi
 
-    def corner(s: FloatArray, t: FloatArray) -> FloatArray:
-        return np.asarray(s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t)))
 
+def corners(
+    potential: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray, y: FloatArray, half_edge: float
+) -> FloatArray:
+    """Sum of a potential of the offsets of a corner over the corners of a square, signed."""
     left, right, low, high = x - half_edge, x + half_edge, y - half_edge, y + half_edge
-    return (corner(right, high) - corner(right, low) - corner(left, high) + corner(left, low)) / np.pi
+    total = potential(right, high) - potential(right, low) - potential(left, high) + potential(left, low)
+    return np.asarray(total)
+
+
+def wrapped_lags(n: int, cell: float) -> FloatArray:
+    """Lags 0 … n-1 and, wrapped round, -n … -1, times the cell; a cropped convolution never uses the lag -n."""
+    return np.roll(np.arange(-n, n, dtype=np.float64), n) * cell
 
 
 class Convolution:
@@ -123,8 +151,7 @@ class Convolution:
 
     def __init__(self, problem: HertzProblem) -> None:
         n = self.n = problem.n
-        # lags 0 .. n-1 and, wrapped round, -n .. -1; lag n itself is never used by the cropped result
-        lags = np.roll(np.arange(-n, n, dtype=np.float64), n) * problem.cell
+        lags = wrapped_lags(n, problem.cell)
         kernel = love_influence(lags[None, :], lags[:, None], 0.5 * problem.cell)
         self.spectrum = scipy.fft.rfft2(kernel)
 
@@ -139,26 +166,14 @@ class Convolution:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Judgement:
-    """What the outside measure says about one pressure field; all relative [-].
+    """Outside measure of one pressure field; all relative [-]."""
 
-    Attributes
-    ----------
-    gap : float
-        Largest of the absolute gap in loaded cells and the penetration of unloaded ones, over the approach.
-    tension : float
-        Largest negative pressure over p0; 0 where there is none.
-    load_error, peak_error, radius_error : float
-        Load, peak pressure and contact radius (of the circle of the loaded area) against Hertz, minus 1.
-    pressure_error : float
-        L2 norm of the pressure minus Hertz, over the norm of Hertz.
-    """
-
-    gap: float
-    tension: float
-    load_error: float
-    peak_error: float
-    radius_error: float
-    pressure_error: float
+    gap: float  #: largest of the absolute gap in loaded cells and the penetration of unloaded ones, over the approach
+    tension: float  #: largest negative pressure over p0; 0 where there is none
+    load_error: float  #: load against Hertz, minus 1, as the next two
+    peak_error: float  #: peak pressure
+    radius_error: float  #: contact radius, of the circle of the loaded area
+    pressure_error: float  #: L2 norm of the pressure minus Hertz, over the norm of Hertz
 
 
 def judge(problem: HertzProblem, pressure: FloatArray) -> Judgement:

@@ -16,28 +16,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.clock import timed
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, timed
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.memory import PeakMemory
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
 
 CASES = ("EP-1", "EP-2")
-METHODS = {
-    "eigencontact": Code(
-        name="eigencontact",
-        distribution="eigencontact",
-        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.cell_sweeps"),
-        settings="tolerance 1e-6, double precision, exact half-space",
-    )
-}
+METHODS = ours(
+    "tolerance 1e-6, double precision, exact half-space",
+    "pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.cell_sweeps",
+)  # fmt: skip
 _LOADING = 10
 _STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 _SCENES: dict[str, dict[str, Any]] = {
@@ -50,9 +44,8 @@ _SCENES: dict[str, dict[str, Any]] = {
 }
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
-    code.load()
     import eigencontact as ec
 
     given = _SCENES[task.case]

@@ -1,33 +1,28 @@
-"""What `explain` predicts of every bundled scene, against what the scene then takes: time, and time of each block.
+"""Time that `explain` predicts for every bundled scene and its blocks, against the time that they take.
 
 Each scene is planned and run in a process of its own, in memory, without pictures. A prediction times a few
-convolutions and kernels where it is made and counts them: on a busy machine neither side is worth much.
+convolutions and kernels where it is made and counts them: on a busy machine neither side is reliable.
 """
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column, Row
-
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "FACTOR", "measure"]
 
 #: By what a prediction may be wrong, either way.
 FACTOR = 2.0
 
-_CODE = Code(
-    name="eigencontact",
-    distribution="eigencontact",
-    modules=("eigencontact.app", "eigencontact.planning.planner", "eigencontact.results.memory", "scipy.fft"),
-    settings="bundled scenes as they are, in memory, without pictures",
-)
+METHODS = ours(
+    "bundled scenes as they are, in memory, without pictures",
+    "eigencontact.app", "eigencontact.planning.planner", "eigencontact.results.memory", "scipy.fft",
+)  # fmt: skip
 _PLAIN = [f"output.{name}=false" for name in ("pictures", "vtk", "animation")]
 
 
@@ -38,9 +33,8 @@ def _bundled() -> tuple[str, ...]:
     return tuple(sorted(path.stem for root in roots for path in Path(root, "gallery").glob("*.toml")))
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Plan and run one scene in this process, which is a fresh one."""
-    code.load()
     import eigencontact as ec
 
     plan: Any = ec.plan(ec.load_scene(task.case, [*_PLAIN, f"numerics.threads={task.threads}"]))
@@ -78,7 +72,7 @@ BENCHMARK = Benchmark(
     measure=measure,
     medians=("factor",),
     remarks=_remarks,
-    methods={_CODE.name: _CODE},
+    methods=METHODS,
     cases=_bundled(),
     columns=(
         Column("scene", "case"),

@@ -7,26 +7,21 @@ outside by one residual; the tolerance of each peer is the loosest round one who
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks import codes
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.benchmarks.roughness import RoughProblem, residual
 from eigencontact_verification.reporting.table import Column, Row
 
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
-
 __all__ = ["BENCHMARK", "CASES", "METHODS", "RoughCode", "measure", "ratios"]
-
-FloatArray = NDArray[np.float64]
 
 #: Boundary, and share of the area in contact that the load is chosen for.
 CASES = {
@@ -38,79 +33,38 @@ CASES = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RoughCode(Code):
-    """One code.
+    """One code."""
 
-    Attributes
-    ----------
-    press : callable
-        ``press(problem, separation, threads) -> (pressure (n, n) [E*], iterations)``, None where it tells none.
-    """
-
+    #: ``press(problem, separation, threads) -> (pressure (n, n) [E*], iterations)``, None where it reports none.
     press: Callable[[RoughProblem, FloatArray, int], tuple[FloatArray, int | None]]
 
 
 def press_eigencontact(problem: RoughProblem, separation: FloatArray, threads: int) -> tuple[FloatArray, int | None]:
-    """Solve with this package, as a library user would."""
-    from eigencontact.core.grid import Grid
-    from eigencontact.core.material import Material
-    from eigencontact.model.kernels import PairCoefficients
-    from eigencontact.solvers.control import Control
-    from eigencontact.solvers.normal import NormalOptions, solve_normal
-    from eigencontact_plugins.surface_loads import PressureLoad
-
-    n = problem.n
-    solution = solve_normal(
-        Grid(nx=n, ny=n, dx=problem.cell, dy=problem.cell),
-        separation,
-        PairCoefficients(PressureLoad(), (Material(young_modulus=1.0 - 0.3**2, poisson_ratio=0.3), None), "z"),
-        Control(normal_load=problem.mean_pressure),
-        NormalOptions(tolerance=1e-6, threads=threads, periodic=problem.periodic, allow_contact_at_edge=True),
-    )
-    return solution.pressure, solution.report.iterations
+    """Solve with this package."""
+    return codes.press_eigencontact(
+        separation, 1.0, problem.mean_pressure, tolerance=1e-6, threads=threads, periodic=problem.periodic,
+        allow_contact_at_edge=True,
+    )[:2]  # fmt: skip
 
 
 def press_tamaas(problem: RoughProblem, separation: FloatArray, threads: int) -> tuple[FloatArray, int | None]:
     """Polonsky-Keer solver of Tamaas."""
-    tamaas: Any = importlib.import_module("tamaas")
-    tamaas.set_log_level(tamaas.LogLevel.error)
-    tamaas.initialize(threads)
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [problem.n] * 2)
-    model.E, model.nu = 1.0, 0.0
-    solver = tamaas.PolonskyKeerRey(model, -separation, TAMAAS_TOLERANCE)
-    solver.max_iter = 10_000
-    if not problem.periodic:
-        tamaas.ModelFactory.registerNonPeriodic(model, "non-periodic")
-        solver.setIntegralOperator("non-periodic")
-    error = solver.solve(problem.mean_pressure)
-    if not error <= TAMAAS_TOLERANCE:  # reaching the iteration limit raises nothing
-        raise RuntimeError(f"error must be at most {TAMAAS_TOLERANCE} (got {error}); the solver stopped early")
-    return np.array(model.traction), None
+    return codes.press_tamaas(
+        separation, 1.0, problem.mean_pressure, threads, tolerance=TAMAAS_TOLERANCE, periodic=problem.periodic,
+        most=10_000,
+    )[:2]  # fmt: skip
 
 
-def press_contactmechanics(
-    problem: RoughProblem,
-    separation: FloatArray,
-    threads: int,  # noqa: ARG001 - one signature for all
-) -> tuple[FloatArray, int | None]:
-    """Constrained conjugate gradients of ContactMechanics; `pentol` is a length."""
-    contact: Any = importlib.import_module("ContactMechanics")
-    systems: Any = importlib.import_module("ContactMechanics.Systems")
-    topography: Any = importlib.import_module("SurfaceTopography")
-    n, sides = problem.n, (1.0, 1.0)
-    kind = contact.PeriodicFFTElasticHalfSpace if problem.periodic else contact.FreeFFTElasticHalfSpace
-    surface = topography.Topography(-separation, sides, periodic=problem.periodic)
-    system = systems.NonSmoothContactSystem(kind((n, n), 1.0, sides), surface)
-    result = system.minimize_proxy(
-        external_force=problem.mean_pressure, pentol=CONTACTMECHANICS_TOLERANCE, maxiter=10_000
-    )
-    if not result.success:
-        raise RuntimeError(f"solver must converge (got {result.message!r})")
-    return np.asarray(result.jac)[:n, :n] / problem.cell**2, int(result.nit)
+def press_contactmechanics(problem: RoughProblem, separation: FloatArray, _: int) -> tuple[FloatArray, int | None]:
+    """Constrained conjugate gradients of ContactMechanics."""
+    return codes.press_contactmechanics(
+        separation, 1.0, problem.mean_pressure, periodic=problem.periodic, pentol=CONTACTMECHANICS_TOLERANCE,
+        maxiter=10_000,
+    )[:2]  # fmt: skip
 
 
 def measure(code: RoughCode, task: Task) -> Sample:
     """Draw the surface, solve, judge."""
-    code.load()
     periodic, share = CASES[task.case]
     problem = RoughProblem(n=task.n, periodic=periodic, share=share)
     separation = problem.separation()
@@ -149,34 +103,19 @@ METHODS = {
     code.name: code
     for code in (
         RoughCode(
-            name="eigencontact",
-            distribution="eigencontact",
-            modules=(
-                "pyfftw",
-                "scipy.fft",
-                "eigencontact.solvers.normal",
-                "eigencontact.model.kernels",
-                "eigencontact_plugins.surface_loads",
-            ),
-            settings="solve_normal, tolerance 1e-6",
-            press=press_eigencontact,
+            name="eigencontact", distribution="eigencontact", modules=(*codes.NORMAL, *codes.KERNELS),
+            settings="NormalSolver, tolerance 1e-6", press=press_eigencontact,
         ),
         RoughCode(
-            name="tamaas",
-            distribution="tamaas",
-            modules=("tamaas",),
+            name="tamaas", press=press_tamaas, **codes.TAMAAS,
             settings=f"PolonskyKeerRey, tolerance {TAMAAS_TOLERANCE:g}, one thread as its wheel is built",
-            press=press_tamaas,
         ),
         RoughCode(
-            name="contactmechanics",
-            distribution="ContactMechanics",
-            modules=("ContactMechanics", "ContactMechanics.Systems", "SurfaceTopography"),
+            name="contactmechanics", press=press_contactmechanics, **codes.CONTACTMECHANICS,
             settings=f"constrained conjugate gradients, pentol {CONTACTMECHANICS_TOLERANCE:g} of the window",
-            press=press_contactmechanics,
         ),
     )
-}
+}  # fmt: skip
 
 BENCHMARK = Benchmark(
     name="rough",

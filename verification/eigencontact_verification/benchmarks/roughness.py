@@ -18,14 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 from scipy.special import erfinv
 
-from eigencontact_verification.benchmarks.measure import love_influence
+from eigencontact_verification.benchmarks.measure import FloatArray, love_influence, wrapped_lags
 
 __all__ = ["RoughProblem", "displacement", "residual"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -90,7 +87,7 @@ def displacement(problem: RoughProblem, pressure: FloatArray) -> FloatArray:
         spectrum = scipy.fft.rfft2(pressure)
         spectrum /= np.pi * waves
         return np.asarray(scipy.fft.irfft2(spectrum, s=(n, n)))
-    lags = np.roll(np.arange(-n, n, dtype=np.float64), n) * problem.cell
+    lags = wrapped_lags(n, problem.cell)
     spectrum = scipy.fft.rfft2(pressure, s=(2 * n, 2 * n))
     spectrum *= scipy.fft.rfft2(love_influence(lags[None, :], lags[:, None], 0.5 * problem.cell))
     return np.asarray(scipy.fft.irfft2(spectrum, s=(2 * n, 2 * n))[:n, :n])

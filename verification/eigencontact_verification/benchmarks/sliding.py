@@ -18,13 +18,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem, corners, wrapped_lags
 
 __all__ = ["ShearConvolution", "SlidingJudgement", "SlidingProblem", "judge_sliding"]
-
-FloatArray = NDArray[np.float64]
 
 #: A cell slips where its shear is this close to its bound, relative.
 _AT_BOUND = 1e-4
@@ -37,17 +34,10 @@ class SlidingProblem:
     """A rigid paraboloid pressed by Hertz's load, then sheared along x by half of what friction can carry.
 
     Normal displacement by shear and tangential displacement by pressure are left out, as between like bodies.
-
-    Parameters
-    ----------
-    n : int
-        Cells along each side of a window of four contact radii.
-    poisson_ratio : float
-        Of the elastic body.
     """
 
-    n: int
-    poisson_ratio: float
+    n: int  #: cells along each side of a window of four contact radii
+    poisson_ratio: float  #: Poisson's ratio of the elastic body
     friction: float = 0.5
     share: float = 0.5  #: tangential load over friction times normal load
     hertz: HertzProblem = field(init=False)
@@ -83,11 +73,11 @@ class ShearConvolution:
     def __init__(self, problem: SlidingProblem) -> None:
         n, cell, nu = problem.n, problem.hertz.cell, problem.poisson_ratio
         self.n = n
-        lags = np.roll(np.arange(-n, n, dtype=np.float64), n) * cell
+        lags = wrapped_lags(n, cell)
         x, y, half = lags[None, :], lags[:, None], 0.5 * cell
-        straight = _corners(lambda s, t: s * np.arcsinh(t / np.abs(s)), x, y, half)
-        turned = _corners(lambda s, t: t * np.arcsinh(s / np.abs(t)), x, y, half)
-        crossed = _corners(np.hypot, x, y, half)
+        straight = corners(lambda s, t: s * np.arcsinh(t / np.abs(s)), x, y, half)
+        turned = corners(lambda s, t: t * np.arcsinh(s / np.abs(t)), x, y, half)
+        crossed = corners(np.hypot, x, y, half)
         kernels = {
             (0, 0): straight + turned / (1.0 - nu),
             (1, 1): turned + straight / (1.0 - nu),
@@ -104,35 +94,17 @@ class ShearConvolution:
         return np.asarray(scipy.fft.irfft2(waves, s=shape, workers=workers)[:, : self.n, : self.n])
 
 
-def _corners(function: object, x: FloatArray, y: FloatArray, half: float) -> FloatArray:
-    """Sum of a potential over the corners of a square, signed; ``function(s, t)`` of the offsets of a corner."""
-    assert callable(function)
-    left, right, low, high = x - half, x + half, y - half, y + half
-    return np.asarray(function(right, high) - function(right, low) - function(left, high) + function(left, low))
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SlidingJudgement:
-    """What the outside measure says about one answer; all relative [-].
+    """Outside measure of one answer; all relative [-]."""
 
-    Attributes
-    ----------
-    residual : float
-        Largest difference between the shear and what friction makes of it: ``q - P(q - k slip)`` with P the shortening
-        to the bound, over the largest bound; k is the largest bound over the largest displacement. In stick this is
-        the slip, in slip its part across the shear, and shear beyond its bound counts as such.
-    load_error : float
-        Tangential load against the prescribed one, minus 1.
-    shear_error : float
-        L2 norm of q_x minus the closed form, over the norm of that.
-    stick_radius : float
-        Radius of the circle of the sticking area over that of the contact area.
-    """
-
+    #: Largest difference between the shear and what friction makes of it: ``q - P(q - k slip)`` with P the shortening
+    #: to the bound, over the largest bound; k is the largest bound over the largest displacement. In stick this is the
+    #: slip, in slip its part across the shear, and shear beyond its bound counts as such.
     residual: float
-    load_error: float
-    shear_error: float
-    stick_radius: float
+    load_error: float  #: tangential load against the prescribed one, minus 1
+    shear_error: float  #: L2 norm of q_x minus the closed form, over the norm of that
+    stick_radius: float  #: radius of the circle of the sticking area over that of the contact area
 
 
 def judge_sliding(problem: SlidingProblem, pressure: FloatArray, shear: FloatArray) -> SlidingJudgement:

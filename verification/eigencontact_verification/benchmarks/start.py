@@ -1,4 +1,4 @@
-"""What a user waits for around a solution: whole processes of the command line, against the imports alone.
+"""Time around a solution: whole processes of the command line, against the imports alone.
 
 The imports are those that any program would make that reads and draws such results. They are timed in turn with the
 commands, in processes of their own; the first process of each, which may find nothing compiled and no file in the
@@ -11,16 +11,12 @@ import os
 import subprocess
 import sys
 import tempfile
-from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, once
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
 
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
-
-__all__ = ["BENCHMARK", "IMPORTS", "measure"]
+__all__ = ["BENCHMARK", "IMPORTS", "METHODS", "measure"]
 
 #: Imported by the process that the commands are compared with.
 IMPORTS = "numpy, scipy.fft, h5py, xarray, pydantic, matplotlib"
@@ -31,7 +27,7 @@ _COMMANDS = {
     "run coated-sphere": ("run", "coated-sphere"),
     "run fretting-mode-1": ("run", "fretting-mode-1"),
 }
-_CODE = Code(name="eigencontact", distribution="eigencontact", modules=(), settings=f"imports: {IMPORTS}")
+METHODS = ours(f"imports: {IMPORTS}")
 
 
 def _python(*words: str) -> None:
@@ -60,7 +56,7 @@ BENCHMARK = Benchmark(
     help="commands as whole processes, pictures included, against bare imports",
     measure=measure,
     floors=("imports",),
-    methods={_CODE.name: _CODE},
+    methods=METHODS,
     cases=tuple(_COMMANDS),
     columns=(
         Column("command", "case"),

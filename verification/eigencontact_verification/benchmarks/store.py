@@ -1,7 +1,7 @@
 """Storing: what a step costs, and layouts of the results file against that which is used.
 
-The fields are closed forms: three of a contact without friction, eleven of one with partial slip. ``used`` is what the
-package writes, at each step and at the end. The other ways write the same arrays with h5py alone, all at the end:
+The fields are closed forms: three of a contact without friction, eleven of one with partial slip. ``used`` is the
+writer of the package, at each step and at the end. The other ways write the same arrays with h5py alone, at the end:
 ``whole`` as one piece each, ``bands`` of rows of 1 MB without those that are zero, ``squares`` of 256 x 256 cells
 likewise, ``lzf`` and ``gzip`` bands compressed after a byte shuffle. Each ends with the file on the disk, as far as the
 system tells.
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.reporting.table import Column
 
@@ -26,11 +26,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "LAYOUTS", "fields_of", "measure", "write"]
 
-#: What h5py is asked for, by name: cells along the sides of a chunk, and how it is compressed.
+#: Layouts by name: cells along the sides of a chunk, and its compression by h5py.
 LAYOUTS: dict[str, dict[str, Any]] = {
     "whole": {},
     "bands": {"band": 2**17},
@@ -120,7 +119,6 @@ def _stored(folder: Path, n: int, steps: list[Mapping[str, NDArray[np.float64]]]
 
 def measure(code: Code, task: Task) -> Sample:
     """Measure one way of storing in this process, which is a fresh one."""
-    code.load()
     n, count = _CASES[task.case]
     steps: list[Any] = [fields_of(n, step, friction=count > 1) for step in range(1, count + 1)]
     with TemporaryDirectory() as folder:

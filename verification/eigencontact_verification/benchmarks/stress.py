@@ -10,19 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once, one_and_all
-from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, once, one_and_all
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "POISSON_RATIO", "axis_error", "axis_stress", "bare_transforms", "depths_of", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 POISSON_RATIO = 0.3
 
@@ -68,9 +64,7 @@ def bare_transforms(pressure: FloatArray, depths: int, workers: int) -> None:
 
 def measure(code: Code, task: Task) -> Sample:
     """Build the operator and apply it, then apply it again in turn with bare transforms."""
-    if code.stress is None:
-        raise ImportError("takes no part in this benchmark")
-    code.load()
+    assert code.stress is not None
     z, pressure = depths_of(task.depths), HertzProblem(n=task.n).pressure
     operator = cache(partial(code.stress, task.n, z, task.threads, task.precision))
     return Trial(
@@ -86,6 +80,7 @@ BENCHMARK = Benchmark(
     name="stress",
     help="sub-surface stress against its bare FFTs",
     measure=measure,
+    function="stress",
     floors=("transforms_1", "transforms_threads"),
     sizes=(256,),
     depths=32,

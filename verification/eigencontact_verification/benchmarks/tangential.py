@@ -1,4 +1,4 @@
-"""Cattaneo-Mindlin contact: the tangential solve against the bare FFTs of one application, and what it is worth.
+"""Cattaneo-Mindlin contact: the tangential solve against the bare FFTs of one application, and its error.
 
 The set-up (normal contact, coefficients known before the tangential load comes) is timed apart from the tangential
 solve, where a code can do that; the first solve in a fresh process includes the coefficients and FFT plans of shear.
@@ -11,23 +11,17 @@ import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.clock import sample, timed
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, repeated, timed
+from eigencontact_verification.benchmarks.codes import ASPHER, KERNELS, TAMAAS, Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
 from eigencontact_verification.reporting.table import Column, Row
 
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
-
 __all__ = ["BENCHMARK", "CASES", "METHODS", "PEERS", "ShearCode", "Sheared", "growth", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 #: Poisson's ratio of each case.
 CASES = {"nu-0.3": 0.3, "nu-0.5": 0.5}
@@ -55,14 +49,9 @@ class Prepared:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShearCode(Code):
-    """One code, or one way of using it.
+    """One code, or one way of using it."""
 
-    Attributes
-    ----------
-    prepare : callable
-        ``prepare(problem, threads) -> Prepared``, everything that can be done before the tangential load is known.
-    """
-
+    #: ``prepare(problem, threads) -> Prepared``, everything that can be done before the tangential load is known.
     prepare: Callable[[SlidingProblem, int], Prepared]
 
 
@@ -159,21 +148,14 @@ def prepare_aspher(problem: SlidingProblem, threads: int) -> Prepared:  # noqa: 
 
 
 def measure(code: ShearCode, task: Task) -> Sample:
-    """Prepare, solve, and solve again in turn with bare applications; then the cycle.
-
-    Raises
-    ------
-    ImportError
-        If the code is absent.
-    """
-    code.load()
+    """Prepare, solve, and solve again in turn with bare applications; then the cycle."""
     problem = SlidingProblem(n=task.n, poisson_ratio=CASES[task.case])
     prepared = cache(lambda: code.prepare(problem, task.threads))
 
     def floors() -> Mapping[str, Callable[[], list[float]]]:
         application, field = ShearConvolution(problem), np.stack([problem.shear, problem.shear])
         application(field, task.threads)
-        return {"application": lambda: sample(lambda: application(field, task.threads))}
+        return {"application": lambda: repeated(lambda: application(field, task.threads))}
 
     def judge(answer: Sheared) -> dict[str, Any]:
         found: dict[str, Any] = {"iterations": answer.iterations, "applications": answer.applications}
@@ -207,42 +189,30 @@ def growth(rows: list[Row]) -> list[str]:
 
 
 PEERS = ("tamaas-condat", "tamaas-polonsky-keer", "tamaas-kato", "aspher")
+_TAMAAS = (
+    "{}, periodic, normal and tangential load at once (the solve includes the normal contact), fully coupled, "
+    "tolerance 1e-8, at most 2000 iterations"
+)
 METHODS = {
     code.name: code
     for code in (
         ShearCode(
-            name="eigencontact",
-            distribution="eigencontact",
-            modules=(
-                "pyfftw",
-                "scipy.fft",
-                "eigencontact.solvers.tangential.contact",
-                "eigencontact.model.kernels",
-                "eigencontact_plugins.surface_loads",
-            ),
+            name="eigencontact", distribution="eigencontact", prepare=prepare_eigencontact,
+            modules=("pyfftw", "scipy.fft", "eigencontact.solvers.tangential.contact", *KERNELS),
             settings="FrictionalContact, x with y coupled, tolerance 1e-6",
-            prepare=prepare_eigencontact,
         ),
         *(
             ShearCode(
-                name=f"tamaas-{name}",
-                distribution="tamaas",
-                modules=("tamaas",),
-                settings=f"{solver}, periodic, normal and tangential load at once (the solve includes the normal "
-                "contact), fully coupled, tolerance 1e-8, at most 2000 iterations",
-                prepare=prepare_tamaas(solver),
+                name=f"tamaas-{name}", settings=_TAMAAS.format(solver), prepare=prepare_tamaas(solver), **TAMAAS
             )
             for name, solver in (("condat", "Condat"), ("polonsky-keer", "PolonskyKeerTan"), ("kato", "Kato"))
         ),
         ShearCode(
-            name="aspher",
-            distribution="aspher",
-            modules=("aspher",),
-            settings="FrictionSolver, preconditioned, FFT, default tolerances",
-            prepare=prepare_aspher,
+            name="aspher", settings="FrictionSolver, preconditioned, FFT, default tolerances",
+            prepare=prepare_aspher, **ASPHER,
         ),
     )
-}
+}  # fmt: skip
 
 BENCHMARK = Benchmark(
     name="tangential",

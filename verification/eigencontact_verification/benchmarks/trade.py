@@ -16,19 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks import fidelity
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "METHODS", "MODELS", "POINTWISE", "draw", "measure", "points", "truth"]
-
-FloatArray = NDArray[np.float64]
 
 DEPTH = 1.5
 #: Cells along an edge, and points along each side of the quadrant.
@@ -136,13 +134,10 @@ def _way(name: str) -> Callable[[Task], tuple[FloatArray, int]]:
 
 def measure(code: Code, task: Task) -> Sample:
     """Solve once in a fresh process, set-up included, and judge."""
-    code.load()
 
     def judge(answer: tuple[FloatArray, int]) -> dict[str, Any]:
-        (found, unknowns), wanted = answer, truth()
-        if found.shape != wanted.shape or not np.isfinite(found).all():
-            raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
-        return {"unknowns": unknowns, "error": float(np.abs(found - wanted).max() / np.abs(wanted).max())}
+        displacement, unknowns = answer
+        return {"unknowns": unknowns, "error": largest_error(displacement, truth())}
 
     return Trial(call=lambda: _way(code.name)(task), judge=judge).run(task, warm=0)
 

@@ -12,28 +12,21 @@ from __future__ import annotations
 
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
-
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
 
 CASES = ("gross sliding", "partial slip")
-METHODS = {
-    "eigencontact": Code(
-        name="eigencontact",
-        distribution="eigencontact",
-        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.execution.wear.surface"),
-        settings="tolerance 1e-6, double precision, coupling none",
-    )
-}
+METHODS = ours(
+    "tolerance 1e-6, double precision, coupling none",
+    "pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.execution.wear.surface",
+)  # fmt: skip
 _RADIUS, _LOAD, _CONTACT = 200e-6, 12.307, 20e-6
 _CYCLES = 5000
 
@@ -71,36 +64,33 @@ def _scene(task: Task) -> dict[str, Any]:
     }
 
 
-class _Watched:
-    """Wall time spent in some methods of classes, from the outside."""
+def _watch(**methods: tuple[type, str]) -> dict[str, float]:
+    """Wall times [s] spent in methods of classes from now on, by name."""
+    spent = dict.fromkeys(methods, 0.0)
 
-    def __init__(self, **methods: tuple[type, str]) -> None:
-        self.spent = dict.fromkeys(methods, 0.0)
-        for name, (owner, method) in methods.items():
-            self._watch(name, owner, method)
-
-    def _watch(self, name: str, owner: type, method: str) -> None:
-        known = getattr(owner, method)
-
-        def timed(*args: Any, **kwargs: Any) -> Any:
+    def watched(name: str, method: Any) -> Any:
+        def call(*args: Any, **kwargs: Any) -> Any:
             began = perf_counter()
             try:
-                return known(*args, **kwargs)
+                return method(*args, **kwargs)
             finally:
-                self.spent[name] += perf_counter() - began
+                spent[name] += perf_counter() - began
 
-        setattr(owner, method, timed)
+        return call
+
+    for name, (owner, method) in methods.items():
+        setattr(owner, method, watched(name, getattr(owner, method)))
+    return spent
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
-    code.load()
     import eigencontact as ec
     from eigencontact.execution.mechanics.mechanics import RunningMechanics
     from eigencontact.execution.wear.surface import WornSurface
     from eigencontact.results.store import ResultStore
 
-    watched = _Watched(
+    spent = _watch(
         solve=(RunningMechanics, "advance"),
         skip=(WornSurface, "begin"),
         update=(WornSurface, "advance"),
@@ -114,7 +104,7 @@ def measure(code: Code, task: Task) -> Sample:
             return ec.run(scene, f"{folder}/run")
 
     def judge(result: Any) -> dict[str, Any]:
-        numbers, spent = result.summary, watched.spent
+        numbers = result.summary
         return {
             "run_s": result.seconds,
             "solve_s": spent["solve"],

@@ -1,4 +1,4 @@
-"""What a map says in words: totals, and from where on a model is good."""
+"""Answers of a map in words: totals, and the range in which a model agrees."""
 
 from __future__ import annotations
 

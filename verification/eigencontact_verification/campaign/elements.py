@@ -28,26 +28,24 @@ if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.case import Case, Gap, Profile
     from eigencontact_verification.crosscheck.run import Executor, Progress
 
-__all__ = ["CasesOf", "cases_for", "executor_of", "judge_by_elements"]
+__all__ = ["CasesOf", "cases_for", "executor_for", "judge_by_elements", "plugins_of"]
 
 #: Cases of a folder of results, and what cannot be judged of it.
 CasesOf = Callable[[Path], "tuple[Sequence[Case], Sequence[Gap]]"]
 
 
 def cases_for(campaign: Campaign, *, coarse: bool) -> CasesOf:
-    """What makes the cases of a run for the judge of a campaign."""
+    """Return the function that makes the cases of a run for the judge of a campaign."""
     quick = coarse or not campaign.full_meshes
     from eigencontact_verification.audit import cases_of, contact_cases_of
 
     return partial(contact_cases_of if campaign.judge == "contact" else cases_of, quick=quick)
 
 
-def executor_of(
-    points: Sequence[Point], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
+def executor_for(
+    plugins: Iterable[str], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
 ) -> Executor:
-    """Who performs the solutions: processes within limits, or a cluster; both get plugin files of the scenes."""
-    scenes = [point.model.variant.scene for point in points]
-    plugins = dict.fromkeys(str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
+    """Processes within limits of memory [byte], or a cluster, for the solutions; both load the plugin files."""
     if cluster is None:
         limits = Limits() if memory is None else Limits(memory=memory)
         return partial(in_processes, workers=workers, limits=limits, plugins=tuple(plugins))
@@ -56,12 +54,19 @@ def executor_of(
     return partial(on_cluster, engine=cluster, plugins=tuple(plugins))
 
 
+def plugins_of(points: Sequence[Point]) -> list[str]:
+    """Plugin files of the scenes of points."""
+    scenes = [point.model.variant.scene for point in points]
+    files = (str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
+    return list(dict.fromkeys(files))
+
+
 @dataclass(kw_only=True, eq=False)
 class _Asked:
-    """A point with the names of its cases, or why it has none."""
+    """A point with its cases, or the reason where it has none."""
 
     point: Point
-    keys: list[str] = field(default_factory=list)
+    cases: list[Case] = field(default_factory=list)
     gaps: list[str] = field(default_factory=list)
     failed: str = ""
 
@@ -70,44 +75,30 @@ def judge_by_elements(
     campaign: Campaign, points: Sequence[Point], folder: Path, *, cases_of: CasesOf, executor: Executor,
     progress: Progress | None = None,
 ) -> list[Judged]:  # fmt: skip
-    """Verdicts of points.
+    """Verdicts of points from the runs in the folder ``runs``; solutions are stored in the folder ``solutions``.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Its tolerance and claim.
-    points : sequence of Point
-        With what came of their runs.
-    folder : Path
-        With ``runs``; solutions go to ``solutions``.
-    cases_of : callable
-        See `cases_for`.
-    executor : callable
-        See `executor_of`.
-    progress : Progress, optional
-        Told of the solutions.
+    See `cases_for` and `executor_for`; `progress` learns of the solutions.
     """
-    asked: list[_Asked] = []
-    cases: list[Case] = []
-    for point in points:
-        one = _Asked(point=point, failed=point.model.failed)
-        asked.append(one)
-        if one.failed:
-            continue
-        try:
-            made, gaps = cases_of(folder / "runs" / point.model.variant.label)
-        except (EigencontactError, ValueError, OSError) as problem:
-            one.failed = " ".join(str(problem).split())
-            continue
-        one.gaps = [f"{gap.what}: {gap.reason}" for gap in gaps]
-        named = [replace(case, name=f"{point.model.variant.label}_{case.name}") for case in made]
-        one.keys = [case.key for case in named]
-        cases += named
-        if not named:
-            one.failed = f"nothing of it can be judged: {'; '.join(one.gaps) or 'no reason is given'}"
+    asked = [_asked(point, folder / "runs", cases_of) for point in points]
+    cases = [case for one in asked for case in one.cases]
     solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=progress)
-    by_key = {one.case.key: judge(one) for one in solved}
-    return [_judged(campaign, one, [by_key[key] for key in one.keys]) for one in asked]
+    by_key = {outcome.case.key: judge(outcome) for outcome in solved}
+    return [_judged(campaign, one, [by_key[case.key] for case in one.cases]) for one in asked]
+
+
+def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
+    """Cases of a point, named after it."""
+    if point.model.failed:
+        return _Asked(point=point, failed=point.model.failed)
+    label = point.model.variant.label
+    try:
+        made, gaps = cases_of(runs / label)
+    except (EigencontactError, ValueError, OSError) as problem:
+        return _Asked(point=point, failed=" ".join(str(problem).split()))
+    reasons = [f"{gap.what}: {gap.reason}" for gap in gaps]
+    failed = "" if made else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
+    cases = [replace(case, name=f"{label}_{case.name}") for case in made]
+    return _Asked(point=point, cases=cases, gaps=reasons, failed=failed)
 
 
 def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:

@@ -12,7 +12,7 @@ from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.reporting.verdict import MARKS, percent
-from eigencontact_verification.studies.study import number_of, plain
+from eigencontact_verification.studies.study import label_of, levels_of, number_of, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.campaign.campaign import Campaign
 
-__all__ = ["axes_of_map", "draw_map", "label_of", "levels_of", "quantities_of"]
+__all__ = ["axes_of_map", "draw_map", "label_in", "levels_in", "quantities_of"]
 
 #: Light tints that differ in brightness as well: blue, yellow, vermilion, grey.
 _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
@@ -28,7 +28,8 @@ _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a"
 
 def axes_of_map(campaign: Campaign, found: Sequence[Judged]) -> tuple[str, str | None, list[str]]:
     """Parameter across, parameter upwards or None, and those that make a panel for each of their values."""
-    varied = [name for name in _parameters(campaign) if len(levels_of(found, name)) > 1] or _parameters(campaign)[:1]
+    names = list(dict.fromkeys(parameter.name for model in campaign.models for parameter in model.study.parameters))
+    varied = [name for name in names if len(levels_in(found, name)) > 1] or names[:1]
     x = str(campaign.drawn.get("x", varied[0]))
     rest = [name for name in varied if name != x]
     y = campaign.drawn.get("y", rest[0] if rest else None)
@@ -44,20 +45,12 @@ def quantities_of(campaign: Campaign, found: Sequence[Judged]) -> list[str]:
 
 
 def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
-    """One panel for each quantity, and for each value of further parameters.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        What was asked.
-    found : sequence of Judged
-        Its points.
-    """
+    """One panel for each quantity, and for each value of further parameters."""
     x, y, others = axes_of_map(campaign, found)
     names = quantities_of(campaign, found)
-    groups = list(product(*(levels_of(found, name) for name in others)))
+    groups = list(product(*(levels_in(found, name) for name in others)))
     panels = [(name, group) for group in groups for name in names]
-    across, up = levels_of(found, x), [None] if y is None else levels_of(found, y)
+    across, up = levels_in(found, x), [None] if y is None else levels_in(found, y)
     columns = min(len(panels), 3 if y is None else max(1, 10 // max(3, len(across))))
     rows = -(-len(panels) // columns)
     width, height = (4.2, 3.3) if y is None else (1.5 + 0.84 * len(across), 1.3 + 0.6 * len(up))
@@ -66,14 +59,14 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
     for place, (name, group) in zip(places, panels, strict=False):
         at = dict(zip(others, group, strict=True))
         chosen = [one for one in found if all(one.point.values.get(key) == value for key, value in at.items())]
-        panel = ", ".join([name, *(f"{label_of(campaign, key)} {plain(value)}" for key, value in at.items())])
+        panel = ", ".join([name, *(f"{label_in(campaign, key)} {plain(value)}" for key, value in at.items())])
         place.set_title(subscripts(panel))
         if y is None:
             _curve(place, chosen, name, x, across)
         else:
             _cells(place, chosen, name, (x, across), (y, up))
-            place.set_ylabel(subscripts(str(campaign.drawn.get("y-label", label_of(campaign, y)))))
-        place.set_xlabel(subscripts(str(campaign.drawn.get("x-label", label_of(campaign, x)))))
+            place.set_ylabel(subscripts(str(campaign.drawn.get("y-label", label_in(campaign, y)))))
+        place.set_xlabel(subscripts(str(campaign.drawn.get("x-label", label_in(campaign, x)))))
     for place in places[len(panels) :]:
         place.set_axis_off()
     _key(figure, found, cells=y is not None)
@@ -81,20 +74,14 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
     return figure
 
 
-def _parameters(campaign: Campaign) -> list[str]:
-    return list(dict.fromkeys(one.name for model in campaign.models for one in model.study.parameters))
+def label_in(campaign: Campaign, name: str) -> str:
+    """Label of a parameter."""
+    return label_of((parameter for model in campaign.models for parameter in model.study.parameters), name)
 
 
-def label_of(campaign: Campaign, name: str) -> str:
-    """Text of a parameter."""
-    return next(one.label for model in campaign.models for one in model.study.parameters if one.name == name)
-
-
-def levels_of(found: Sequence[Judged], name: str) -> list[Any]:
-    """Values of a parameter, in order."""
-    levels = list(dict.fromkeys(one.point.values[name] for one in found if name in one.point.values))
-    numbers = all(isinstance(number_of(one), int | float) for one in levels)
-    return sorted(levels, key=number_of) if numbers else levels
+def levels_in(points: Sequence[Judged], name: str) -> list[Any]:
+    """Values of a parameter at points, in order."""
+    return levels_of((judged.point.values for judged in points), name)
 
 
 def _of(one: Judged, name: str) -> MapFinding | None:
@@ -170,7 +157,7 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
 
 
 def _key(figure: Figure, found: Sequence[Judged], *, cells: bool) -> None:
-    """What tints, marks and lines mean."""
+    """Draw the legend of tints, marks and lines."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

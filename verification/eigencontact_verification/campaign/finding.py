@@ -1,63 +1,41 @@
-"""What a campaign finds at a point of its map, and the verdict at a stated tolerance."""
+"""Findings of a campaign at a point of its map, and the verdict at a stated tolerance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from eigencontact_verification.campaign.runs import Point
-from eigencontact_verification.reporting.verdict import Finding, largest, worst
+from eigencontact_verification.reporting.verdict import Finding, largest, percent, worst
 
 __all__ = ["Judged", "MapFinding"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapFinding(Finding):
-    """Verdict on one quantity at one point.
+    """Verdict on one quantity at one point."""
 
-    Attributes
-    ----------
-    tolerance : float
-        See `eigencontact_verification.reporting.verdict.word_of`.
-    claimed : bool
-        Whether agreement is claimed here.
-    error : float or None
-        Largest |model - reference|, as `uncertainty` a part of the scale.
-    value, reference : float or None
-        Of a single number: that of the model and that of the reference.
-    """
+    tolerance: float  #: see `eigencontact_verification.reporting.verdict.word_of`
+    claimed: bool  #: whether agreement is claimed here
+    error: float | None = None  #: largest |model - reference|, as `uncertainty` a part of the scale
+    value: float | None = None  #: number of the model, where the quantity is a single number
+    reference: float | None = None  #: number of the reference likewise
 
-    tolerance: float
-    claimed: bool
-    error: float | None = None
-    value: float | None = None
-    reference: float | None = None
+    @property
+    def numbers(self) -> str:
+        """Error and uncertainty in per cent."""
+        return f"{percent(self.error)} ± {percent(self.uncertainty)}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
-    """A point with its verdicts, and what they cost.
-
-    Attributes
-    ----------
-    point : Point
-    findings : tuple of MapFinding
-        By quantity.
-    reference_seconds : float or None
-        Wall time of the finest solution of the reference [s].
-    all_seconds : float or None
-        Of all its solutions: what an answer with its own error costs.
-    reference_memory : float or None
-        Largest memory of these [byte].
-    gaps : tuple of str
-        What cannot be judged, with the reasons.
-    """
+    """A point with its verdicts, and the cost of the reference."""
 
     point: Point
-    findings: tuple[MapFinding, ...]
-    reference_seconds: float | None = None
-    all_seconds: float | None = None
-    reference_memory: float | None = None
-    gaps: tuple[str, ...] = ()
+    findings: tuple[MapFinding, ...]  #: one for each quantity
+    reference_seconds: float | None = None  #: wall time of the finest solution of the reference [s]
+    all_seconds: float | None = None  #: wall time of all its solutions, which its own error needs [s]
+    reference_memory: float | None = None  #: largest memory of these solutions [byte]
+    gaps: tuple[str, ...] = ()  #: fields that cannot be judged, with the reasons
 
     @property
     def word(self) -> str:

@@ -1,4 +1,4 @@
-"""What the file of a campaign may hold, key by key; what it has in common with a study stands there."""
+"""Keys of the file of a campaign; those that it shares with a study are defined there."""
 
 from __future__ import annotations
 

@@ -34,26 +34,22 @@ def perform(
     cases_of: CasesOf | None = None,
     told: Told | None = None,
 ) -> MapReport:
-    """Run and judge; what is finished in the folder is read, not computed again.
+    """Run and judge; finished runs and solutions of the folder are read, not computed again.
 
     Parameters
     ----------
-    campaign : Campaign
-        What is asked.
     folder : Path
         Runs go into ``runs``, solutions of finite elements into ``solutions``.
     coarse : bool
         Fewer points and cells, for a first look.
-    workers : int
-        Processes at a time.
-    cluster : Cluster, optional
-        Who performs runs and solutions instead.
+    workers, cluster : int, Cluster
+        Number of processes at a time, or the cluster that performs runs and solutions instead.
     memory : float, optional
         Memory of a finite-element solution [byte]; 6 GB by default.
     cases_of : callable, optional
-        What makes cases of a folder of results, for a judge of your own; by default what the file says.
+        Makes the cases of a folder of results, for a judge of your own; by default those of the file.
     told : callable, optional
-        Told of runs and solutions as they end.
+        Called for each run and solution as it ends.
     """
     began = time.perf_counter()
     points = points_of(campaign, coarse=coarse)
@@ -66,11 +62,11 @@ def perform(
         ratio = campaign.coarse_ratio if coarse else campaign.ratio
         found = [judge_by_scene(campaign, point, folder / "runs", ratio=ratio) for point in ran]
     else:
-        from eigencontact_verification.campaign.elements import cases_for, executor_of, judge_by_elements
+        from eigencontact_verification.campaign.elements import cases_for, executor_for, judge_by_elements, plugins_of
 
         found = judge_by_elements(
             campaign, ran, folder, cases_of=cases_of or cases_for(campaign, coarse=coarse),
-            executor=executor_of(ran, workers=workers, cluster=cluster, memory=memory), progress=counted,
+            executor=executor_for(plugins_of(ran), workers=workers, cluster=cluster, memory=memory), progress=counted,
         )  # fmt: skip
     return MapReport(campaign=campaign, found=tuple(found), coarse=coarse, seconds=time.perf_counter() - began)
 

@@ -1,4 +1,4 @@
-"""Report of a campaign: the map, every verdict, and what both sides cost; JSON, Markdown and one HTML page."""
+"""Report of a campaign: the map, every verdict, and the costs of both sides; JSON, Markdown and one HTML page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.answer import answers, totals
-from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_of, levels_of, quantities_of
+from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_in, levels_in, quantities_of
 from eigencontact_verification.campaign.tables import csv_table, latex_table
 from eigencontact_verification.reporting.files import report_names, write_report_files, write_text
 from eigencontact_verification.reporting.page import (
@@ -47,22 +47,12 @@ _TRADE_METHOD = (
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MapReport:
-    """What a campaign found.
-
-    Attributes
-    ----------
-    campaign : Campaign
-    found : tuple of Judged
-    coarse : bool
-        Whether it was a first look.
-    seconds : float
-        Wall time.
-    """
+    """Points and verdicts of a campaign."""
 
     campaign: Campaign
     found: tuple[Judged, ...]
-    coarse: bool = False
-    seconds: float = 0.0
+    coarse: bool = False  #: whether it was a first look
+    seconds: float = 0.0  #: wall time [s]
 
     @property
     def exit_code(self) -> int:
@@ -129,15 +119,15 @@ def _maps(report: MapReport) -> list[str]:
     x, y, others = axes_of_map(report.campaign, report.found)
     if y is None or others:
         return []
-    across, up = levels_of(report.found, x), levels_of(report.found, y)
-    rows_and_columns = f"Rows are {label_of(report.campaign, y)}, columns {label_of(report.campaign, x)}"
+    across, up = levels_in(report.found, x), levels_in(report.found, y)
+    rows_and_columns = f"Rows are {label_in(report.campaign, y)}, columns {label_in(report.campaign, x)}"
     parts = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
     for name in quantities_of(report.campaign, report.found):
         cells = {}
         for one in report.found:
             for finding in one.findings:
                 if finding.quantity == name:
-                    words = f"{MARKS[finding.word]} {percent(finding.error)} ± {percent(finding.uncertainty)}"
+                    words = f"{MARKS[finding.word]} {finding.numbers}"
                     key = one.point.values[y], one.point.values[x]
                     cells[key] = words if finding.claimed else f"({words})"
         rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]
@@ -146,7 +136,7 @@ def _maps(report: MapReport) -> list[str]:
 
 
 def _gaps(report: MapReport) -> list[str]:
-    """What cannot be judged, each reason once, with the number of points that have it."""
+    """Fields that cannot be judged, each reason once, with the number of points that have it."""
     told = [gap for one in report.found for gap in dict.fromkeys(one.gaps)]
     return [f"{gap} ({told.count(gap)} of {len(report.found)} points)" for gap in dict.fromkeys(told)]
 
@@ -161,7 +151,7 @@ def _told(report: MapReport) -> list[str]:
 
 
 def as_section(report: MapReport, *, trade: bool = False) -> str:
-    """Markdown between the markers of a page: sentences, what agrees from where on, one table; not the whole report."""
+    """Markdown between the markers of a page: sentences, ranges of agreement, one table; not the whole report."""
     campaign = report.campaign
     parts = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
     parts += _told(report)

@@ -25,27 +25,13 @@ __all__ = ["Point", "Run", "perform_runs", "points_of"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Run:
-    """A scene that is run, and what came of it.
+    """A scene that runs, and its outcome."""
 
-    Attributes
-    ----------
-    study : Study
-        Whose variant it is.
-    variant : Variant
-        Scene, and the name of its folder.
-    coarse : bool
-        Whether the study is looked at coarsely.
-    failed : str
-        Why there are no results.
-    summary : mapping
-        Contents of ``summary.json``.
-    """
-
-    study: Study
-    variant: Variant
-    coarse: bool
-    failed: str = ""
-    summary: Mapping[str, Any] | None = None
+    study: Study  #: study of the variant
+    variant: Variant  #: scene, and the name of its folder
+    coarse: bool  #: whether it is a first look
+    failed: str = ""  #: reason where there are no results
+    summary: Mapping[str, Any] | None = None  #: contents of ``summary.json``
 
     @property
     def names(self) -> dict[str, Any]:
@@ -74,23 +60,12 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Point:
-    """A point of the map: a variant of the model, and the runs of its reference, coarse to fine.
+    """A point of the map: a variant of the model, and the runs of its reference, coarse to fine."""
 
-    Attributes
-    ----------
-    label : str
-        Of the variant.
-    values : mapping
-        Its parameters, as the file has them.
-    model : Run
-    reference : tuple of Run
-        Empty where finite elements judge.
-    """
-
-    label: str
-    values: Mapping[str, Any]
+    label: str  #: label of the variant
+    values: Mapping[str, Any]  #: parameters of the variant, as in the file
     model: Run
-    reference: tuple[Run, ...] = ()
+    reference: tuple[Run, ...] = ()  #: empty where finite elements judge
 
 
 def points_of(campaign: Campaign, *, coarse: bool = False) -> list[Point]:
@@ -136,22 +111,18 @@ def perform_runs(
     alone: bool = False,
     told: Callable[[str], None] | None = None,
 ) -> list[Point]:
-    """Points with what came of their runs; finished runs are read again, not run again.
+    """Points with the outcome of their runs; finished runs are read again, not run again.
 
     Parameters
     ----------
-    points : sequence of Point
-        See `points_of`.
     folder : Path
-        Each run has a folder in it.
-    workers : int
-        Processes that share the runs.
-    cluster : Cluster, optional
-        Who runs them instead.
+        Has a folder of each run.
+    workers, cluster : int, Cluster
+        Number of processes at a time, or the cluster that performs the runs instead.
     alone : bool
         Whether each run has a process of its own, one at a time, so that memory and time are its own.
     told : callable, optional
-        Told of each run as it ends.
+        Called for each run as it ends.
     """
     from eigencontact.engines.engine import Processes
     from eigencontact.sweeps.runner import outcomes

@@ -25,24 +25,12 @@ __all__ = ["judge_by_scene"]
 
 
 def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: float) -> Judged:
-    """Verdicts of a point.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Its quantities.
-    point : Point
-        With what came of its runs.
-    folder : Path
-        Of the runs.
-    ratio : float
-        Of the refinements of the reference.
-    """
+    """Verdicts of a point from the folder of its runs; `ratio` is that of the refinements of the reference."""
     runs = (point.model, *point.reference)
     missing = "; ".join(f"{run.variant.label}: {run.failed}" for run in runs if run.failed)
     findings = []
     with ExitStack() as opened:
-        # each file is opened once, which takes longer than what is read of it
+        # each file is opened once: opening takes longer than reading
         contexts = [] if missing else [Context(run.names, opened.enter_context(run.results(folder))) for run in runs]
         names = Context(point.model.names)
         for quantity in campaign.quantities:
@@ -94,7 +82,7 @@ def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> MapFind
 
 
 def _scale(quantity: Quantity, value: NDArray[np.float64], context: Context) -> float:
-    """What errors are parts of: that of the formula, on the finest reference; else the largest value there."""
+    """Scale of errors: that of the formula, on the finest reference, or the largest value there."""
     if not quantity.scale:
         scale = float(np.abs(value).max())
     else:

@@ -8,9 +8,8 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.campaign.figure import label_of, quantities_of
+from eigencontact_verification.campaign.figure import label_in, quantities_of
 from eigencontact_verification.reporting.typeset import subscripts
-from eigencontact_verification.reporting.verdict import percent
 from eigencontact_verification.studies.study import plain
 
 if TYPE_CHECKING:
@@ -51,12 +50,10 @@ def csv_table(points: Sequence[Judged]) -> str:
 def latex_table(campaign: Campaign, points: Sequence[Judged]) -> str:
     """Table of the package booktabs: a row for each point, a column for each parameter and each quantity."""
     parameters, quantities = _parameters(points), quantities_of(campaign, points)
-    head = [_latex(label_of(campaign, name)) for name in parameters] + [_latex(name) for name in quantities]
+    head = [_latex(label_in(campaign, name)) for name in parameters] + [_latex(name) for name in quantities]
     rows = []
     for point in points:
-        cells = {
-            finding.quantity: f"{percent(finding.error)} ± {percent(finding.uncertainty)}" for finding in point.findings
-        }
+        cells = {finding.quantity: finding.numbers for finding in point.findings}
         signs = {finding.quantity: _SIGNS[finding.word] for finding in point.findings}
         values = [_latex(plain(point.point.values.get(name, "–"))) for name in parameters]
         rows.append([*values, *(_latex(cells.get(name, "–")) + signs.get(name, "") for name in quantities)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,13 +16,14 @@ from eigencontact_verification.commands.options import (
     Output,
     Show,
     Workers,
+    chosen_file,
     cluster_or_none,
-    show_bundled,
-    show_form,
+    print_keys,
     with_clear_errors,
 )
 
 if TYPE_CHECKING:
+    from eigencontact_verification.campaign.campaign import Campaign
     from eigencontact_verification.campaign.report import MapReport
 
 __all__ = ["campaign"]
@@ -48,7 +49,7 @@ def campaign(
         ),
     ] = None,
     trade: Annotated[
-        bool, typer.Option("--trade", help="Write what both sides cost there instead: error, time, memory.")
+        bool, typer.Option("--trade", help="Write the costs of both sides there instead: error, time, memory.")
     ] = False,
     as_json: AsJson = False,
     form: Form = False,
@@ -58,8 +59,8 @@ def campaign(
 
     Re-running resumes; finished runs and solutions are reused.
 
-    A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
-    each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.
+    A campaign is a TOML file: scenes, parameters that vary, a judge (another model, finite elements under the tractions
+    of each run, a contact by finite elements), the tolerance, and the claim of agreement. `--form` lists its keys.
 
     Exit codes: 0 nothing disagrees where agreement is claimed, 1 something does or could not be solved, 2 wrong input,
     130 interrupted.
@@ -67,79 +68,60 @@ def campaign(
     Example: `eigencontact campaign inclusions-by-depth --coarse`
     """
     with with_clear_errors():
+        from eigencontact_verification.campaign.campaign import CAMPAIGNS
+
         if form:
             _print_form()
-        elif name is None:
-            _list()
-        elif show:
-            _show(name)
+            return
+        columns = {
+            "campaign": lambda item: item.name, "question": lambda item: item.title, "judge": lambda item: item.judge,
+        }  # fmt: skip
+        item = chosen_file(CAMPAIGNS, name, show=show, columns=columns)
+        if item is None:
+            return
+        engine = cluster_or_none(workers, cluster, None if cluster is None else memory, threads)
+        report, files = _computed(
+            item, output / item.name, markdown, trade=trade, coarse=coarse, workers=workers or 1, cluster=engine,
+            memory=None if memory is None else 1e9 * memory,
+        )  # fmt: skip
+        if as_json:
+            typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
         else:
-            on = cluster, memory, threads
-            report = _run(name, output, coarse=coarse, workers=workers, on=on, markdown=markdown, trade=trade,
-                          as_json=as_json)  # fmt: skip
-            raise typer.Exit(report.exit_code)
-
-
-def _list() -> None:
-    from rich.table import Table
-
-    from eigencontact.core.text_table import print_table
-    from eigencontact_verification.campaign.campaign import find, names
-
-    table = Table("campaign", "question", "judge", box=None, pad_edge=False)
-    for item in map(find, names()):
-        table.add_row(item.name, item.title, item.judge)
-    print_table(table)
+            _report(report)
+            typer.echo(f"written: {', '.join(str(path) for path in files.values())}")
+        raise typer.Exit(report.exit_code)
 
 
 def _print_form() -> None:
     from eigencontact_verification.campaign.form import FORM
 
-    show_form(FORM, "campaign")
+    print_keys(FORM, "campaign")
     typer.echo("\n`source`, `vary` and `when` are those of a study, and so are formulas: `eigencontact study --form`")
 
 
-def _show(name: str) -> None:
-    from eigencontact_verification.campaign.campaign import FOLDER, find
-
-    find(name)  # refuses what is none
-    show_bundled(name, "campaign", FOLDER)
-
-
-def _run(
-    name: str, output: Path, *, coarse: bool, workers: int | None, on: tuple[str | None, float | None, int | None],
-    markdown: Path | None, trade: bool, as_json: bool,
-) -> MapReport:  # fmt: skip
+def _computed(
+    item: Campaign, folder: Path, markdown: Path | None, *, trade: bool, **options: Any
+) -> tuple[MapReport, dict[str, Path]]:
+    """Report of a campaign, and its files."""
     from eigencontact.errors import SceneError
-    from eigencontact_verification.campaign.campaign import find
     from eigencontact_verification.campaign.perform import perform
     from eigencontact_verification.campaign.report import FILES, as_section, write_map
     from eigencontact_verification.reporting.files import open_folder
     from eigencontact_verification.reporting.progress import counted
     from eigencontact_verification.reporting.table import check_section, replace_section
 
-    item = find(name)
-    address, gigabytes, threads = on
-    needed = None if gigabytes is None else 1e9 * gigabytes
-    cluster = cluster_or_none(workers, address, None if address is None else gigabytes, threads)
     try:
         if markdown is not None:
             check_section(markdown, item.name, family="campaign")
     except ValueError as problem:
         raise SceneError(f"--markdown: {problem}") from None
-    folder = output / item.name
     open_folder(folder, FILES.values())
     with counted(item.name) as tell:
-        report = perform(item, folder, coarse=coarse, workers=workers or 1, cluster=cluster, memory=needed, told=tell)
+        report = perform(item, folder, told=tell, **options)
     files = write_map(report, folder)
     if markdown is not None:
         replace_section(markdown, item.name, as_section(report, trade=trade), family="campaign")
-    if as_json:
-        typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
-    else:
-        _report(report)
-        typer.echo(f"written: {', '.join(str(path) for path in files.values())}")
-    return report
+    return report, files
 
 
 def _report(report: MapReport) -> None:
@@ -149,14 +131,14 @@ def _report(report: MapReport) -> None:
     from eigencontact.core.text_table import print_table
     from eigencontact_verification.campaign.answer import answers, totals
     from eigencontact_verification.campaign.figure import quantities_of
-    from eigencontact_verification.reporting.verdict import MARKS, percent
+    from eigencontact_verification.reporting.verdict import MARKS
 
     campaign, found = report.campaign, report.found
     typer.echo(campaign.title)
     names = quantities_of(campaign, found)
     table = Table("point", "claimed", *names, box=None, pad_edge=False)
     for one in found:
-        cells = {f.quantity: f"{MARKS[f.word]} {percent(f.error)} ± {percent(f.uncertainty)}" for f in one.findings}
+        cells = {finding.quantity: f"{MARKS[finding.word]} {finding.numbers}" for finding in one.findings}
         count = sum(finding.claimed for finding in one.findings)
         claimed = "no" if not count else "yes" if count == len(one.findings) else "in part"
         style = "bold red" if one.breaks_claim else None

@@ -57,7 +57,7 @@ def check(
 
 
 def _entries(plugins: list[str]) -> list[Entry]:
-    """What is to be checked; files are made known to this process first."""
+    """Components to check; files are registered in this process first."""
     from eigencontact.errors import PluginError
     from eigencontact.scene.installed import add_plugin_files, installed_plugins
 
@@ -113,7 +113,7 @@ def _example(entry: Entry, parameters: list[str]) -> Any:
 
 
 def _print(found: dict[str, list[dict[str, str]]]) -> None:
-    """One line a promise, cut to the width of the terminal; what fails is told in full."""
+    """Print one line a promise, cut to the width of the terminal; failures in full."""
     columns = shutil.get_terminal_size().columns
     for name, verdicts in found.items():
         width = max(len(one["check"]) for one in verdicts)

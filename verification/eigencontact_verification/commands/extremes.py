@@ -62,15 +62,15 @@ def extremes(
 
 def _computed(features: tuple[Feature, ...], *, quick: bool, show: bool) -> Report:
     """Compute all corners, with a bar on a terminal."""
-    from eigencontact_verification.extremes.judge import FoundFeature, run
+    from eigencontact_verification.extremes.judge import FeatureVerdict, run
     from eigencontact_verification.extremes.report import Report
     from eigencontact_verification.reporting.progress import counted
 
     total, count = sum(corner.quick or not quick for feature in features for corner in feature.corners), 0
-    done: list[FoundFeature] = []
+    done: list[FeatureVerdict] = []
     with counted("extremes", show=show, every=inf) as tell:
         for feature, verdict in run(features, quick=quick):
-            if isinstance(verdict, FoundFeature):
+            if isinstance(verdict, FeatureVerdict):
                 done.append(verdict)
             else:
                 count += 1

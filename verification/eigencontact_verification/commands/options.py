@@ -1,21 +1,24 @@
-"""Options that the commands of verification share, and how these commands end."""
+"""Options that the commands of verification share, and how these commands list, show and end."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn, TypeVar
 
 import typer
 
 if TYPE_CHECKING:
     from eigencontact.engines.cluster import Cluster
+    from eigencontact_verification.studies.catalogue import Catalogue
 
 __all__ = [
-    "AsJson", "Coarse", "Form", "Name", "Output", "Quiet", "Show", "Workers", "cluster_or_none", "leave",
-    "show_bundled", "show_form", "with_clear_errors",
+    "AsJson", "Coarse", "Form", "Name", "Output", "Quiet", "Show", "Workers", "chosen_file", "cluster_or_none", "leave",
+    "print_keys", "with_clear_errors",
 ]  # fmt: skip
+
+T = TypeVar("T")
 
 Name = Annotated[
     str | None, typer.Argument(help="A bundled one, or a TOML file of your own; without a name they are listed.")
@@ -39,12 +42,12 @@ def leave(problem: str, code: int) -> NoReturn:
 
 @contextmanager
 def with_clear_errors(interrupted: str = "the same command resumes and reuses what is finished") -> Iterator[None]:
-    """Run a command; what it refuses, a file that cannot be written, and an interruption end it with one line.
+    """Run a command; a refusal, a file that cannot be written, and an interruption end it with one line.
 
     Parameters
     ----------
     interrupted : str
-        What an interruption leaves behind.
+        State after an interruption, in words.
     """
     from eigencontact.errors import EigencontactError
 
@@ -76,16 +79,43 @@ def cluster_or_none(
     return cluster_of(address, memory, threads, say=lambda words: typer.echo(words, err=True))
 
 
-def show_bundled(name: str, kind: str, folder: str) -> None:
-    """Print the TOML file of a bundled study or campaign."""
-    from eigencontact_verification.reporting.bundled import text_of
+def chosen_file(
+    catalogue: Catalogue[T], name: str | None, *, show: bool, columns: Mapping[str, Callable[[T], str]]
+) -> T | None:
+    """Content of the file to compute; None where there is no name, and the bundled files are listed, or it is shown.
 
-    typer.echo(text_of(name, kind, folder), nl=False)
+    Parameters
+    ----------
+    catalogue : Catalogue
+        Where the name is looked up.
+    name : str, optional
+        Name of a bundled file, or a path.
+    show : bool
+        Whether the text of the file is printed instead.
+    columns : mapping
+        Cells of the list by their title; the first is the name.
+    """
+    if name is not None:
+        item = catalogue.find(name)
+        if not show:
+            return item
+        typer.echo(catalogue.text(name), nl=False)
+        return None
+    from rich.table import Table
+
+    from eigencontact.core.text_table import print_table
+
+    table = Table(*columns, box=None, pad_edge=False)
+    for item in map(catalogue.find, catalogue.names()):
+        table.add_row(*(cell(item) for cell in columns.values()))
+    print_table(table)
+    return None
 
 
-def show_form(form: dict[str, dict[str, str]], kind: str) -> None:
-    """Print the keys of the tables of a study or campaign."""
-    for table, keys in form.items():
-        typer.echo(table if table == kind else f"\n{table} (in a {kind})")
+def print_keys(tables: Mapping[str, Mapping[str, str]], kind: str = "", width: int = 12) -> None:
+    """Print keys and their meaning, table by table; the tables of a file, its own and those in it, have its kind."""
+    for number, (table, keys) in enumerate(tables.items()):
+        head = f"{table} (in a {kind})" if kind and table != kind else table
+        typer.echo(f"\n{head}" if number or not kind else head)
         for key, meaning in keys.items():
-            typer.echo(f"  {key:<12} {meaning}")
+            typer.echo(f"  {key:<{width}} {meaning}")

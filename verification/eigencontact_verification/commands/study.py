@@ -16,15 +16,16 @@ from eigencontact_verification.commands.options import (
     Output,
     Show,
     Workers,
+    chosen_file,
     cluster_or_none,
-    show_bundled,
-    show_form,
+    print_keys,
     with_clear_errors,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from eigencontact.engines.cluster import Cluster
     from eigencontact_verification.studies.run import Failed
     from eigencontact_verification.studies.study import Finished, Study
 
@@ -48,32 +49,28 @@ def study(
 
     Re-running resumes; finished variants are reused.
 
-    A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
-    tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
+    A study is a TOML file: a scene, varying parameters, numbers and panels, and the publication of the trend. `--form`
+    lists its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
     """
     with with_clear_errors():
+        from eigencontact_verification.studies.catalogue import STUDIES
+
         if form:
             _print_form()
-        elif name is None:
-            _list()
-        elif show:
-            _show(name)
-        else:
-            _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory, threads), as_json=as_json)
+            return
+        columns = {"study": lambda item: item.name, "what": lambda item: item.title, "after": _sources}
+        item = chosen_file(STUDIES, name, show=show, columns=columns)
+        if item is not None:
+            engine = cluster_or_none(workers, cluster, memory, threads)
+            _run(item, output, coarse=coarse, workers=workers or 1, cluster=engine, as_json=as_json)
 
 
-def _list() -> None:
-    from rich.table import Table
-
-    from eigencontact.core.text_table import print_table
-    from eigencontact_verification.studies.catalogue import studies
-
-    table = Table("study", "what", "after", box=None, pad_edge=False)
-    for item in studies():
-        after = "; ".join(f"{one.get('authors', '')} {one.get('year', '')}, {one.get('figure', one.get('form', ''))}"
-                          for one in item.sources)  # fmt: skip
-        table.add_row(item.name, item.title, after)
-    print_table(table)
+def _sources(item: Study) -> str:
+    """Authors, years and figures of a study."""
+    return "; ".join(
+        f"{source.get('authors', '')} {source.get('year', '')}, {source.get('figure', source.get('form', ''))}"
+        for source in item.sources
+    )
 
 
 def _print_form() -> None:
@@ -81,60 +78,39 @@ def _print_form() -> None:
     from eigencontact_verification.studies.formula import FUNCTIONS
     from eigencontact_verification.studies.moments import MOMENTS
 
-    show_form(FORM, "study")
-    typer.echo("\nfunctions of formulas")
-    told = {name: meaning for name, (_, meaning) in FUNCTIONS.items()}
-    told |= {"given": "whether a variant has a parameter", "has": "whether results have a name"}
-    for key, meaning in told.items():
-        typer.echo(f"  {key:<16} {meaning}")
-    typer.echo("\nmoments of a load history, whose last argument is read then; a bare name is read at the end")
-    for key, (_, meaning) in MOMENTS.items():
-        typer.echo(f"  {key:<16} {meaning}")
+    print_keys(FORM, "study")
+    functions = {name: meaning for name, (_, meaning) in FUNCTIONS.items()}
+    functions |= {"given": "whether a variant has a parameter", "has": "whether results have a name"}
+    moments = {name: meaning for name, (_, meaning) in MOMENTS.items()}
+    title = "moments of a load history, whose last argument is read then; a bare name is read at the end"
+    print_keys({"functions of formulas": functions, title: moments}, width=16)
 
 
-def _show(name: str) -> None:
-    from eigencontact_verification.studies.catalogue import FOLDER, find
-
-    find(name)  # refuses what is none
-    show_bundled(name, "study", FOLDER)
-
-
-def _run(
-    name: str,
-    output: Path,
-    *,
-    coarse: bool,
-    workers: int | None,
-    on: tuple[str | None, float | None, int | None],
-    as_json: bool,
-) -> None:
+def _run(item: Study, output: Path, *, coarse: bool, workers: int, cluster: Cluster | None, as_json: bool) -> None:
     from eigencontact_verification.reporting.files import open_folder
     from eigencontact_verification.reporting.progress import counted
-    from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 
-    item = find(name)
-    cluster = cluster_or_none(workers, *on)
     open_folder(output, (f"{item.name}.json", f"{item.name}.png"))
     total = len(item.coarse_rows if coarse else item.rows)
-    found: list[Finished | Failed] = []
+    outcomes: list[Finished | Failed] = []
     with counted(item.name, "variant ") as tell:
-        for outcome in run_study(item, output, coarse=coarse, workers=workers or 1, cluster=cluster):
-            found.append(outcome)
-            tell(outcome.label, len(found), total)
-    found.sort(key=lambda one: one.place)  # several processes finish in any order
-    files = write_study(item, found, output)
-    failed = [one for one in found if isinstance(one, Failed)]
+        for outcome in run_study(item, output, coarse=coarse, workers=workers, cluster=cluster):
+            outcomes.append(outcome)
+            tell(outcome.label, len(outcomes), total)
+    outcomes.sort(key=lambda outcome: outcome.place)  # several processes finish in any order
+    files = write_study(item, outcomes, output)
     if as_json:
         typer.echo(files[-1].read_text(encoding="utf-8"))
     else:
-        _report(item, found)
+        _report(item, outcomes)
         typer.echo(f"written: {', '.join(str(path) for path in files)}")
-    for one in found:
-        if not isinstance(one, Failed):
-            one.dataset.close()
-    for bad in failed:
-        typer.echo(f"eigencontact: variant {bad.label} failed: {bad.reason}", err=True)
+    failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
+    for outcome in outcomes:
+        if not isinstance(outcome, Failed):
+            outcome.dataset.close()
+    for variant in failed:
+        typer.echo(f"eigencontact: variant {variant.label} failed: {variant.reason}", err=True)
     if failed:
         raise typer.Exit(1)
 
@@ -143,7 +119,7 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     from rich.table import Table
 
     from eigencontact.core.text_table import print_table
-    from eigencontact.sweeps.warned import warnings_in_words
+    from eigencontact.sweeps.gather import warnings_in_words
     from eigencontact_verification.studies.checks import verdicts
     from eigencontact_verification.studies.run import source_in_words
     from eigencontact_verification.studies.study import Finished

@@ -52,13 +52,12 @@ def tradeoff(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare fidelities of one scene: error, time and memory of each, and which are worth their cost.
+    """Compare fidelities of one scene: error, time and memory, and the fronts that none beats.
 
-    What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
+    The scene decides the variants: grid, precision and tolerance of a contact, coupling with friction, treatment
     of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
     layers that are exact or cells, sums over many inclusions. Each is solved in a process of its own, one after the
-    other, and compared with a reference that has the finest of everything; what the reference itself is wrong by is not
-    seen.
+    other, and compared with a reference that has the finest of everything, whose own error is unknown.
 
     Exit codes: 0 done (read what failed), 1 nothing to compare, 2 wrong input, 130 interrupted.
 

@@ -6,7 +6,7 @@ import os
 import shutil
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
@@ -25,13 +25,12 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.crosscheck.case import Case, Gap
     from eigencontact_verification.crosscheck.report import Report
-    from eigencontact_verification.crosscheck.run import Executor
 
 __all__ = ["CaseList", "verify"]
 
 
 class CaseList(Protocol):
-    """What the module with the cases offers."""
+    """Interface of the module with the cases."""
 
     def kernels(self) -> tuple[str, ...]:
         """Keys that can be verified."""
@@ -40,7 +39,7 @@ class CaseList(Protocol):
         """Cases of one key."""
 
     def gaps(self) -> tuple[Gap, ...]:
-        """What no case covers."""
+        """Quantities without a case, with the reasons."""
 
     def why_not(self, kernel: str) -> str:
         """Why something that is installed, or should be, cannot be verified; empty if there is no such thing."""
@@ -50,7 +49,7 @@ def verify(
     kernels: Annotated[
         list[str] | None,
         typer.Argument(
-            help="What to verify: kernels, or runs to audit (folders or their results.nc); by default all kernels.",
+            help="Kernels, or runs to audit (folders or their results.nc); by default all kernels.",
             metavar="[KERNEL|RESULTS]...",
         ),
     ] = None,
@@ -69,7 +68,7 @@ def verify(
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements ask as well; repeatable."),
+        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements use as well; repeatable."),
     ] = None,
     plugin: Annotated[
         list[str] | None,
@@ -133,15 +132,15 @@ def verify(
 ) -> None:
     """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
 
-    Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
-    remember as their own; compared are displacement of the surface and stored stress.
+    For a run, the stored tractions of a step load the elements, which have its layers, inclusions and the history
+    variables of its bodies. Displacement of the surface and stored stress are compared.
 
     Finished solutions are kept in the folder: an interrupted cross-check continues, a repeated one only judges again.
 
     Exit codes: 0 nothing disagrees (read what is inconclusive), 1 something disagrees or could not be solved,
     2 wrong input, 130 interrupted.
 
-    With --law the finite elements ask the law itself in their integration points: what is judged is all around it.
+    With --law the finite elements use the law itself in their integration points: the case judges everything around it.
 
     Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
     """
@@ -152,11 +151,12 @@ def verify(
     files_given = [*(plugin or []), *(name for name in names if name.endswith(".py"))]
     names = [name for name in names if name not in files_given]
     if not 0.0 < limit < 1.0:
-        _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
+        leave(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field", 2)
     solve: Callable[[], tuple[Report, dict[str, Path]]]
     try:
         from eigencontact_verification.audit.command import audit_results, is_results
         from eigencontact_verification.audit.stored import plugin_files
+        from eigencontact_verification.campaign.elements import executor_for
         from eigencontact_verification.crosscheck import cases
         from eigencontact_verification.crosscheck.whole import crosscheck
 
@@ -165,9 +165,12 @@ def verify(
         if not (names or laws):
             names, laws = own_shapes, own_laws
         needed = [*files_given, *(file for run in runs for file in plugin_files(run))]
-        executor = _executor(workers, (cluster, memory, threads), list(dict.fromkeys(needed)))
-        options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
-        options["show"] = not (quiet or as_json)
+        engine = cluster_or_none(workers, cluster, None if cluster is None else memory, threads)
+        options: dict[str, Any] = {"limit": limit, "quick": quick, "pictures": pictures, "show": not (quiet or as_json)}
+        options["executor"] = executor_for(
+            dict.fromkeys(needed), workers=workers or _cores(), cluster=engine,
+            memory=None if memory is None else 1e9 * memory,
+        )  # fmt: skip
         chosen: tuple[Case, ...] = ()
         _refuse_together(runs, names, laws, figure, step, contact=contact, refine=refine)
         if runs:
@@ -181,14 +184,14 @@ def verify(
         if markdown is not None:
             check_section(markdown, section, family="verify")
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
-        _refuse(str(problem))
+        leave(str(problem), 2)
     try:
         with with_clear_errors("finished solutions are kept, run the same again to continue"):
             report, files = solve()
     except ValueError as problem:
         if not runs:
             raise
-        _refuse(str(problem))
+        leave(str(problem), 2)
     trouble = _written(report, files, markdown, section, copies)
     if as_json:
         typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
@@ -197,12 +200,8 @@ def verify(
 
         print_report(report, files)
     if trouble:
-        _refuse(trouble)
+        leave(trouble, 2)
     raise typer.Exit(report.exit_code)
-
-
-def _refuse(problem: str) -> NoReturn:
-    leave(problem, 2)
 
 
 def _refuse_together(
@@ -250,18 +249,6 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
     return shapes, laws
 
 
-def _executor(workers: int | None, on: tuple[str | None, float | None, int | None], plugins: Sequence[str]) -> Executor:
-    from eigencontact_verification.crosscheck.cluster import on_cluster
-    from eigencontact_verification.crosscheck.run import Limits, in_processes
-
-    address, memory, threads = on
-    engine = cluster_or_none(workers, address, None if address is None else memory, threads)
-    if engine is not None:
-        return partial(on_cluster, engine=engine, plugins=plugins)
-    limits = Limits() if memory is None else Limits(memory=memory * 1e9)
-    return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
-
-
 def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
     """Cases of the keys asked for, in the order of the list, each key once."""
     from eigencontact.errors import nearest
@@ -285,7 +272,7 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
 
 
 def _cost(cases: Sequence[Case]) -> str:
-    """What cases cost, in words; meshes without a symmetry of revolution are what takes memory."""
+    """Cost of cases in words; meshes without a symmetry of revolution take the most memory."""
     from eigencontact_verification.crosscheck.run import tasks_of
 
     solves = sum(task.level is not None for case in cases for task in tasks_of(case))
@@ -315,7 +302,7 @@ def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
 def _written(
     report: Report, files: dict[str, Path], markdown: Path | None, section: str, copies: dict[str, Path]
 ) -> str:
-    """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
+    """Write the files outside the folder of the report; return the first problem in words, or an empty text."""
     from eigencontact_verification.crosscheck.brief import brief
     from eigencontact_verification.reporting.table import replace_section
 

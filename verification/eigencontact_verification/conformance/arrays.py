@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import HasMirrorPotential
 from eigencontact_verification.conformance.orders import Order, name, of_total
-from eigencontact_verification.conformance.report import check, ensure, place_of
+from eigencontact_verification.conformance.report import check, ensure, ensure_pure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, potential, region, sample
-
-__all__ = ["check_potential_arrays", "check_potentials_finite", "check_potentials_pure", "mirror_orders"]
 
 FloatArray = NDArray[np.float64]
 
@@ -79,22 +77,11 @@ def check_potentials_pure(shape: Any) -> None:
     """Same answer twice; inputs stay as they were, and may be read-only."""
     for which, orders in _asked(shape):
         points = np.ascontiguousarray(_places(shape, which).T)
-        kept = points.copy()
-        points.flags.writeable = False
-        first = np.array(getattr(shape, which)(orders, *points))
-        second = np.asarray(getattr(shape, which)(orders, *points))
-        points.flags.writeable = True
-        getattr(shape, which)(orders, *points)
-        ensure(
-            np.array_equal(points, kept), f"the arrays given to {which}", "unchanged", "changed", "write to copies only"
-        )
-        ensure(
-            np.array_equal(first, second, equal_nan=True),
-            f"{which} asked twice",
-            "the same",
-            "different",
-            "keep no state",
-        )
+
+        def ask(which: str = which, orders: list[Order] = orders, points: FloatArray = points) -> Any:
+            return getattr(shape, which)(orders, *points)
+
+        ensure_pure(which, ask, [points], given=f"the arrays given to {which}")
 
 
 @check

@@ -18,8 +18,6 @@ from eigencontact_verification.conformance.sampling import (
     region,
 )
 
-__all__ = ["check_continuity", "check_face_means", "check_flush_face"]
-
 FloatArray = NDArray[np.float64]
 
 #: Derivatives that the boundary leaves continuous, and the first that jump there.

@@ -16,17 +16,7 @@ from eigencontact.hooks.registry import Entry
 from eigencontact.plugin import Component
 from eigencontact.scene.components import instantiate
 from eigencontact.scene.installed import installed_plugins
-from eigencontact_verification.conformance.report import check, ensure
-
-__all__ = [
-    "check_bad_lengths_refused",
-    "check_bad_numbers_refused",
-    "check_fields_are_the_table",
-    "check_files_are_marked",
-    "check_frozen",
-    "check_references",
-    "check_registered",
-]
+from eigencontact_verification.conformance.report import check, ensure, fail
 
 #: Parts of names of fields that hold lengths; those must be positive.
 _LENGTHS = ("radius", "radii", "length", "edges", "semi_axes", "height", "width", "thickness")
@@ -72,13 +62,7 @@ def check_frozen(component: Any) -> None:
             setattr(component, item.name, before)
         except FrozenInstanceError:
             continue
-        ensure(
-            condition=False,
-            what=item.name,
-            rule="frozen",
-            got="assigned without an error",
-            advice="use @dataclass(frozen=True, kw_only=True)",
-        )
+        fail(item.name, "frozen", "assigned without an error", "use @dataclass(frozen=True, kw_only=True)")
 
 
 @check
@@ -163,13 +147,7 @@ def _refused(component: Any, field: str, value: Any, rule: str) -> None:
         named = field in str(problem).replace("-", "_")
         ensure(named, f"the refusal of {field} = {value!r}", f"worded with the name {field}", str(problem), advice)
     else:
-        ensure(
-            condition=False,
-            what=f"{field} = {value!r}",
-            rule="refused with SceneError",
-            got="a component",
-            advice=advice,
-        )
+        fail(f"{field} = {value!r}", "refused with SceneError", "a component", advice)
 
 
 def _is_numeric(value: Any) -> bool:

@@ -12,8 +12,6 @@ from eigencontact_verification.conformance.report import check, ensure
 if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.judge import Row
 
-__all__ = ["check_against_finite_elements"]
-
 _MODULES = {"skfem": "scikit-fem", "pyamg": "pyamg"}
 #: Least depth of the top over the longest extent: fitted elements need room above the shape.
 _CLEARANCE = 0.25
@@ -71,20 +69,17 @@ def _rows(component: Any) -> list[Row]:
     from eigencontact_verification.crosscheck.inclusions import inclusion_case
     from eigencontact_verification.crosscheck.judge import judge
     from eigencontact_verification.crosscheck.run import Solved, tasks_of
-    from eigencontact_verification.crosscheck.strangers import is_mirrored, is_revolved, point_inside
+    from eigencontact_verification.crosscheck.strangers import symmetries_of
     from eigencontact_verification.crosscheck.worker import perform
 
     shape = _placed(component)
-    revolved, anchor = is_revolved(shape), point_inside(shape)
-    found: list[Row] = []
-    for eigenstrain in ("uniform", "zz") if revolved else ("uniform",):
-        case = inclusion_case(
-            {"key": component.key}, eigenstrain, 0.3, name="check", revolved=revolved,
-            mirrored=(is_mirrored(shape, 0), is_mirrored(shape, 1)), anchor=anchor, made=shape,
-        )  # fmt: skip
+    symmetries = symmetries_of(shape)
+    rows: list[Row] = []
+    for eigenstrain in ("uniform", "zz") if symmetries["revolved"] else ("uniform",):
+        case = inclusion_case({"key": component.key}, eigenstrain, 0.3, name="check", made=shape, **symmetries)
         outcomes = tuple((task, perform(task)) for task in tasks_of(case))
-        found += judge(Solved(case=case, outcomes=outcomes)).rows
-    return found
+        rows += judge(Solved(case=case, outcomes=outcomes)).rows
+    return rows
 
 
 def _placed(component: Any) -> Any:

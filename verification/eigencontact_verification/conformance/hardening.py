@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import DamageLaw, IsotropicHardening, KinematicHardening
-from eigencontact_verification.conformance.report import check, ensure
-
-__all__ = ["check_curve_arrays", "check_curve_pure", "check_curve_range", "check_curve_slope"]
+from eigencontact_verification.conformance.report import check, ensure, fail
 
 FloatArray = NDArray[np.float64]
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -28,8 +26,7 @@ def _curve(law: Any) -> tuple[str, Curve]:
         if isinstance(law, kind):
             return name, getattr(law, name)
     expected = "IsotropicHardening, KinematicHardening, PlasticDamage or StrainDamage"
-    ensure(condition=False, what="the class", rule=f"a {expected}", got=type(law).__name__, advice="derive from one")
-    raise AssertionError
+    return fail("the class", f"a {expected}", type(law).__name__, "derive from one")
 
 
 @check

@@ -21,14 +21,6 @@ from eigencontact_verification.conformance.sampling import (
     sample,
 )
 
-__all__ = [
-    "check_parity",
-    "check_phi_derivatives",
-    "check_phi_laplacian",
-    "check_psi_derivatives",
-    "check_psi_laplacian",
-]
-
 FloatArray = NDArray[np.float64]
 
 

@@ -20,8 +20,6 @@ from eigencontact_verification.conformance.sampling import (
     sample,
 )
 
-__all__ = ["check_chi", "check_decay", "check_far_field", "check_quadrature", "check_volume", "flux_volume"]
-
 FloatArray = NDArray[np.float64]
 
 #: Share of a volume that both quadratures may miss: ends thinner than the distance of the places looked at.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from types import ModuleType
 from typing import Any
 
 from eigencontact.errors import nearest
@@ -31,109 +32,37 @@ from eigencontact_verification.conformance.report import Check
 
 __all__ = ["checks_for", "parametrize_with_checks"]
 
-_EVERY: tuple[Check, ...] = (
-    common.check_registered,
-    common.check_references,
-    common.check_frozen,
-    common.check_fields_are_the_table,
-    common.check_files_are_marked,
-    common.check_bad_numbers_refused,
-    common.check_bad_lengths_refused,
-)
-_CURVE: tuple[Check, ...] = (
-    hardening.check_curve_arrays,
-    hardening.check_curve_range,
-    hardening.check_curve_slope,
-    hardening.check_curve_pure,
-)
-_BY_KIND: dict[str, tuple[Check, ...]] = {
-    "hardening-law": _CURVE,
-    "damage-law": _CURVE,
-    "inclusion-shape": (
-        region.check_bounds,
-        region.check_in_body,
-        region.check_place,
-        region.check_contains_arrays,
-        region.check_contains_pure,
-        surface.check_surface_traction,
-    ),
-    "eigenstrain-field": (
-        eigenstrain.check_eigenstrain_arrays,
-        eigenstrain.check_eigenstrain_pure,
-        eigenstrain.check_declarations,
-    ),
-    "geometry": (geometry.check_separation_arrays, geometry.check_separation_pure),
-    "friction-law": (friction.check_shear_bound, friction.check_shear_bound_pure),
-    "wear-law": (
-        wear.check_worn_depth,
-        wear.check_worn_depth_pure,
-        wear.check_no_slip_no_wear,
-        wear.check_pressed_in_proportion,
-        wear.check_volume_by_energy,
-        wear.check_says_what_it_needs,
-        wear.check_cut_increments,
-        wear.check_reversed_cells,
-    ),
-    "constitutive-law": (
-        law_arrays.check_variables,
-        law_arrays.check_response_shapes,
-        law_arrays.check_rest,
-        law_arrays.check_update_pure,
-        law_arrays.check_points_alone,
-        law_abilities.check_law_at_places,
-        law_abilities.check_parts_of_law,
-        law_abilities.check_law_of_body,
-        law_abilities.check_cell_answer,
-        law_abilities.check_means,
-        law_elastic.check_stiffness,
-        law_elastic.check_factors,
-        law_mechanics.check_tangent,
-        law_mechanics.check_tangent_symmetry,
-        law_mechanics.check_objectivity,
-        law_mechanics.check_energy,
-    ),
-    "layered-medium": (
-        layered.check_materials,
-        layered.check_response_arrays,
-        layered.check_response_pure,
-        layered.check_response_at_depths,
-        layered.check_load_on_surface,
-        layered.check_balance_below_the_surface,
-        layered.check_hooke,
-        layered.check_interfaces,
-        layered.check_short_waves,
-        layered.check_long_waves,
-        layered.check_reciprocity,
-        layered.check_directions,
-        layered.check_decay,
-        layered.check_extreme_waves,
-    ),
+#: Checks of shapes with an ability, which follow those of every shape.
+_OF_ABILITY: dict[Check, type] = {
+    integrals.check_chi: HasMirrorPotential,
+    integrals.check_far_field: HasFarField,
+    region.check_volume_fractions: HasVolumeFractions,
 }
-_BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
-    (
-        HasPotentials,
-        (
-            arrays.check_potential_arrays,
-            arrays.check_potentials_pure,
-            arrays.check_potentials_finite,
-            identities.check_phi_laplacian,
-            identities.check_psi_laplacian,
-            identities.check_phi_derivatives,
-            identities.check_psi_derivatives,
-            identities.check_parity,
-            boundary.check_continuity,
-            boundary.check_face_means,
-            boundary.check_flush_face,
-            integrals.check_quadrature,
-            integrals.check_volume,
-            integrals.check_decay,
-            surface.check_equilibrium,
-        ),
-    ),
-    (HasMirrorPotential, (integrals.check_chi,)),
-    (HasFarField, (integrals.check_far_field,)),
-    (HasVolumeFractions, (region.check_volume_fractions,)),
-)
+
+
+def _checks(*modules: ModuleType) -> tuple[Check, ...]:
+    """Functions ``check_...`` of modules in the order of their definition, without those of an ability."""
+    functions = (
+        function
+        for module in modules
+        for name, function in vars(module).items()
+        if name.startswith("check_") and function.__module__ == module.__name__
+    )
+    return tuple(function for function in functions if function not in _OF_ABILITY)
+
+
+_BY_KIND: dict[str, tuple[Check, ...]] = {
+    "hardening-law": _checks(hardening),
+    "damage-law": _checks(hardening),
+    "inclusion-shape": (*_checks(region), surface.check_surface_traction),
+    "eigenstrain-field": _checks(eigenstrain),
+    "geometry": _checks(geometry),
+    "friction-law": _checks(friction),
+    "wear-law": _checks(wear),
+    "constitutive-law": _checks(law_arrays, law_abilities, law_elastic, law_mechanics),
+    "layered-medium": _checks(layered),
+}
+_OF_POTENTIALS = (*_checks(arrays, identities, boundary, integrals), surface.check_equilibrium)
 #: Minutes a shape; only where asked for.
 _SLOW: dict[str, tuple[Check, ...]] = {"inclusion-shape": (finite_elements.check_against_finite_elements,)}
 
@@ -165,14 +94,13 @@ def checks_for(component: Any, *, finite_elements: bool = False, installed: bool
     >>> for check in checks_for(ball):
     ...     check(ball)
     """
-    checks = [*_EVERY, *_BY_KIND.get(component.kind, ())]
+    checks = [*_checks(common), *_BY_KIND.get(component.kind, ())]
     if component.kind == "inclusion-shape":
-        for ability, more in _BY_ABILITY:
-            if isinstance(component, ability):
-                checks += more
+        checks += _OF_POTENTIALS if isinstance(component, HasPotentials) else ()
+        checks += [function for function, ability in _OF_ABILITY.items() if isinstance(component, ability)]
     if finite_elements:
         checks += _SLOW.get(component.kind, ())
-    return tuple(one for one in checks if installed or one is not common.check_registered)
+    return tuple(function for function in checks if installed or function is not common.check_registered)
 
 
 def parametrize_with_checks(

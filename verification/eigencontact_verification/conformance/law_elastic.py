@@ -11,8 +11,6 @@ from eigencontact.plugin import LinearLaw
 from eigencontact_verification.conformance.law_questions import finite, history, law_check, step_at, there
 from eigencontact_verification.conformance.report import ensure
 
-__all__ = ["check_factors", "check_stiffness"]
-
 FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-9

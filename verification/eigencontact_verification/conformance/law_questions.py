@@ -26,6 +26,7 @@ __all__ = [
     "rest",
     "some_strains",
     "step_at",
+    "stress_check",
     "there",
 ]
 
@@ -46,6 +47,17 @@ def law_check(function: Check) -> Check:
         function(law.of_body(*_BODY))
 
     return check(run)
+
+
+def stress_check(function: Check) -> Check:
+    """Turn a function of a law into a check of laws whose stress follows from strain; see `finite`."""
+
+    @wraps(function)
+    def run(law: Any) -> None:
+        if finite(law):
+            function(law)
+
+    return law_check(run)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import PluginError
 
-__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "place_of"]
+__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_pure", "fail", "place_of"]
 
 FloatArray = NDArray[np.float64]
 Check = Callable[[Any], None]
@@ -52,7 +52,32 @@ def check(function: Check) -> Check:
 def ensure(condition: object, what: str, rule: str, got: object, advice: str) -> None:
     """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
     if not condition:
-        raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+        fail(what, rule, got, advice)
+
+
+def fail(what: str, rule: str, got: object, advice: str) -> NoReturn:
+    """Raise `ConformanceError` in the words of `ensure`."""
+    raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+
+
+def ensure_pure(
+    what: str,
+    ask: Callable[[], Any],
+    arrays: Sequence[NDArray[Any]],
+    *,
+    given: str = "the arrays given",
+    between: Callable[[], object] = lambda: None,
+    advice: str = "keep no state",
+) -> None:
+    """Same answer twice, with another question in between; `arrays` stay as they were, and are then read-only."""
+    copies = [array.copy() for array in arrays]
+    first = np.array(ask())
+    ensure(all(map(np.array_equal, arrays, copies)), given, "unchanged", "changed", "write to copies only")
+    between()
+    for array in arrays:
+        array.flags.writeable = False
+    again = np.asarray(ask())
+    ensure(np.array_equal(first, again, equal_nan=True), f"{what} asked twice", "the same", "different", advice)
 
 
 def place_of(points: FloatArray) -> str:

@@ -14,6 +14,8 @@ from eigencontact.core.places import place_field
 from eigencontact.halfspace.potentials import derivatives
 from eigencontact_verification.conformance.orders import Order, of_total
 from eigencontact_verification.conformance.report import ensure
+from eigencontact_verification.crosscheck import strangers
+from eigencontact_verification.crosscheck.lines import DIRECTIONS
 
 __all__ = [
     "Points",
@@ -32,10 +34,6 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 T = TypeVar("T")
-
-_GENERATOR = 1.2207440846057596  # the root of g^4 = g + 1: powers of 1/g fill the cube evenly
-_DIRECTIONS = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
-_DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1, keepdims=True)
 
 
 def remembered(function: Callable[[Any], T]) -> Callable[[Any], T]:
@@ -128,8 +126,7 @@ def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> Flo
 
 def evenly(count: int) -> FloatArray:
     """Evenly spread points of the cube (-1, 1)³, ``(count, 3)``, always the same ones."""
-    steps = np.arange(1, count + 1)[:, None] / _GENERATOR ** np.arange(1, 4)
-    return 2.0 * ((steps + 0.5) % 1.0) - 1.0
+    return 2.0 * strangers.evenly(count) - 1.0
 
 
 @remembered
@@ -159,7 +156,7 @@ def _clearest(shape: Any, places: FloatArray, size: float) -> Points:
     clearance = np.zeros(len(places))
     free = np.ones(len(places), bool)
     for radius in size * 2.0 ** -np.arange(18, 0, -1.0):
-        probes = places[:, None, :] + radius * _DIRECTIONS
+        probes = places[:, None, :] + radius * DIRECTIONS
         free &= np.all(inside(shape, probes) == state[:, None], axis=1)
         clearance[free] = radius
     chosen = np.flatnonzero(clearance >= np.max(clearance) / 4)[:6]

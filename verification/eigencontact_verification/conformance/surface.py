@@ -12,8 +12,6 @@ from eigencontact_verification.conformance.orders import AXES
 from eigencontact_verification.conformance.report import agree, check, ensure, place_of
 from eigencontact_verification.conformance.sampling import derivative_along, evenly, region, sample
 
-__all__ = ["check_equilibrium", "check_surface_traction"]
-
 FloatArray = NDArray[np.float64]
 
 #: All six components, no two alike.

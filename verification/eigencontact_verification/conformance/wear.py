@@ -10,18 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import WearState
-from eigencontact_verification.conformance.report import check, ensure
-
-__all__ = [
-    "check_cut_increments",
-    "check_no_slip_no_wear",
-    "check_pressed_in_proportion",
-    "check_reversed_cells",
-    "check_says_what_it_needs",
-    "check_volume_by_energy",
-    "check_worn_depth",
-    "check_worn_depth_pure",
-]
+from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 
 FloatArray = NDArray[np.float64]
 
@@ -91,17 +80,10 @@ def check_worn_depth_pure(law: Any) -> None:
     """Same answer twice, another state asked in between; the state stays as it was, and may be read-only."""
     state, other = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
     arrays = [value for item in fields(state) if isinstance(value := getattr(state, item.name), np.ndarray)]
-    kept = [array.copy() for array in arrays]
-    first = np.array(law.depth(state))
-    unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, kept, strict=True))
-    ensure(unchanged, "the arrays of the state", "unchanged", "changed", "write to copies only")
-    law.depth(other)
-    for array in arrays:
-        array.flags.writeable = False
-    second = np.asarray(law.depth(state))
-    ensure(
-        np.array_equal(first, second), "depth asked twice", "the same", "different",
-        "keep no memory of what was asked: worn_depth, total_energy and time of the state are the history",
+    ensure_pure(
+        "depth", lambda: law.depth(state), arrays,
+        given="the arrays of the state", between=lambda: law.depth(other),
+        advice="keep no memory of what was asked: worn_depth, total_energy and time of the state are the history",
     )  # fmt: skip
 
 

@@ -32,35 +32,35 @@ def totals(report: Report) -> str:
     """
     total = len(report.rows)
     words = ", ".join(f"{count} {word}" for word, count in report.counts.items() if count or word == "disagrees")
-    part = report.inconclusive
+    share = report.inconclusive
     kind = "quick" if report.quick else "full"
     cases = "1 case" if len(report.cases) == 1 else f"{len(report.cases)} cases"
-    said = f"{cases} ({kind}), {total} verdicts: {words}; {100 * part:.1f} % inconclusive"
-    said += f"; {time_in_words(report.seconds)}."
+    sentence = f"{cases} ({kind}), {total} verdicts: {words}; {100 * share:.1f} % inconclusive"
+    sentence += f"; {time_in_words(report.seconds)}."
     solves = report.solves
     if solves:
         computed = "" if report.computed else " (all from the store)"
-        whole, longest = (time_in_words(of(seconds for seconds, _ in solves)) for of in (sum, max))
-        said += f" {len(solves)} finite-element solves, together {whole}, the longest {longest}"
+        together, longest = (time_in_words(of(seconds for seconds, _ in solves)) for of in (sum, max))
+        sentence += f" {len(solves)} finite-element solves, together {together}, the longest {longest}"
         if any(memory for _, memory in solves):
-            said += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
-        said += f"{computed}."
-    if part > _MANY:
-        said += f" More than {100 * _MANY:.0f} % is inconclusive, which is no agreement; read the reasons."
-    return said
+            sentence += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
+        sentence += f"{computed}."
+    if share > _MANY:
+        sentence += f" More than {100 * _MANY:.0f} % is inconclusive, which is no agreement; read the reasons."
+    return sentence
 
 
 def brief(report: Report) -> str:
     """Markdown that stands between the markers of a README: sentences, the table, what is not covered."""
     from eigencontact_verification.reporting.machine import installed as version
 
-    found = coverage(report.rows)
-    names = {one.component for one in found}
+    covered = coverage(report.rows)
+    names = {entry.component for entry in covered}
     columns = [name for name in _COMPONENTS if name in names] + sorted(names - set(_COMPONENTS))
-    cells = {(one.subject, one.component): _cell(one) for one in found}
+    cells = {(entry.subject, entry.component): _cell(entry) for entry in covered}
     rows = [
         (kernel, *(cells.get((kernel, name), "") for name in columns))
-        for kernel in dict.fromkeys(one.subject for one in found)
+        for kernel in dict.fromkeys(entry.subject for entry in covered)
     ]
     legend = (
         "✓ profiles that agree of all profiles · largest u_FE as a part of the field (at most "
@@ -80,9 +80,9 @@ def brief(report: Report) -> str:
     )
 
 
-def _cell(one: Coverage) -> str:
-    band = "" if one.uncertainty is None else f" · {100 * one.uncertainty:.2g} %"
-    return f"{MARKS[one.word]} {one.counts['agrees']}/{sum(one.counts.values())}{band}"
+def _cell(entry: Coverage) -> str:
+    band = "" if entry.uncertainty is None else f" · {100 * entry.uncertainty:.2g} %"
+    return f"{MARKS[entry.word]} {entry.counts['agrees']}/{sum(entry.counts.values())}{band}"
 
 
 def _gaps(gaps: Iterable[Gap]) -> list[str]:

@@ -31,6 +31,7 @@ __all__ = [
     "Outer",
     "Profile",
     "Quantity",
+    "in_name",
     "own_error",
     "refine_option",
 ]
@@ -122,8 +123,19 @@ def refine_option(excess: float) -> str:
     return f"repeat with --refine {max(1.5, ceil(2 * excess ** (1 / _LIKELY_ORDER)) / 2):g}"
 
 
+def in_name(value: float) -> str:
+    """Number in the name of a case.
+
+    Examples
+    --------
+    >>> in_name(1.2), in_name(4.0)
+    ('1-2', '4')
+    """
+    return f"{value:g}".replace(".", "-")
+
+
 def own_error(profile: str) -> str:
-    """Name under which `Case.judged` gives the numerical error of its own values of a profile."""
+    """Name of the numerical error of a profile among the values of `Case.judged`."""
     return f"{profile}: own error"
 
 
@@ -210,7 +222,7 @@ class Case(ABC):
         return replace(self, parameters={**self.parameters, _MESHES: [number // shared * times for number in meshes]})
 
     def remedy(self, part: str, excess: float) -> str:
-        """What a user can do about an uncertainty above its limit; empty where there is nothing.
+        """Advice about an uncertainty above its limit; empty where there is none.
 
         Parameters
         ----------
@@ -223,7 +235,7 @@ class Case(ABC):
 
     @property
     def words(self) -> str:
-        """What is solved, in words, for the figures; by default nothing."""
+        """Title of the figures: the problem in words; by default empty."""
         return ""
 
     def curve(self, profile: Profile) -> Curve | None:  # noqa: ARG002
@@ -237,7 +249,7 @@ class Case(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Gap:
-    """Something that no case covers, said in the report.
+    """Quantity or situation that no case covers, listed in the report.
 
     Parameters
     ----------

@@ -7,8 +7,6 @@ cell of a grid on the surface, and every field is that of the matrix alone with 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -95,7 +93,7 @@ class Cellwise:
     matrix: Any
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
+        """Change of the field by the sphere: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
 
         By the operators of the code on the lattice of the cells' centres, and cubics between its points; points closer
         than three cells to the boundary that the cells make are spoilt by its steps.
@@ -105,7 +103,7 @@ class Cellwise:
         from eigencontact.scene.installed import installed_plugins
         from eigencontact.solvers.cells import Cells
         from eigencontact.solvers.eigenstrain import VolumeField
-        from eigencontact.solvers.eigenstrain_planes import SurfaceDisplacement
+        from eigencontact.solvers.eigenstrain_planes import PlaneFields
 
         cell = installed_cell(installed_plugins())((0.0, 0.0, 1.0), (1.0, 1.0, 1.0))
         box, nu, surface = self.box, self.matrix.poisson_ratio, not points[:, 2].any()
@@ -116,8 +114,9 @@ class Cellwise:
         nx, ny, nz = (int(count) for count in high - low)
         if surface:
             shift = (float(low[1]), float(low[0]))
-            operator: Any = SurfaceDisplacement(cell, box, target=(ny, nx), origin=shift, poisson_ratio=nu)
-            values = np.asarray(operator.apply(self.eigenstrain))[:, None]
+            operator: Any = PlaneFields(
+                cell, box, target=(ny, nx), origin=shift, depths=[0.0], poisson_ratio=nu, quantity="displacement"
+            )
             place, start, low = place * (1, 1, 0), start * (1, 1, 0), low * (1, 1, 0)
         else:
             x, y, z = (float(box.first[axis] + low[axis] * box.pitch[axis]) for axis in range(3))
@@ -125,15 +124,15 @@ class Cellwise:
             operator = VolumeField(
                 cell, box, target, poisson_ratio=nu, quantity=quantity, shear_modulus=self.matrix.shear_modulus
             )
-            values = np.asarray(operator.apply(self.eigenstrain))
+        values = np.asarray(operator.apply(self.eigenstrain))
         (wx, ix), (wy, iy), (wz, iz) = (_cubic(place[:, axis], start[:, axis], low[axis]) for axis in range(3))
         if surface:
             wz, iz = np.ones((len(points), 1)), np.zeros((len(points), 1), dtype=int)
-        found = np.einsum(
+        field = np.einsum(
             "ni,nj,nk,cnkji->cn", wx, wy, wz,
             values[:, iz[:, :, None, None], iy[:, None, :, None], ix[:, None, None, :]], optimize=True,
         )  # fmt: skip
-        return np.ascontiguousarray(found.T) if quantity == "displacement" else np.asarray(to_matrix(found))
+        return np.ascontiguousarray(field.T) if quantity == "displacement" else np.asarray(to_matrix(field))
 
 
 def _cubic(place: FloatArray, start: NDArray[Any], low: Any) -> tuple[FloatArray, NDArray[Any]]:
@@ -171,7 +170,7 @@ class OneEigenstrain:
     left: FloatArray
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes; see `Cellwise.field`. No lattice, and any points."""
+        """Change of the field by the sphere; see `Cellwise.field`. No lattice, and any points."""
         return self._of([self.shape], self.eigenstrain[None], points, quantity)
 
     def correction(self, points: FloatArray, quantity: Quantity) -> FloatArray:
@@ -232,7 +231,7 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
     from eigencontact.core.grid import Box
     from eigencontact.model.installed import installed_cell
     from eigencontact.scene.installed import installed_plugins
-    from eigencontact.solvers.equivalent_inclusions import solve_equivalent_inclusions
+    from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
     from eigencontact.solvers.mean_stress import MeanVolumeField
     from eigencontact.solvers.subsurface import SubsurfaceStress
 
@@ -255,17 +254,16 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
         applied = load.apply([pressure])
     prestrain = np.zeros_like(applied)
     prestrain[:3] = problem.prestrain * inside
-    found = solve_equivalent_inclusions(operator, matrix, [problem.stiffness], inside.astype(int), applied, prestrain)
-    return Cellwise(box=box, eigenstrain=found.eigenstrain, matrix=matrix)
+    cells = InhomogeneousCells(operator, matrix, [problem.stiffness], inside.astype(int))
+    solution = cells.solve(applied, prestrain)
+    return Cellwise(box=box, eigenstrain=solution.eigenstrain, matrix=matrix)
 
 
 def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
-    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations.
-
-    By the solver of the code where that is there, and here where it is not.
-    """
+    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
+    from eigencontact.solvers.whole_inclusions import WholeInclusions
 
     matrix = problem.matrix
     shape = make("sphere", kind="inclusion-shape", center=problem.centre, radius=problem.radius)
@@ -283,28 +281,18 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     around = replace(problem, young_modulus_inside=1.0, poisson_ratio_inside=problem.poisson_ratio).stiffness
     scale = np.linalg.inv(problem.stiffness + 2.0 * matrix.shear_modulus * np.eye(6))
     stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
-    own = np.array([problem.prestrain] * 3 + [0.0] * 3)
+    prestrain = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
-    found = _by_the_code(problem, shape, own)
-    if found is None:
-        found = answer @ (strain @ own - stress @ (applied @ weights))
-    total = applied + np.einsum("cun,u->cn", caused, found)
-    left = -answer @ (stress @ total + (strain @ (found - own))[:, None])
+    solver = WholeInclusions([shape], matrix, [problem.stiffness])
+    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
+    eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0])
+    total = applied + np.einsum("cun,u->cn", caused, eigenstrain)
+    remainder = -answer @ (stress @ total + (strain @ (eigenstrain - prestrain))[:, None])
     parts = [
         make("sphere", kind="inclusion-shape", center=tuple(point), radius=problem.radius * weight ** (1 / 3))
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
-    return OneEigenstrain(shape=shape, eigenstrain=found, matrix=matrix, parts=parts, left=left.T)
-
-
-def _by_the_code(problem: Sphere, shape: Any, own: FloatArray) -> FloatArray | None:
-    """The same eigenstrain by the solver for whole inclusions; None where this version of the code has none."""
-    if find_spec("eigencontact.solvers.whole_inclusions") is None:
-        return None
-    whole: Any = import_module("eigencontact.solvers.whole_inclusions")
-    solver = whole.WholeInclusions([shape], problem.matrix, [problem.stiffness])
-    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
-    return np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
+    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=parts, left=remainder.T)
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:

@@ -35,12 +35,12 @@ _GREY = "0.92"
 _BEYOND = 0.4
 
 
-def draw(found: JudgedCase, file: Path) -> Path:
+def draw(judged: JudgedCase, file: Path) -> Path:
     """Write one picture with a panel for each profile; what was not solved is left out.
 
     Parameters
     ----------
-    found : JudgedCase
+    judged : JudgedCase
         A case with its verdicts.
     file : Path
         PNG or SVG by its ending.
@@ -49,17 +49,17 @@ def draw(found: JudgedCase, file: Path) -> Path:
     from matplotlib.figure import Figure
 
     with paper_style():
-        profiles = found.case.profiles
+        profiles = judged.case.profiles
         columns = min(2, len(profiles))
         rows = ceil(len(profiles) / columns)
         figure = Figure(figsize=(_WIDTH * columns, _HEIGHT * rows + 0.7), layout="constrained")
         FigureCanvasAgg(figure)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
-        shaded = [_panel(axes, profile, found) for axes, profile in zip(panels, profiles, strict=False)]
+        shaded = [_panel(axes, profile, judged) for axes, profile in zip(panels, profiles, strict=False)]
         for axes in panels[len(profiles) :]:
             axes.set_axis_off()
-        figure.suptitle("\n".join(filter(None, (found.case.words, found.case.key))), fontsize=10)
-        _key(figure, panels[0], found.case.method, shaded=any(shaded))
+        figure.suptitle("\n".join(filter(None, (judged.case.words, judged.case.key))), fontsize=10)
+        _key(figure, panels[0], judged.case.method, shaded=any(shaded))
         file.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(file, dpi=110, metadata={"Software": GENERATOR})
     return file
@@ -80,12 +80,12 @@ def gaps_of(along: FloatArray) -> list[tuple[float, float]]:
     return [(float(along[k]), float(along[k + 1])) for k in wide]
 
 
-def _drawn(profile: Profile, found: JudgedCase) -> Curve | None:
-    """The semi-analytical line: closely where the case gives it, else from point to point, broken at the gaps."""
-    judged = found.judged.get(profile.name)
+def _drawn(profile: Profile, judged_case: JudgedCase) -> Curve | None:
+    """The semi-analytical line: close points where the case has a curve, else the profile, broken at its gaps."""
+    judged = judged_case.judged.get(profile.name)
     if judged is None:
         return None
-    closely = found.case.curve(profile)
+    closely = judged_case.case.curve(profile)
     if closely is not None:
         return closely
     order = np.argsort(profile.along, kind="stable")
@@ -102,9 +102,9 @@ def _look(component: str, place: int) -> int:
     return place % len(COLOURS)
 
 
-def _panel(axes: Any, profile: Profile, found: JudgedCase) -> bool:
+def _panel(axes: Any, profile: Profile, judged: JudgedCase) -> bool:
     """Draw a profile; whether points were left out."""
-    line, reference = _drawn(profile, found), found.estimates.get(profile.name)
+    line, reference = _drawn(profile, judged), judged.estimates.get(profile.name)
     order = np.argsort(profile.along, kind="stable")
     step = max(1, ceil(len(order) / _DENSEST))
     for k, component in enumerate(profile.components):
@@ -114,10 +114,11 @@ def _panel(axes: Any, profile: Profile, found: JudgedCase) -> bool:
             axes.plot(line[0], line[1][:, k], linestyle=_DASHES[look], linewidth=1.3, **style)
             style["label"] = None
         if reference is not None:
-            some = order[(look % step) :: step]
+            shown = order[(look % step) :: step]
             axes.errorbar(
-                profile.along[some], reference.value[some, k], yerr=reference.uncertainty[some, k], fmt=_SYMBOLS[look],
-                markersize=4, markerfacecolor="none", markeredgewidth=0.8, capsize=2, linewidth=0.9, **style,
+                profile.along[shown], reference.value[shown, k], yerr=reference.uncertainty[shown, k],
+                fmt=_SYMBOLS[look], markersize=4, markerfacecolor="none", markeredgewidth=0.8, capsize=2, linewidth=0.9,
+                **style,
             )  # fmt: skip
     gaps = gaps_of(profile.along[order])
     for low, high in gaps:
@@ -128,30 +129,30 @@ def _panel(axes: Any, profile: Profile, found: JudgedCase) -> bool:
     axes.set_xlabel(profile.label)
     axes.set_ylabel(f"{profile.quantity} [{profile.unit or '1'}]")
     if line is not None or reference is not None:
-        _limit(axes, profile, found)
+        _limit(axes, profile, judged)
         axes.legend(fontsize=8, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.2)
     return bool(gaps)
 
 
-def _limit(axes: Any, profile: Profile, found: JudgedCase) -> None:
+def _limit(axes: Any, profile: Profile, judged: JudgedCase) -> None:
     """Keep what is compared in sight of a line that goes far beyond it."""
     compared = [np.zeros((1, 1))]
-    if profile.name in found.judged:
-        compared.append(found.judged[profile.name])
-    if profile.name in found.estimates:
-        reference = found.estimates[profile.name]
+    if profile.name in judged.judged:
+        compared.append(judged.judged[profile.name])
+    if profile.name in judged.estimates:
+        reference = judged.estimates[profile.name]
         compared += [reference.value - reference.uncertainty, reference.value + reference.uncertainty]
-    values = np.concatenate([part.ravel() for part in compared])
+    values = np.concatenate([array.ravel() for array in compared])
     values = values[np.isfinite(values)]
     low, high = float(values.min()), float(values.max())
     shown = axes.get_ylim()
-    beyond = _BEYOND * (high - low)
-    if beyond:
-        axes.set_ylim(max(shown[0], low - beyond), min(shown[1], high + beyond))
+    margin = _BEYOND * (high - low)
+    if margin:
+        axes.set_ylim(max(shown[0], low - margin), min(shown[1], high + margin))
 
 
 def _key(figure: Any, axes: Any, method: str, *, shaded: bool) -> None:
-    """What line, symbols and shade mean, below all panels."""
+    """Legend of line, symbols and shade, below all panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

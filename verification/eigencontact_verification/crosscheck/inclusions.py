@@ -27,6 +27,7 @@ from eigencontact_verification.crosscheck.lines import (
     read_solid,
     surface_lines,
 )
+from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
 from eigencontact_verification.fem.model import Model, Region
 from eigencontact_verification.fem.uncertainty import SAFETY
@@ -38,7 +39,7 @@ FloatArray = NDArray[np.float64]
 _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
 _OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
-_READING = ("lines:read_section", "lines:read_solid", "lines:chosen")
+_READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "lines:columns")
 _CODE = (
     *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
     *(f"eigencontact_verification.crosscheck.{name}" for name in _READING),
@@ -59,7 +60,10 @@ EIGENSTRAINS: dict[str, dict[str, float]] = {
 #: Parts of every element of the undivided mesh at the three levels, where the boundary is near and where it is far.
 _REFINE, _REFINE_FAR = (5, 7, 10), (4, 6, 9)
 _GROWTH_ROUND = 2.5
-#: Cells across a shape without potentials over those of the coarser cuttings that give the error.
+#: Cells across a shape without potentials over those of the coarser cuttings that give the error. The error falls
+#: with the square of the cell size, unsteadily: cells may hold too much of a thin region in two cuttings alike (a torus
+#: of 12 and of 18 cells). So two cuttings are compared with the finest, as if the error fell with the cell size, and
+#: the safety factor of the grid convergence index applies.
 _CELL_RATIOS = (3 / 2, 9 / 7)
 #: Reach of the body in depths or extents. Displacement of the surface by a strain in its plane decays slowest.
 _REACH, _REACH_IN_PLANE = 12.0, 40.0
@@ -74,29 +78,29 @@ def tensor_of(name: str) -> FloatArray:
     return tensor
 
 
-def shape_of(given: Mapping[str, Any]) -> Any:
+def shape_of(table: Mapping[str, Any]) -> Any:
     """Shape from ``{"key": ..., parameters}``; ``mesh`` (vertices and faces) is written to a file for the shape."""
     from eigencontact import make
 
-    parameters = {name: value for name, value in given.items() if name not in ("key", "mesh")}
-    if "mesh" not in given:
-        return make(given["key"], kind="inclusion-shape", **parameters)
+    parameters = {name: value for name, value in table.items() if name not in ("key", "mesh")}
+    if "mesh" not in table:
+        return make(table["key"], kind="inclusion-shape", **parameters)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "surface.off"
-        vertices, faces = given["mesh"]["vertices"], given["mesh"]["faces"]
+        vertices, faces = table["mesh"]["vertices"], table["mesh"]["faces"]
         rows = [f"OFF\n{len(vertices)} {len(faces)} 0"]
         rows += [" ".join(map(str, vertex)) for vertex in vertices]
         rows += [" ".join(map(str, (len(face), *face))) for face in faces]
         file.write_text("\n".join(rows) + "\n", encoding="utf-8")
-        return make(given["key"], kind="inclusion-shape", file=str(file), **parameters)
+        return make(table["key"], kind="inclusion-shape", file=str(file), **parameters)
 
 
 def section_bounds(shape: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Bounds ((r, z), (r, z)) of the half section of a shape of revolution; r starts at 0 where it meets the axis."""
     (_, _, top), (radius, _, bottom) = shape.bounds
     r, z = np.linspace(0.0, radius, 801), np.linspace(top, bottom, 801)[1:-1]
-    found = np.asarray(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])).any(axis=1)
-    first = int(np.argmax(found))
+    inside = np.asarray(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])).any(axis=1)
+    first = int(np.argmax(inside))
     return (float(r[max(first - 1, 0)]), float(top)), (float(radius), float(bottom))
 
 
@@ -141,39 +145,39 @@ class InclusionCase(Case):
 
     def solid_model(self, level: Level, outer: Outer) -> Model:
         """Model of hexahedra."""
-        given, shape = self.parameters, self.shape
+        parameters, shape = self.parameters, self.shape
         return Model(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             regions=(Region(contains=shape.contains, bounds=shape.bounds, eigenstrain=self.eigenstrain),),
-            reach=given["reach"],
-            symmetry=tuple(given["symmetry"]),
+            reach=parameters["reach"],
+            symmetry=tuple(parameters["symmetry"]),
             outer=outer,
-            fine=given["fine"],
-            growth=given["growth"],
-            refine=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            refine=parameters["refine"][level],
         )
 
     def axisymmetric_model(self, level: Level, outer: Outer) -> AxisymmetricModel:
         """Model of quadrilaterals in the half plane (r, z)."""
-        given, shape = self.parameters, self.shape
+        parameters, shape = self.parameters, self.shape
         low, high = section_bounds(shape)
         strain = self.eigenstrain
         region = AxisymmetricRegion(
             contains=lambda r, z: np.asarray(shape.contains(r, np.zeros_like(r), z)),
             bounds=(low, high),
             eigenstrain=(float(strain[0, 0]), float(strain[2, 2])),
-            fitted=given["fitted"],
+            fitted=parameters["fitted"],
         )
         return AxisymmetricModel(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             regions=(region,),
-            reach=given["reach"],
+            reach=parameters["reach"],
             outer=outer,
-            fine=given["fine"],
-            growth=given["growth"],
-            divisions=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            divisions=parameters["refine"][level],
             lines=((), (0.0,)),
         )
 
@@ -196,7 +200,7 @@ class InclusionCase(Case):
             tries = [chosen(self.field(profile.points, profile.quantity, cells=count), profile) for count in counts]
             fields[profile.name] = tries[0]
             if len(tries) > 1:
-                fields[own_error(profile.name)] = _error_of_cells(*tries)
+                fields[own_error(profile.name)] = widened(SAFETY * from_coarser(tries[0], tries[1:], _CELL_RATIOS))
         return fields
 
     def field(self, points: FloatArray, quantity: Quantity, *, cells: int | None = None) -> FloatArray:
@@ -217,7 +221,7 @@ class InclusionCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         low, high = (np.asarray(corner) for corner in self.shape.bounds)
         extents = " × ".join(f"{extent:.3g}" for extent in high - low)
         return (
@@ -237,22 +241,6 @@ class InclusionCase(Case):
         from eigencontact_verification.crosscheck.pictures.fields import inclusion_pictures
 
         return inclusion_pictures(self, folder)
-
-
-def _error_of_cells(fine: FloatArray, *coarser: FloatArray) -> FloatArray:
-    """Error of the finest of three cuttings, as if it fell with the cell size; it falls with its square, unsteadily.
-
-    Unsteadily: how much of a thin region the cells hold too much depends on where they end, so that two cuttings may
-    share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, times the safety factor of the
-    grid convergence index, and the largest of three neighbours, nowhere less than half of the largest of all: it is a
-    smooth field, and where two values happen to be equal their error does not vanish.
-    """
-    tries = zip(coarser, _CELL_RATIOS, strict=True)
-    difference = SAFETY * np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
-    index = np.arange(len(difference))
-    near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
-    return np.asarray(np.maximum.reduce(near))
 
 
 def unit_length(key: str, extents: tuple[float, float, float]) -> str:
@@ -328,8 +316,8 @@ def inclusion_case(
         anchor = (x, y, z)
     planes = ("none", "none")
     if not revolved:
-        wanted = planes_of(EIGENSTRAINS[eigenstrain])
-        planes = (wanted[0] if mirrored[0] else "none", wanted[1] if mirrored[1] else "none")
+        kinds = planes_of(EIGENSTRAINS[eigenstrain])
+        planes = (kinds[0] if mirrored[0] else "none", kinds[1] if mirrored[1] else "none")
     cut = not exact_cells and not (hasattr(made, "phi") and hasattr(made, "psi"))
     in_plane = set(EIGENSTRAINS[eigenstrain]) & {"xx", "yy", "xy"} and eigenstrain != "uniform"
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))

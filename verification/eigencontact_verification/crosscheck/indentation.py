@@ -33,7 +33,7 @@ _WIDE = 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What is pressed, in SI units; lengths of regions in contact radii of the elastic body.
+    """Sphere, body and load path, in SI units; lengths of regions in contact radii of the elastic body.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Problem:
             geometry={"type": "sphere", "radius": self.radius},
             inclusions=[self._inclusion(region) for region in self.regions],
             grid={"cells": [count, count], "size": [count * pitch, count * pitch]},
-            steps=[{"normal_load": part * self.load} for part in self.path],
+            steps=[{"normal_load": share * self.load} for share in self.path],
             stress={
                 "name": "axis", "shape": "line", "start": [0.0, 0.0, 0.5 * pitch],
                 "end": [0.0, 0.0, (deepest - 0.5) * pitch], "count": deepest,
@@ -124,14 +124,14 @@ class Problem:
             shape = {"type": "sphere", "center": [0.0, 0.0, region["depth"] * a], "radius": region["radius"] * a}
         if region.get("eigenstrain"):
             shape["eigenstrain"] = [region["eigenstrain"], region["eigenstrain"], 0.0]
-        own = {
+        constants = {
             "young_modulus": region.get("young_modulus", 1.0) * self.young_modulus,
             "poisson_ratio": region.get("poisson_ratio", self.poisson_ratio),
         }
         if region.get("law") is not None:
-            shape["material"] = {"type": "j2", **own, **region["law"]}
+            shape["material"] = {"type": "j2", **constants, **region["law"]}
         elif "young_modulus" in region or "poisson_ratio" in region:
-            shape["material"] = own
+            shape["material"] = constants
         return shape
 
 
@@ -167,7 +167,7 @@ def _run(scene: Any, stop: int) -> Any:
 
 
 def by_cells(problem: Problem, profiles: tuple[Profile, ...], cells: int, *, stop: int = 0) -> Fields:
-    """What the profiles ask for, in Hertz's units, by so many cells to a contact radius.
+    """Values of the profiles in Hertz's units, by so many cells to a contact radius.
 
     Parameters
     ----------
@@ -205,13 +205,13 @@ def by_cells(problem: Problem, profiles: tuple[Profile, ...], cells: int, *, sto
 
 
 def _remembered(data: Any, depths: FloatArray, variable: str) -> CubicSpline:
-    """A number that the material remembers, along the axis; it is zero where there are no cells."""
-    found, name = np.zeros_like(depths), f"{variable}_1"
+    """Scalar history variable of the material along the axis; zero where there are no cells."""
+    line, name = np.zeros_like(depths), f"{variable}_1"
     if name in data:
         z, y, x = (np.asarray(data[f"cells_1_{axis}"]) for axis in "zyx")
         column = np.asarray(data[name])[-1, :, np.abs(y).argmin(), np.abs(x).argmin()]
         scale = float(depths[0] / np.asarray(data["axis_z"])[0])
         rows = np.rint((z * scale - depths[0]) / (depths[1] - depths[0])).astype(int)
-        kept = rows < len(depths)
-        found[rows[kept]] = column[kept]
-    return CubicSpline(depths, found)
+        stored = rows < len(depths)
+        line[rows[stored]] = column[stored]
+    return CubicSpline(depths, line)

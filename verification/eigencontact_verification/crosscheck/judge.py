@@ -89,34 +89,37 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
     """Verdicts of a case; where a solution is missing every component has failed, which is no agreement."""
     case = solved.case
     missing = [f"{task.label}: {outcome.reason}" for task, outcome in solved.outcomes if outcome.fields is None]
-    found = {(task.level, task.outer): outcome.fields for task, outcome in solved.outcomes if outcome.fields}
-    judged = found.get((None, "fixed")) or {}
+    values = {(task.level, task.outer): outcome.fields for task, outcome in solved.outcomes if outcome.fields}
+    judged = values.get((None, "fixed")) or {}
     if missing:
         rows = [
-            _row(case, profile, component, "failed", "; ".join(missing))
+            Row(
+                subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity,
+                component=component, word="failed", reason="; ".join(missing),
+            )
             for profile in case.profiles
             for component in profile.components
-        ]
+        ]  # fmt: skip
         return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates={})
     estimates, rows = {}, []
     for profile in case.profiles:
-        coarse, medium, fine = (found[level, "fixed"][profile.name] for level in (0, 1, 2))
+        coarse, medium, fine = (values[level, "fixed"][profile.name] for level in (0, 1, 2))
         reference = estimate(
             coarse, medium, fine, ratio=case.ratio, formal_order=profile.formal_order,
-            other_outer=found[case.bracket_level, "free"][profile.name], other_level=case.bracket_level,
+            other_outer=values[case.bracket_level, "free"][profile.name], other_level=case.bracket_level,
         )  # fmt: skip
         if own_error(profile.name) in judged:
-            own = judged[own_error(profile.name)]
+            error = judged[own_error(profile.name)]
             reference = replace(
-                reference, uncertainty=reference.uncertainty + own, parts=reference.parts | {"judged": own}
+                reference, uncertainty=reference.uncertainty + error, parts=reference.parts | {"judged": error}
             )
         estimates[profile.name] = reference
-        given = verdicts(
+        results = verdicts(
             judged[profile.name], reference, limit=limit, small=case.small,
-            scale=_size_of_field(found[2, "fixed"], case, profile),
+            scale=_size_of_field(values[2, "fixed"], case, profile),
         )  # fmt: skip
-        for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):
-            rows.append(_judged_row(case, profile, component, one, reference, k, limit))
+        for k, (component, result) in enumerate(zip(profile.components, results, strict=True)):
+            rows.append(_row(case, profile, component, result, reference, k, limit))
     return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates=estimates)
 
 
@@ -125,41 +128,35 @@ def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
 
     What a material remembers is a field of its own for every variable.
     """
-    alike = [other.name for other in case.profiles if other.quantity == profile.quantity]
+    alike = [candidate.name for candidate in case.profiles if candidate.quantity == profile.quantity]
     alike = [profile.name] if profile.quantity == "strain" else alike
     return max(float(np.max(np.abs(fine[name]))) for name in alike)
 
 
-def _row(case: Case, profile: Profile, component: str, word: str, reason: str) -> Row:
-    return Row(
-        subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
-        word=word, reason=reason,
-    )  # fmt: skip
-
-
-def _judged_row(
-    case: Case, profile: Profile, component: str, one: Verdict, reference: Estimate, k: int, limit: float
+def _row(
+    case: Case, profile: Profile, component: str, verdict: Verdict, reference: Estimate, k: int, limit: float
 ) -> Row:
     parts = {name: float(np.max(values[:, k])) for name, values in reference.parts.items()}
-    reason = one.reason
-    if one.word == "inconclusive" and _finite(one.uncertainty):
-        reason += _cause(case, max(parts, key=lambda name: parts[name]), parts, one, limit)
+    reason = verdict.reason
+    if verdict.word == "inconclusive" and _finite(verdict.uncertainty):
+        reason += _cause(case, max(parts, key=lambda name: parts[name]), parts, verdict, limit)
     return Row(
         subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
-        word=one.word, reason=reason, difference=_part(one.difference, one.scale),
-        uncertainty=_part(one.uncertainty, one.scale), discretisation=_part(parts["discretisation"], one.scale),
-        truncation=_part(parts["truncation"], one.scale), ratio=_finite(one.ratio), scale=_finite(one.scale),
+        word=verdict.word, reason=reason, difference=_part(verdict.difference, verdict.scale),
+        uncertainty=_part(verdict.uncertainty, verdict.scale), ratio=_finite(verdict.ratio),
+        discretisation=_part(parts["discretisation"], verdict.scale),
+        truncation=_part(parts["truncation"], verdict.scale), scale=_finite(verdict.scale),
         order=_finite(float(reference.order[k])), credible=bool(reference.credible[k]),
     )  # fmt: skip
 
 
-def _cause(case: Case, part: str, parts: Mapping[str, float], one: Verdict, limit: float) -> str:
+def _cause(case: Case, source: str, parts: Mapping[str, float], verdict: Verdict, limit: float) -> str:
     """Largest part of an uncertainty that allows no verdict, and what a user can do about it."""
-    share = _part(parts[part], one.scale)
-    said = f"; its largest part is {SOURCES[part]}" + ("" if share is None else f" ({100 * share:.2g} %)")
-    excess = one.uncertainty / (limit * one.scale) if one.scale > 0.0 else 1.0
-    remedy = case.remedy(part, excess)
-    return f"{said}; {remedy}" if remedy else said
+    share = _part(parts[source], verdict.scale)
+    sentence = f"; its largest part is {SOURCES[source]}" + ("" if share is None else f" ({100 * share:.2g} %)")
+    excess = verdict.uncertainty / (limit * verdict.scale) if verdict.scale > 0.0 else 1.0
+    remedy = case.remedy(source, excess)
+    return f"{sentence}; {remedy}" if remedy else sentence
 
 
 def _finite(value: float) -> float | None:

@@ -21,8 +21,7 @@ from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, PlasticD
 from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.crosscheck.indentation import VARIABLES
-from eigencontact_verification.crosscheck.plastic_cases import plastic_case
-from eigencontact_verification.crosscheck.plasticity import PlasticCase
+from eigencontact_verification.crosscheck.plasticity import PlasticCase, plastic_case
 from eigencontact_verification.crosscheck.strangers import text_digest
 from eigencontact_verification.fem.yielding_law import Answer, PointLaw, State
 
@@ -70,19 +69,19 @@ class LawOfPlugin:
             The law has no answer, or one that is not finite.
         """
         count = strain.shape[1]
-        whole, nowhere = np.zeros((6, count)), np.full(count, np.nan)
-        whole[_MANDEL] = strain
+        full_strain, nowhere = np.zeros((6, count)), np.full(count, np.nan)
+        full_strain[_MANDEL] = strain
         step = LawStep(x=nowhere, y=nowhere, z=nowhere, time=np.nan, duration=1.0)
         try:
-            found = self.law.update(whole, before, step)
+            response = self.law.update(full_strain, before, step)
         except EigencontactError as problem:
             raise ArithmeticError(str(problem)) from None
-        stress, tangent = np.asarray(found.stress)[_MANDEL], np.asarray(found.tangent)[np.ix_(_MANDEL, _MANDEL)]
+        stress, tangent = np.asarray(response.stress)[_MANDEL], np.asarray(response.tangent)[np.ix_(_MANDEL, _MANDEL)]
         if not np.all(np.isfinite(stress)):
             raise ArithmeticError("the law must answer finite stress where it is told neither place nor time")
         if tangent.ndim == 2:
             tangent = np.repeat(tangent[:, :, None], count, axis=2)
-        return stress, tangent, dict(found.variables)
+        return stress, tangent, dict(response.variables)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,7 +97,7 @@ class LawCase(PlasticCase):
         return LawOfPlugin(law=_built(table, young_modulus, poisson_ratio))
 
 
-def law_cases(key: str) -> tuple[LawCase, ...]:
+def law_cases(key: str) -> tuple[PlasticCase, ...]:
     """Cases of one law: loaded and unloaded, and cycled.
 
     Parameters
@@ -127,24 +126,16 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
     cases = []
     for name, path in (("loaded", (0.4, 0.7, 1.0, 0.0)), ("cycled", (0.5, 1.0, 0.0, 0.5, 1.0, 0.0))):
         case = plastic_case(
-            name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded"
-        )
-        meshes = {"growth": _GROWTH, "divisions": list(_DIVISIONS)}
-        given = {**case.parameters, **meshes, "text": text_digest(component)}
-        profiles = _with_variables(case.profiles, numbers)
+            name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded",
+            kind=LawCase,
+        )  # fmt: skip
+        changed = {"growth": _GROWTH, "divisions": list(_DIVISIONS), "text": text_digest(component)}
         cases.append(
-            LawCase(
-                subject=f"law-{key}",
-                name=name,
-                title=case.title,
-                parameters=given,
-                quick=case.quick,
-                profiles=profiles,
-                ratio=case.ratio,
-                cells=_CELLS,
-                coarser=_COARSER,
+            replace(
+                case, subject=f"law-{key}", parameters=case.parameters | changed, cells=_CELLS, coarser=_COARSER,
+                profiles=_with_variables(case.profiles, numbers),
             )
-        )
+        )  # fmt: skip
     return tuple(cases)
 
 
@@ -154,11 +145,11 @@ def _component(key: str) -> Any:
 
     registry = installed_plugins()
     kinds = ("constitutive-law", *_FIELDS)
-    found = [entry for entry in registry.named(key) if entry.kind in kinds]
-    if not found:
-        known = [entry.key for kind in kinds for entry in registry.of_kind(kind)]
-        raise ValueError(f"law must be one of {', '.join(known)} (got {key!r}){nearest(key, known)}")
-    return found[0].component
+    entries = [entry for entry in registry.named(key) if entry.kind in kinds]
+    if not entries:
+        keys = [entry.key for kind in kinds for entry in registry.of_kind(kind)]
+        raise ValueError(f"law must be one of {', '.join(keys)} (got {key!r}){nearest(key, keys)}")
+    return entries[0].component
 
 
 def _table(key: str, component: Any) -> dict[str, Any]:
@@ -166,25 +157,27 @@ def _table(key: str, component: Any) -> dict[str, Any]:
     example = getattr(component, "example", None)
     if not isinstance(example, Mapping):
         needed = [
-            name for name, given in inspect.signature(component).parameters.items() if given.default is given.empty
+            name
+            for name, parameter in inspect.signature(component).parameters.items()
+            if parameter.default is parameter.empty
         ]
         if needed:
             raise ValueError(
                 f"law {key!r} must say with which parameters it is to be checked (got none); give its class an "
                 f"attribute example, a mapping with {', '.join(needed)}"
             )
-    own = {"type": key, **(example or {})}
+    fields = {"type": key, **(example or {})}
     perfect = {"type": "perfect", "yield_stress": 3e9}
     if component.kind == "constitutive-law":
-        return own
+        return fields
     if component.kind == "damage-law":
         if not issubclass(component, PlasticDamage):
             raise ValueError(
                 f"law {key!r} must be a law of plastic strain; what softens by stretch has no one answer here"
             )
-        return {"type": "j2", "hardening": [perfect], "damage": own}
+        return {"type": "j2", "hardening": [perfect], "damage": fields}
     isotropic = issubclass(component, IsotropicHardening)
-    return {"type": "j2", "hardening": [own] if isotropic else [{**perfect, "yield_stress": 1.8e9}, own]}
+    return {"type": "j2", "hardening": [fields] if isotropic else [{**perfect, "yield_stress": 1.8e9}, fields]}
 
 
 def _built(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> Any:
@@ -194,7 +187,7 @@ def _built(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float)
 
 
 def _refusal(law: Any) -> str:
-    """What the law would have to be; empty if it can be judged."""
+    """Property that the law lacks for this comparison; empty if it can be judged."""
     if isinstance(law, LinearLaw):
         return "more than elastic; one that is linear is verified as an inhomogeneity"
     if law.averaged:
@@ -217,11 +210,11 @@ def _onset(law: Any, young: float, nu: float) -> float:
     """Pressure p0 of Hertz at which the law leaves elasticity."""
     stress = np.array([_ACROSS, _ACROSS, _DOWN, 0.0])
     strain = ((1 + nu) * stress - nu * stress[:3].sum() * np.array([1.0, 1.0, 1.0, 0.0]))[:, None]
-    asked = LawOfPlugin(law=law)
+    point = LawOfPlugin(law=law)
 
     def elastic(size: float) -> bool:
-        found = asked.answer(size * strain, asked.rest(4, 1))[0][:, 0]
-        return bool(np.abs(found - size * young * stress).max() <= _SEEN * size * young)
+        answer = point.answer(size * strain, point.rest(4, 1))[0][:, 0]
+        return bool(np.abs(answer - size * young * stress).max() <= _SEEN * size * young)
 
     if not elastic(_LEAST):
         raise ValueError(f"law {law.key!r} must be elastic under small strains, with the constants of its body")
@@ -235,8 +228,8 @@ def _onset(law: Any, young: float, nu: float) -> float:
 
 
 def _with_variables(profiles: tuple[Profile, ...], names: list[str]) -> tuple[Profile, ...]:
-    """Profiles with one for every number that the law remembers, in place of plastic strain."""
+    """Profiles with one for every scalar history variable of the law, in place of plastic strain."""
     short = {name: name for name in names} | {long: brief for brief, long in VARIABLES.items()}
-    kept = [profile for profile in profiles if profile.quantity != "strain"]
+    others = [profile for profile in profiles if profile.quantity != "strain"]
     (model,) = (profile for profile in profiles if profile.quantity == "strain")
-    return (*kept, *(replace(model, name=f"axis-{name}", components=(short[name],)) for name in names))
+    return (*others, *(replace(model, name=f"axis-{name}", components=(short[name],)) for name in names))

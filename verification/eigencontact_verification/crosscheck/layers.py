@@ -11,17 +11,18 @@ section 3.4 (pressure on circles).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity
-from eigencontact_verification.crosscheck.lines import chosen, in_units
+from eigencontact_verification.crosscheck.case import Fields, Level, Outer, Profile, Quantity, in_name
+from eigencontact_verification.crosscheck.lines import FieldCase, chosen, in_units
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel, Disc
 
-__all__ = ["KEY", "LayeredCase", "layered_case", "layered_cases"]
+__all__ = ["KEY", "LayeredCase", "layered_case"]
 
 FloatArray = NDArray[np.float64]
 
@@ -31,6 +32,7 @@ KEY = "bonded-layers"
 _CODE = (
     *(f"{__name__}:LayeredCase.{name}" for name in ("interfaces", "model", "reference", "read")),
     "eigencontact_verification.crosscheck.lines:chosen",
+    "eigencontact_verification.crosscheck.lines:columns",
 )
 _DIVISIONS, _GROWTH = (4, 6, 9), 2.0
 #: Reach of the body in radii of the circle.
@@ -44,7 +46,7 @@ _GAUSS, _TURN = 12, 4.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LayeredCase(Case):
+class LayeredCase(FieldCase):
     """Pressure on the circle r <= 1 of a layered body; the substrate has E = 1.
 
     The outer faces are displaced as a point force displaces a half-space of the substrate, which layers change there by
@@ -62,17 +64,17 @@ class LayeredCase(Case):
 
     def model(self, level: Level, *, reach: float) -> AxisymmetricModel:
         """Finite-element model of one level with its outer faces at `reach`."""
-        given = self.parameters
+        parameters = self.parameters
         return AxisymmetricModel(
             young_modulus=1.0,
-            poisson_ratio=given["poisson_ratio"],
-            layers=tuple(AxisymmetricLayer(**layer) for layer in given["layers"]),
-            discs=(Disc(radius=1.0, pressure=1.0, profile=given["pressure"]),),
+            poisson_ratio=parameters["poisson_ratio"],
+            layers=tuple(AxisymmetricLayer(**layer) for layer in parameters["layers"]),
+            discs=(Disc(radius=1.0, pressure=1.0, profile=parameters["pressure"]),),
             reach=reach,
             far_field=True,
-            fine=given["fine"],
-            growth=given["growth"],
-            divisions=given["divisions"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            divisions=parameters["divisions"][level],
             lines=((), (0.0, *self.interfaces.tolist())),
         )
 
@@ -97,39 +99,33 @@ class LayeredCase(Case):
 
         if profile.quantity == "displacement":
             return np.asarray(solution.displacement(profile.points))
-        found, interfaces = np.empty((len(profile.points), 3, 3)), self.interfaces
-        own = np.searchsorted(interfaces, profile.points[:, 2])
-        for number in np.unique(own):
+        stress, interfaces = np.empty((len(profile.points), 3, 3)), self.interfaces
+        layer = np.searchsorted(interfaces, profile.points[:, 2])
+        for number in np.unique(layer):
 
             def contains(_x: FloatArray, _y: FloatArray, z: FloatArray, number: int = number) -> NDArray[np.bool_]:
                 return np.asarray(np.searchsorted(interfaces, z) == number)
 
-            here = own == number
-            found[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
-        return found
-
-    def judged(self) -> Fields:
-        """Values of the layered medium."""
-        return {
-            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
-        }
+            here = layer == number
+            stress[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
+        return stress
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the medium at points ``(n, 3)``, y = 0 and x >= 0."""
         from eigencontact import make
 
-        given = self.parameters
-        substrate = {"young_modulus": 1.0, "poisson_ratio": given["poisson_ratio"]}
-        medium = make(KEY, kind="layered-medium", layers=given["layers"], substrate=substrate)
-        found = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
+        parameters = self.parameters
+        substrate = {"young_modulus": 1.0, "poisson_ratio": parameters["poisson_ratio"]}
+        medium = make(KEY, kind="layered-medium", layers=parameters["layers"], substrate=substrate)
+        values = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
         for depth in np.unique(points[:, 2]):
             here = points[:, 2] == depth
-            found[here] = _at_depth(medium, given["pressure"], points[here, 0], float(depth), quantity)
-        return found
+            values[here] = _at_depth(medium, parameters["pressure"], points[here, 0], float(depth), quantity)
+        return values
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         layers = ", ".join(
             f"{layer['thickness']:g} a of E = {layer['young_modulus']:g}, ν = {layer['poisson_ratio']:g}"
             for layer in self.parameters["layers"]
@@ -138,12 +134,6 @@ class LayeredCase(Case):
             f"{KEY}: {self.parameters['pressure']} pressure on a circle, layers {layers} on E = 1, "
             f"ν = {self.parameters['poisson_ratio']:g}"
         )
-
-    def curve(self, profile: Profile) -> Curve:
-        """Field of the layered medium on the line of a profile, closely."""
-        from eigencontact_verification.crosscheck.pictures.fields import curve
-
-        return curve(profile, self.field)
 
 
 def transform(pressure: str, k: FloatArray) -> FloatArray:
@@ -184,9 +174,9 @@ def _at_depth(medium: Any, pressure: str, x: FloatArray, z: float, quantity: Qua
 
 
 def layered_case(
-    layers: tuple[tuple[float, float, float], ...],
+    layers: Sequence[Sequence[float]],
     *,
-    name: str,
+    name: str = "",
     poisson_ratio: float = 0.3,
     pressure: str = "hertz",
     quick: bool = False,
@@ -195,10 +185,10 @@ def layered_case(
 
     Parameters
     ----------
-    layers : tuple of (thickness, E, ν)
+    layers : sequence of (thickness, E, ν)
         From the surface down; thickness in radii of the circle, E in units of the substrate's.
     name : str
-        Of the case.
+        Of the case; by default from ratio and thickness of the first layer, and the pressure.
     poisson_ratio : float
         Of the substrate.
     pressure : {"hertz", "uniform"}
@@ -242,39 +232,9 @@ def layered_case(
     ]  # fmt: skip
     return LayeredCase(
         subject=KEY,
-        name=name,
+        name=name or f"ratio-{in_name(layers[0][1])}-thickness-{in_name(layers[0][0])}-{pressure}",
         parameters=parameters,
         quick=quick,
         profiles=in_units(lines, length="a", displacement="p a / E", stress="p"),
         ratio=(_DIVISIONS[2] / _DIVISIONS[0]) ** 0.5,
     )
-
-
-def layered_cases() -> tuple[LayeredCase, ...]:
-    """All cases: moduli and thicknesses under Hertz's pressure, uniform pressure, Poisson's ratios, three layers."""
-    hertz = [
-        layered_case(
-            ((thickness, ratio, 0.3),), name=f"ratio-{_text(ratio)}-thickness-{_text(thickness)}-hertz",
-            quick=(ratio, thickness) == (4.0, 0.5),
-        )
-        for ratio in (0.25, 2.0, 4.0)
-        for thickness in (0.5, 1.0, 2.0)
-    ]  # fmt: skip
-    uniform = [
-        layered_case(((1.0, ratio, 0.3),), name=f"ratio-{_text(ratio)}-thickness-1-uniform", pressure="uniform")
-        for ratio in (0.25, 4.0)
-    ]
-    others = [
-        layered_case(
-            ((1.0, 4.0, own),), poisson_ratio=nu,
-            name=f"ratio-4-thickness-1-nu-{round(100 * own):02d}-on-{round(100 * nu):02d}",
-        )
-        for own, nu in ((0.1, 0.45), (0.45, 0.1))
-    ]  # fmt: skip
-    three = layered_case(((0.4, 4.0, 0.25), (0.6, 0.5, 0.4), (0.5, 2.0, 0.1)), name="three-layers-hertz", quick=True)
-    return (*hertz, *uniform, *others, three)
-
-
-def _text(value: float) -> str:
-    """Number for a name: 0.5 is 0-5."""
-    return f"{value:g}".replace(".", "-")

@@ -6,6 +6,7 @@ or, at edges, is infinite. Components that a plane of symmetry makes zero are le
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,14 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Fields, Profile
+from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Profile, Quantity
 
 __all__ = [
+    "DIRECTIONS",
     "STRESSES",
     "VECTORS",
     "Contains",
+    "FieldCase",
     "chosen",
     "clear_of",
+    "columns",
     "growth_to",
     "in_units",
     "inner_lines",
@@ -37,8 +41,8 @@ Contains = Callable[[FloatArray, FloatArray, FloatArray], BoolArray]
 VECTORS = ("u_x", "u_y", "u_z")
 STRESSES = ("s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 _AXES = "xyz"
-_DIRECTIONS = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
-_DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1, keepdims=True)
+DIRECTIONS = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
+DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
 
 
 def planes_of(sources: Iterable[str]) -> tuple[str, str]:
@@ -108,8 +112,8 @@ def surface_lines(
         distance = np.linspace(-reach if both_sides else 0.0, reach, count)
         points = np.stack([across * distance, along * distance, np.zeros(count)], axis=1)
         if source is not None:
-            kept = clear_of(source, points, margin)
-            points, distance = points[kept], distance[kept]
+            clear = clear_of(source, points, margin)
+            points, distance = points[clear], distance[clear]
         present: tuple[str, ...] = VECTORS
         if path == "x":
             present = _present(VECTORS, planes[1], "y")
@@ -132,10 +136,10 @@ def surface_lines(
 def clear_of(contains: Contains, points: FloatArray, margin: float) -> BoolArray:
     """Whether the points lie farther than about `margin` from the boundary of the region, ``(n,)``."""
     state = np.asarray(contains(*points.T))
-    probes = points[:, None, :] + margin * _DIRECTIONS
-    probes = np.concatenate([probes, points[:, None, :] + 0.5 * margin * _DIRECTIONS], axis=1)
-    found = np.asarray(contains(*(probes[..., axis] for axis in range(3))))
-    return np.asarray(np.all(found == state[:, None], axis=1))
+    probes = points[:, None, :] + margin * DIRECTIONS
+    probes = np.concatenate([probes, points[:, None, :] + 0.5 * margin * DIRECTIONS], axis=1)
+    inside = np.asarray(contains(*(probes[..., axis] for axis in range(3))))
+    return np.asarray(np.all(inside == state[:, None], axis=1))
 
 
 def inner_lines(
@@ -184,15 +188,15 @@ def inner_lines(
     }
     profiles = []
     for name, (points, along, label) in lines.items():
-        kept = clear_of(contains, points, margin) & (points[:, 2] >= 0)
+        clear = clear_of(contains, points, margin) & (points[:, 2] >= 0)
         if not inside:
-            kept &= ~np.asarray(contains(*points.T))
+            clear &= ~np.asarray(contains(*points.T))
         profiles.append(
             Profile(
                 name=f"{name}-stress",
                 quantity="stress",
-                points=points[kept],
-                along=along[kept],
+                points=points[clear],
+                along=along[clear],
                 label=label,
                 components=tuple(components),
                 formal_order=formal_order,
@@ -272,10 +276,33 @@ def growth_to(distance: float, elements: int) -> float:
     return float(np.exp(high)) * (1 + 1e-9)
 
 
-def chosen(values: Any, profile: Profile) -> Any:
-    """Columns of a profile from displacements ``(n, 3)`` or stresses ``(n, 3, 3)``; names end with the indices."""
-    columns = []
-    for component in profile.components:
-        indices = tuple(_AXES.index(axis) for axis in component.rpartition("_")[2])
-        columns.append(np.moveaxis(np.asarray(values), 0, -1)[indices])
-    return np.stack(columns, axis=-1)
+def columns(values: Any, components: Sequence[str]) -> FloatArray:
+    """Components of displacements ``(n, 3)`` or stresses ``(n, 3, 3)``, ``(n, components)``; names end with indices."""
+    indices = (tuple(_AXES.index(axis) for axis in name.rpartition("_")[2]) for name in components)
+    array = np.moveaxis(np.asarray(values), 0, -1)
+    return np.stack([array[place] for place in indices], axis=-1)
+
+
+def chosen(values: Any, profile: Profile) -> FloatArray:
+    """`columns` of a profile."""
+    return columns(values, profile.components)
+
+
+class FieldCase(Case):
+    """Case whose semi-analytical field is known at any point, without an error of its own."""
+
+    @abstractmethod
+    def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
+        """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``."""
+
+    def judged(self) -> Fields:
+        """Values of the field; see `Case.judged`."""
+        return {
+            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
+        }
+
+    def curve(self, profile: Profile) -> Curve | None:
+        """Field on the line of a profile, closely; see `Case.curve`."""
+        from eigencontact_verification.crosscheck.pictures.fields import curve
+
+        return curve(profile, self.field)

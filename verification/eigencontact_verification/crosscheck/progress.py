@@ -1,4 +1,4 @@
-"""How a cross-check shows itself in a terminal: how far it is, and what it found."""
+"""Progress and result of a cross-check in a terminal."""
 
 from __future__ import annotations
 
@@ -63,10 +63,10 @@ def print_report(report: Report, files: dict[str, Path]) -> None:
     console = Console(highlight=False)
     head = ("subject", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|")
     table = Table(*head, box=None, pad_edge=False)
-    for one in coverage(report.rows):
-        numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (one.uncertainty, one.difference))
-        agreed = f"{one.counts['agrees']}/{sum(one.counts.values())}"
-        table.add_row(one.subject, one.quantity, one.component, one.word, agreed, *numbers)
+    for entry in coverage(report.rows):
+        numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (entry.uncertainty, entry.difference))
+        agreed = f"{entry.counts['agrees']}/{sum(entry.counts.values())}"
+        table.add_row(entry.subject, entry.quantity, entry.component, entry.word, agreed, *numbers)
     print_table(table, console)
     for row in report.rows:
         if row.word != "agrees":

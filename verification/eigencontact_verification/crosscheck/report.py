@@ -40,7 +40,7 @@ _METHOD = (
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a cross-check found.
+    """Result of a cross-check.
 
     Attributes
     ----------
@@ -121,21 +121,21 @@ class Report:
             "longest_solve_seconds": max((seconds for seconds, _ in self.solves), default=None),
             "largest_solve_bytes": max((memory for _, memory in self.solves if memory is not None), default=None),
             "exit_code": self.exit_code,
-            "coverage": [asdict(one) for one in coverage(self.rows)],
+            "coverage": [asdict(entry) for entry in coverage(self.rows)],
             "not_covered": [asdict(gap) for gap in self.gaps],
             "notes": list(self.notes),
             "cases": [_case_data(case) for case in self.cases],
         }
 
 
-def _case_data(found: JudgedCase) -> dict[str, Any]:
-    case = found.case
+def _case_data(judged: JudgedCase) -> dict[str, Any]:
+    case = judged.case
     return {
         "subject": case.subject,
         "name": case.name,
         "quick": case.quick,
         "parameters": case.parameters,
-        "verdict": found.word,
+        "verdict": judged.word,
         "tasks": [
             {
                 "task": task.label,
@@ -145,13 +145,13 @@ def _case_data(found: JudgedCase) -> dict[str, Any]:
                 "peak_memory_bytes": outcome.memory,
                 "cached": outcome.cached,
             }
-            for task, outcome in found.outcomes
+            for task, outcome in judged.outcomes
         ],
-        "rows": [asdict(row) for row in found.rows],
+        "rows": [asdict(row) for row in judged.rows],
     }
 
 
-def _curves(found: JudgedCase) -> dict[str, Any]:
+def _curves(judged: JudgedCase) -> dict[str, Any]:
     """Numbers behind the figure of a case; what is not finite becomes null."""
 
     def numbers(values: Any) -> Any:
@@ -162,8 +162,8 @@ def _curves(found: JudgedCase) -> dict[str, Any]:
         return shown.tolist()
 
     curves = {}
-    for profile in found.case.profiles:
-        reference = found.estimates.get(profile.name)
+    for profile in judged.case.profiles:
+        reference = judged.estimates.get(profile.name)
         curves[profile.name] = {
             "quantity": profile.quantity,
             "unit": profile.unit,
@@ -171,7 +171,7 @@ def _curves(found: JudgedCase) -> dict[str, Any]:
             "label": profile.label,
             "along": profile.along.tolist(),
             "points": profile.points.tolist(),
-            "semi_analytical": numbers(found.judged.get(profile.name)),
+            "semi_analytical": numbers(judged.judged.get(profile.name)),
             "finite_elements": numbers(reference.value) if reference else None,
             "uncertainty": numbers(reference.uncertainty) if reference else None,
         }
@@ -192,11 +192,11 @@ _COVERAGE_HEAD = (
 )
 
 
-def _coverage_cells(one: Coverage) -> tuple[str, ...]:
-    agreed = f"{one.counts['agrees']} of {sum(one.counts.values())}"
+def _coverage_cells(entry: Coverage) -> tuple[str, ...]:
+    agreed = f"{entry.counts['agrees']} of {sum(entry.counts.values())}"
     return (
-        one.subject, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, percent(one.uncertainty),
-        percent(one.difference),
+        entry.subject, entry.quantity, entry.component, f"{MARKS[entry.word]} {entry.word}", agreed,
+        percent(entry.uncertainty), percent(entry.difference),
     )  # fmt: skip
 
 
@@ -214,13 +214,13 @@ def _row_cells(row: Row) -> tuple[str, ...]:
 _TASK_HEAD = ("solution", "status", "time", "peak memory")
 
 
-def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
+def _task_cells(judged: JudgedCase) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
-    for task, outcome in found.outcomes:
+    for task, outcome in judged.outcomes:
         status = f"{outcome.status} (from the store)" if outcome.cached else outcome.status
-        said = f"{status}: {outcome.reason}" if outcome.reason else status
+        text = f"{status}: {outcome.reason}" if outcome.reason else status
         seconds = "–" if outcome.seconds is None else f"{outcome.seconds:.2f} s"
-        rows.append((task.label, said, seconds, gigabytes(outcome.memory)))
+        rows.append((task.label, text, seconds, gigabytes(outcome.memory)))
     return rows
 
 
@@ -240,14 +240,14 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     if report.notes:
         lines += ["## Notes", "", *(f"- {note}" for note in report.notes), ""]
     lines += ["## Cases", ""]
-    for found in report.cases:
-        lines += [f"### {found.case.key}: {found.word}", ""]
-        if found.case.key in pictures:
-            lines += [f"![{found.case.key}]({pictures[found.case.key]})", ""]
-        for file in report.pictures.get(found.case.key, ()):
-            lines += [f"![{found.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
-        lines += [markdown_table(_ROW_HEAD, map(_row_cells, found.rows)), ""]
-        lines += [markdown_table(_TASK_HEAD, _task_cells(found)), ""]
+    for judged in report.cases:
+        lines += [f"### {judged.case.key}: {judged.word}", ""]
+        if judged.case.key in pictures:
+            lines += [f"![{judged.case.key}]({pictures[judged.case.key]})", ""]
+        for file in report.pictures.get(judged.case.key, ()):
+            lines += [f"![{judged.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
+        lines += [markdown_table(_ROW_HEAD, map(_row_cells, judged.rows)), ""]
+        lines += [markdown_table(_TASK_HEAD, _task_cells(judged)), ""]
     return "\n".join(lines)
 
 
@@ -263,16 +263,16 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     if report.notes:
         parts.append(f"<h2>Notes</h2>{html_items(report.notes)}")
     parts.append("<h2>Cases</h2>\n")
-    for found in report.cases:
-        opened = "" if found.word == "agrees" else " open"
-        title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{MARKS[found.word]} {found.word}</span>"
+    for judged in report.cases:
+        opened = "" if judged.word == "agrees" else " open"
+        title = f"{html.escape(judged.case.key)}: <span class='{judged.word}'>{MARKS[judged.word]} {judged.word}</span>"
         parts.append(f"<details{opened}><summary>{title}</summary>")
-        if found.case.key in pictures:
-            parts.append(html_picture(folder / pictures[found.case.key], f"profiles of {found.case.key}"))
-        drawn = report.pictures.get(found.case.key, ())
-        parts += [html_picture(file, f"{file.stem} of {found.case.key}") for file in drawn]
-        parts.append(html_table(_ROW_HEAD, map(_row_cells, found.rows)))
-        parts.append(html_table(_TASK_HEAD, _task_cells(found)))
+        if judged.case.key in pictures:
+            parts.append(html_picture(folder / pictures[judged.case.key], f"profiles of {judged.case.key}"))
+        drawn = report.pictures.get(judged.case.key, ())
+        parts += [html_picture(file, f"{file.stem} of {judged.case.key}") for file in drawn]
+        parts.append(html_table(_ROW_HEAD, map(_row_cells, judged.rows)))
+        parts.append(html_table(_TASK_HEAD, _task_cells(judged)))
         parts.append("</details>\n")
     return html_page("Finite-element cross-check", parts)
 
@@ -304,11 +304,11 @@ def write_report(report: Report, folder: Path) -> dict[str, Path]:
     figures = folder / "figures"
     figures.mkdir(parents=True, exist_ok=True)
     pictures = {}
-    for found in report.cases:
-        name = _stem(found.case.key)
-        if found.judged or found.estimates:
-            pictures[found.case.key] = draw(found, figures / f"{name}.png").relative_to(folder).as_posix()
-        write_json(figures / f"{name}.json", _curves(found))
+    for judged in report.cases:
+        name = _stem(judged.case.key)
+        if judged.judged or judged.estimates:
+            pictures[judged.case.key] = draw(judged, figures / f"{name}.png").relative_to(folder).as_posix()
+        write_json(figures / f"{name}.json", _curves(judged))
     files = write_report_files(
         folder, report.to_dict(), markdown=_markdown(report, folder, pictures), html=_html(report, folder, pictures)
     )

@@ -1,4 +1,4 @@
-"""Perform the tasks of a cross-check in parallel processes, each within its limits, and keep what is finished."""
+"""Perform the tasks of a cross-check in parallel processes, each within its limits; store finished solutions."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -30,7 +31,7 @@ _RENEW = 2**30
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a task may use.
+    """Limits of a task.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ class Limits:
 
 
 class Progress(Protocol):
-    """Who is told how far the cross-check is."""
+    """Observer of the progress of a cross-check."""
 
     def started(self, tasks: Sequence[Task]) -> None:
         """Called once, with all tasks that have to be computed."""
@@ -106,43 +107,36 @@ def run_cases(
         twice = sorted({key for key in keys if keys.count(key) > 1})
         raise ValueError(f"cases must have different names within a kernel (got {', '.join(twice)} twice); rename one")
     tasks = [task for case in cases for task in tasks_of(case)]
-    found: dict[int, Outcome] = {}
-    hashes: dict[int, str] = {}
+    hashes = {id(task): _key(task) for task in tasks}
+    outcomes: dict[str, Outcome] = {}
     for task in tasks:
-        if task.level is None:
-            continue
-        hashes[id(task)] = content_hash(task.case, task.level, task.outer)
-        kept = store.read(hashes[id(task)])
-        if kept is not None:
-            fields, facts = kept
-            found[id(task)] = Outcome(
+        stored = None if task.level is None else store.read(hashes[id(task)])
+        if stored is not None:
+            fields, facts = stored
+            outcomes[hashes[id(task)]] = Outcome(
                 status="done", fields=fields, seconds=facts["seconds"], memory=facts["memory"], cached=True
             )
     # long tasks first, so that no processor idles at the end; equal problems of two cases are solved once
-    pending = sorted((task for task in tasks if id(task) not in found), key=lambda task: -task.weight)
-    unique = {hashes.get(id(task), str(id(task))): task for task in reversed(pending)}
-    due = [task for task in pending if unique[hashes.get(id(task), str(id(task)))] is task]
+    due: dict[str, Task] = {}
+    for task in sorted(tasks, key=lambda task: -task.weight):
+        if hashes[id(task)] not in outcomes:
+            due.setdefault(hashes[id(task)], task)
     if progress is not None:
-        progress.started(due)
-    done: dict[str, Outcome] = {}
-    for task, outcome in executor(due):
-        key = hashes.get(id(task), str(id(task)))
-        done[key] = outcome
+        progress.started(list(due.values()))
+    for task, outcome in executor(list(due.values())):
+        key = hashes[id(task)]
+        outcomes[key] = outcome
         if task.level is not None and outcome.fields is not None:
             store.write(key, outcome.fields, {"seconds": outcome.seconds, "memory": outcome.memory, "task": task.label})
         if progress is not None:
             progress.finished(task, outcome)
-    rest = iter(tasks)
-    return [
-        Solved(
-            case=case,
-            outcomes=tuple(
-                (task, found.get(id(task)) or done[hashes.get(id(task), str(id(task)))])
-                for task in (next(rest) for _ in tasks_of(case))
-            ),
-        )
-        for case in cases
-    ]
+    answers = iter([(task, outcomes[hashes[id(task)]]) for task in tasks])
+    return [Solved(case=case, outcomes=tuple(islice(answers, len(tasks_of(case))))) for case in cases]
+
+
+def _key(task: Task) -> str:
+    """Name of a solution in the store; of a semi-analytical one, which is never stored, a name of its own."""
+    return str(id(task)) if task.level is None else content_hash(task.case, task.level, task.outer)
 
 
 # --- processes --------------------------------------------------------------------------------------------------------
@@ -175,9 +169,9 @@ class _Process:
 @contextmanager
 def _environment(threads: int) -> Iterator[None]:
     """Threads of the libraries in processes that are started inside: with one a core, more only wait for each other."""
-    wanted = {f"{pool}_NUM_THREADS": str(threads) for pool in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
-    before = {name: os.environ.get(name) for name in wanted}
-    os.environ.update(wanted)
+    variables = {f"{pool}_NUM_THREADS": str(threads) for pool in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
     try:
         yield
     finally:
@@ -223,54 +217,54 @@ def in_processes(
     try:
         while waiting or busy:
             while waiting and len(busy) < workers:
-                one = idle.pop() if idle else _start(threads, plugins)
-                one.task, one.since, one.peak = waiting.popleft(), time.monotonic(), 0
-                busy.append(one)
+                process = idle.pop() if idle else _start(threads, plugins)
+                process.task, process.since, process.peak = waiting.popleft(), time.monotonic(), 0
+                busy.append(process)
                 try:
-                    one.connection.send(one.task)
+                    process.connection.send(process.task)
                 except Exception as problem:  # noqa: BLE001 - whatever pickling a stranger's case raises
-                    busy.remove(one)
-                    one.end()
-                    yield one.task, Outcome(status="failed", reason=f"cannot be sent to a process: {problem}")
-            wait([one.connection for one in busy], timeout=_PERIOD)
-            for one in list(busy):
-                outcome = _look(one, limits)
+                    busy.remove(process)
+                    process.end()
+                    yield process.task, Outcome(status="failed", reason=f"cannot be sent to a process: {problem}")
+            wait([process.connection for process in busy], timeout=_PERIOD)
+            for process in list(busy):
+                outcome = _look(process, limits)
                 if outcome is None:
                     continue
-                busy.remove(one)
+                busy.remove(process)
                 if outcome.status == "done" and (outcome.memory or 0) < _RENEW:
-                    idle.append(one)
+                    idle.append(process)
                 else:
-                    one.end()
-                task = one.task
+                    process.end()
+                task = process.task
                 if task is not None:
                     yield task, outcome
     finally:
-        for one in (*busy, *idle):
-            one.end()
+        for process in (*busy, *idle):
+            process.end()
 
 
-def _look(one: _Process, limits: Limits) -> Outcome | None:
+def _look(process: _Process, limits: Limits) -> Outcome | None:
     """The outcome of what a process does, or None while it is within its limits and not done."""
-    elapsed = time.monotonic() - one.since
-    if one.connection.poll():
+    elapsed = time.monotonic() - process.since
+    if process.connection.poll():
         try:
-            outcome: Outcome = one.connection.recv()
+            outcome: Outcome = process.connection.recv()
         except (EOFError, OSError):
-            one.process.join(1.0)
-            return Outcome(status="failed", reason=f"process ended with {one.process.exitcode}", seconds=elapsed)
+            process.process.join(1.0)
+            return Outcome(status="failed", reason=f"process ended with {process.process.exitcode}", seconds=elapsed)
         except Exception as problem:  # noqa: BLE001 - an answer that cannot be read is a failed task
             return Outcome(status="failed", reason=f"answer cannot be read: {problem}", seconds=elapsed)
         if outcome.memory is not None and outcome.memory > limits.memory:
             reason = f"used {outcome.memory / 1e9:.2f} GB, more than {limits.memory / 1e9:.2f} GB"
             return replace(outcome, status="memory", reason=reason, fields=None)
         return outcome
-    resident = one.resident()
-    one.peak = max(one.peak, resident or 0)
+    resident = process.resident()
+    process.peak = max(process.peak, resident or 0)
     if resident is not None and resident > limits.memory:
         reason = f"ended at {resident / 1e9:.2f} GB, more than {limits.memory / 1e9:.2f} GB"
-        return Outcome(status="memory", reason=reason, seconds=elapsed, memory=one.peak)
+        return Outcome(status="memory", reason=reason, seconds=elapsed, memory=process.peak)
     if elapsed > limits.seconds:
         reason = f"not done within {limits.seconds:.0f} s"
-        return Outcome(status="time", reason=reason, seconds=elapsed, memory=one.peak or None)
+        return Outcome(status="time", reason=reason, seconds=elapsed, memory=process.peak or None)
     return None

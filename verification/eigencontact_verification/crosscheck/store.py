@@ -63,11 +63,11 @@ def _class_digest(kind: type[Case]) -> str:
                 digest.update(inspect.getsource(base).encode())
     for name in kind.code:
         module, _, path = name.partition(":")
-        part: Any = import_module(module)
+        component: Any = import_module(module)
         for attribute in path.split(".") if path else ():
-            part = inspect.getattr_static(part, attribute)
-        part = part.fget if isinstance(part, property) else part
-        digest.update(inspect.getsource(part).encode())
+            component = inspect.getattr_static(component, attribute)
+        component = component.fget if isinstance(component, property) else component
+        digest.update(inspect.getsource(component).encode())
     return digest.hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Parameters for a shape that nobody wrote a case for, and the symmetries it has, asked of the shape alone.
+"""Parameters and symmetries of a shape without a case in the table, found from the shape alone.
 
 A plugin may say with which parameters it is to be checked: a class attribute ``example``, a mapping of its fields.
 Without it, lengths are tried: the fields that have no default get lengths from a short ladder, in every order, until
@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from eigencontact import EigencontactError, make
 from eigencontact.core.places import place_field
 
-__all__ = ["example_of", "is_mirrored", "is_revolved", "point_inside", "text_digest"]
+__all__ = ["evenly", "example_of", "is_mirrored", "is_revolved", "point_inside", "symmetries_of", "text_digest"]
 
 FloatArray = NDArray[np.float64]
 
 _LENGTHS = (1.0, 0.4, 0.3, 0.6, 0.5)
 _SCALES = (1.0, 1e-6)
-_GOLDEN = 1.2207440846057596  # root of g^4 = g + 1
+_GOLDEN = 1.2207440846057596  # root of g^4 = g + 1: powers of 1/g fill the cube evenly
 
 
 def example_of(component: type, *, clearance: float = 0.75) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def _made(key: str, parameters: Mapping[str, Any]) -> Any:
 def _guesses(component: type) -> Iterator[dict[str, Any]]:
     """Parameters to try, in a fixed order."""
     hints, place = get_type_hints(component), place_field(component)
-    wanted: dict[str, int] = {}  # 0: a number, n: that many numbers
+    counts: dict[str, int] = {}  # 0: a number, n: that many numbers
     for item in fields(component):
         hint = hints.get(item.name)
         parts = get_args(hint) if get_origin(hint) is tuple else ()
@@ -85,18 +85,18 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
         if item.name == place or has_default:
             continue
         if hint is float:
-            wanted[item.name] = 0
-        elif parts and all(part is float for part in parts):
-            wanted[item.name] = len(parts)
+            counts[item.name] = 0
+        elif parts and all(kind is float for kind in parts):
+            counts[item.name] = len(parts)
         else:
             return
-    numbers = sum(max(1, count) for count in wanted.values())
+    numbers = sum(max(1, count) for count in counts.values())
     if numbers > len(_LENGTHS):
         return
     for scale in _SCALES:
         for order in permutations(_LENGTHS[: max(numbers, 3)], numbers):
             values, parameters = iter(order), {}
-            for name, count in wanted.items():
+            for name, count in counts.items():
                 taken = tuple(scale * next(values) for _ in range(max(1, count)))
                 parameters[name] = taken if count else taken[0]
             if place is not None:
@@ -104,11 +104,15 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
             yield parameters
 
 
+def evenly(count: int) -> FloatArray:
+    """Evenly spread points of the unit cube ``(count, 3)``, always the same ones."""
+    return np.asarray((np.arange(1, count + 1)[:, None] / _GOLDEN ** np.arange(1, 4) + 0.5) % 1.0)
+
+
 def _samples(shape: Any, count: int = 4096) -> FloatArray:
     """Evenly spread points of the bounds ``(count, 3)``, always the same ones."""
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
-    steps = np.arange(1, count + 1)[:, None] / _GOLDEN ** np.arange(1, 4)
-    return np.asarray(low + (high - low) * ((steps + 0.5) % 1.0))
+    return np.asarray(low + (high - low) * evenly(count))
 
 
 def point_inside(shape: Any) -> tuple[float, float, float] | None:
@@ -155,6 +159,15 @@ def is_revolved(shape: Any) -> bool:
         if np.mean(np.asarray(shape.contains(x, y, points[:, 2])) == inside) < 0.999:
             return False
     return True
+
+
+def symmetries_of(shape: Any) -> dict[str, Any]:
+    """Arguments of `inclusion_case` that follow from a shape alone: point inside, symmetry of revolution, planes."""
+    return {
+        "revolved": is_revolved(shape),
+        "mirrored": (is_mirrored(shape, 0), is_mirrored(shape, 1)),
+        "anchor": point_inside(shape),
+    }
 
 
 def text_digest(component: Any) -> str:

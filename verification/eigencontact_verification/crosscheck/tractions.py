@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity
+from eigencontact_verification.crosscheck.case import Fields, Level, Outer, Quantity
 from eigencontact_verification.crosscheck.lines import (
-    chosen,
+    FieldCase,
     growth_to,
     in_units,
     inner_lines,
@@ -31,7 +31,7 @@ _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
 _CODE = (
     *(f"{__name__}:RectangleCase.{name}" for name in ("traction", "model", "reference")),
-    *(f"eigencontact_verification.crosscheck.{name}" for name in ("lines:read_solid", "lines:chosen")),
+    *(f"eigencontact_verification.crosscheck.{name}" for name in ("lines:read_solid", "lines:chosen", "lines:columns")),
 )
 _MODULUS = 1.0
 #: Parts of every element of the coarse mesh at the three levels, and its elements from the rectangle outwards.
@@ -40,7 +40,7 @@ _OUTER_ELEMENTS = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RectangleCase(Case):
+class RectangleCase(FieldCase):
     """Uniform traction on the rectangle |x| <= a, |y| <= b.
 
     Truncation falls with the inverse of the reach R, and a body loaded by a force is in no equilibrium when its outer
@@ -59,17 +59,17 @@ class RectangleCase(Case):
 
     def model(self, level: Level, *, reach: float) -> Model:
         """Finite-element model of one level, its outer faces fixed at `reach`."""
-        given = self.parameters
-        a, b = given["half_widths"]
+        parameters = self.parameters
+        a, b = parameters["half_widths"]
         return Model(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             patches=(Patch(low=(-a, -b), high=(a, b), traction=self.traction),),
             reach=reach,
             symmetry=planes_of([TRACTIONS[self.subject]]),
-            fine=given["fine"],
-            growth=given["growth"],
-            refine=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            refine=parameters["refine"][level],
         )
 
     def reference(self, level: Level, outer: Outer) -> Fields:
@@ -82,12 +82,6 @@ class RectangleCase(Case):
             return values
         nearer = read_solid(solve(self.model(level, reach=reach / 2)), self.profiles)
         return {name: 3 * values[name] - 2 * nearer[name] for name in values}
-
-    def judged(self) -> Fields:
-        """Values of the closed forms."""
-        return {
-            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
-        }
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the closed forms at points ``(n, 3)``."""
@@ -106,16 +100,10 @@ class RectangleCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         a, b = self.parameters["half_widths"]
         what = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
         return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
-
-    def curve(self, profile: Profile) -> Curve:
-        """Closed forms on the line of a profile, closely."""
-        from eigencontact_verification.crosscheck.pictures.fields import curve
-
-        return curve(profile, self.field)
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Mesh and field of the coarse model (VTU, PNG)."""

@@ -8,18 +8,19 @@ pressures in its largest pressure p0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator, RectBivariateSpline
 
 from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error
+from eigencontact_verification.crosscheck.own_errors import from_coarser
 from eigencontact_verification.oracles.wear_rings import Contact, Rings, fret, slide
 
-__all__ = ["KEY", "WearCase", "wear_cases"]
+__all__ = ["KEY", "WearCase", "wear_case"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +35,8 @@ _RINGS, _STEPS = 40, 20
 _CELLS, _COARSER = 32, (16, 19)
 #: Part of π a⁴/(4R) that the first step of sliding rings wears.
 _FIRST_VOLUME = 1e-3
+#: Distance from an edge of the contact at which values are compared [a].
+_MARGIN = 0.1
 #: Directions of half a turn that the values of cells are the mean of.
 _DIRECTIONS = 8
 
@@ -84,22 +87,22 @@ class WearCase(Case):
 
     def reference(self, level: Level, outer: Outer) -> Fields:  # noqa: ARG002 - rings have no outer faces
         """Values by rings."""
-        given, fine = self.parameters, 2**level
+        parameters, fine = self.parameters, 2**level
         number = _RINGS * fine
-        edges = _RADIUS / number * np.arange(round(0.5 * given["reach"] * number) + 1)
+        edges = _RADIUS / number * np.arange(round(0.5 * parameters["reach"] * number) + 1)
         rings = self._rings(edges)
         gap = rings.middles**2 / (2.0 * _SPHERE)
-        if "volume" in given:
+        if "volume" in parameters:
             first = _FIRST_VOLUME * np.pi * _RADIUS**4 / (4.0 * _SPHERE)
             count = round(_STEPS * fine * np.log10(self.volume / first)) + 1
             *_, slid = slide(rings, gap, self.load, list(np.geomspace(first, self.volume, count)))
             return self._read(rings.middles, slid.contact, slid.depth)
         count = _STEPS * fine
-        load = self.load if given["kept"] == "load" else None
-        approach = _RADIUS**2 / _SPHERE if given["kept"] == "approach" else None
-        updates = [0.25, *[given["cycles"] / count] * count]  # the first quarter goes out from the middle
+        load = self.load if parameters["kept"] == "load" else None
+        approach = _RADIUS**2 / _SPHERE if parameters["kept"] == "approach" else None
+        updates = [0.25, *[parameters["cycles"] / count] * count]  # the first quarter goes out from the middle
         *_, fretted = fret(
-            rings, gap, updates, amplitude=given["amplitude"] * _RADIUS, friction=given["friction"],
+            rings, gap, updates, amplitude=parameters["amplitude"] * _RADIUS, friction=parameters["friction"],
             coefficient=self.coefficient, modulus_ratio=1.0, load=load, approach=approach,
         )  # fmt: skip
         return self._read(rings.middles, fretted.contact, fretted.depth)
@@ -120,8 +123,8 @@ class WearCase(Case):
         fields: Fields = {}
         for profile in self.profiles:
             name, unit = self._units[profile.name]
-            known = values[name] / unit
-            line = PchipInterpolator(np.concatenate([-r[2::-1], r]), np.concatenate([known[2::-1], known]))
+            scaled = values[name] / unit
+            line = PchipInterpolator(np.concatenate([-r[2::-1], r]), np.concatenate([scaled[2::-1], scaled]))
             fields[profile.name] = line(_RADIUS * profile.along)[:, None]
         return fields
 
@@ -134,15 +137,15 @@ class WearCase(Case):
         """Scene with so many cells to a contact radius; a row of them lies on the axis."""
         import eigencontact as ec
 
-        given, pitch = self.parameters, _RADIUS / cells
-        count = 2 * round(0.5 * given["reach"] * cells) + 1
-        constants = {"young_modulus": _YOUNG, "poisson_ratio": given["poisson_ratio"]}
+        parameters, pitch = self.parameters, _RADIUS / cells
+        count = 2 * round(0.5 * parameters["reach"] * cells) + 1
+        constants = {"young_modulus": _YOUNG, "poisson_ratio": parameters["poisson_ratio"]}
         body: dict[str, Any] = constants
-        if "layer" in given:
-            thickness, ratio = given["layer"]
+        if "layer" in parameters:
+            thickness, ratio = parameters["layer"]
             layer = {"thickness": thickness * _RADIUS, **constants, "young_modulus": ratio * _YOUNG}
             body = {"medium": {"type": "bonded-layers", "layers": [layer], "substrate": constants}}
-        tables = self._sliding() if "volume" in given else self._fretting()
+        tables = self._sliding() if "volume" in parameters else self._fretting()
         return ec.Scene(
             body1=body,
             body2={"rigid": True},
@@ -165,17 +168,17 @@ class WearCase(Case):
 
     def _fretting(self) -> dict[str, Any]:
         """To and fro from a middle position, the pressure not coupled to the shear."""
-        given = self.parameters
-        amplitude = given["amplitude"] * _RADIUS
-        pressed = {"normal_load": self.load} if given["kept"] == "load" else {"approach": _RADIUS**2 / _SPHERE}
+        parameters = self.parameters
+        amplitude = parameters["amplitude"] * _RADIUS
+        pressed = {"normal_load": self.load} if parameters["kept"] == "load" else {"approach": _RADIUS**2 / _SPHERE}
         return {
-            "friction": {"type": "coulomb", "coefficient": given["friction"]},
+            "friction": {"type": "coulomb", "coefficient": parameters["friction"]},
             "wear": {"type": "dissipated-energy", "coefficient": self.coefficient, "jump_error": 1e-3},
             "numerics": {"coupling": "none"},
             "steps": [
                 pressed,
                 {"shift_x": amplitude},
-                {"cycle": [{"shift_x": -amplitude}, {"shift_x": amplitude}], "repeat": given["cycles"]},
+                {"cycle": [{"shift_x": -amplitude}, {"shift_x": amplitude}], "repeat": parameters["cycles"]},
                 pressed,  # the pressure of the surface as the last cycle leaves it
             ],
         }
@@ -198,29 +201,41 @@ class WearCase(Case):
     def judged(self) -> Fields:
         """Values by the finest cells, with what the coarser ones say of their error."""
         fine, *coarser = (self.by_cells(cells) for cells in (self.cells, *self.coarser))
+        ratios = [self.cells / cells for cells in self.coarser]
         fields: Fields = dict(fine)
         for profile in self.profiles:
-            parts = [
-                np.abs(fine[profile.name] - values[profile.name]) / (self.cells / cells - 1.0)
-                for cells, values in zip(self.coarser, coarser, strict=True)
-            ]
-            fields[own_error(profile.name)] = np.maximum.reduce(parts)
+            values = [run[profile.name] for run in coarser]
+            fields[own_error(profile.name)] = from_coarser(fine[profile.name], values, ratios)
         return fields
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
         return f"{self.subject}: {self.title}, {nu}; {self.cells} cells to a contact radius"
 
 
-def _case(
-    name: str, title: str, pressed: ArrayLike, worn: ArrayLike, *, quick: bool = False, **parameters: Any
-) -> WearCase:
-    """Case whose pressure and depth are compared at these radii [a]."""
+def wear_case(
+    name: str, title: str, pressed: Mapping[str, Any], worn: Mapping[str, Any], *, quick: bool = False,
+    **parameters: Any,
+) -> WearCase:  # fmt: skip
+    """Case of one sphere.
 
-    def line(name: str, quantity: Any, r: ArrayLike, component: str, unit: str) -> Profile:
-        r = np.asarray(r, dtype=float)
+    Parameters
+    ----------
+    name, title : str
+        Of the case; description of the wear, for the figures.
+    pressed, worn : mapping
+        Arguments of `_radii`: radii at which the pressure and the worn depth are compared [a].
+    quick : bool
+        Whether the case belongs to the quick cross-check.
+    parameters
+        ``reach`` of the window, ``poisson_ratio`` (default 0.3), and either the worn ``volume`` of sliding, with
+        ``layer`` (thickness, ratio of moduli); or ``friction``, ``amplitude``, ``cycles``, ``wear`` and ``kept``
+        (``"load"`` or ``"approach"``) of fretting.
+    """
+
+    def line(name: str, quantity: Any, r: FloatArray, component: str, unit: str) -> Profile:
         points = np.stack([r, 0.0 * r, 0.0 * r], axis=1)
         return Profile(
             name=name, quantity=quantity, points=points, along=r, label="distance from the axis [a]",
@@ -228,8 +243,8 @@ def _case(
         )  # fmt: skip
 
     profiles = (
-        line("pressure", "stress", pressed, "s_zz", "p0"),
-        line("depth", "displacement", worn, "worn_depth", "a²/R"),
+        line("pressure", "stress", _radii(**pressed), "s_zz", "p0"),
+        line("depth", "displacement", _radii(**worn), "worn_depth", "a²/R"),
     )
     return WearCase(
         subject=KEY, name=name, title=title, quick=quick, profiles=profiles,
@@ -237,41 +252,14 @@ def _case(
     )  # fmt: skip
 
 
-def _beside(*edges: float, last: float, margin: float = 0.1) -> Sequence[float]:
-    """Radii up to the last one, away from edges, where the pressure of rings and of cells is rough."""
+def _radii(
+    last: float, *, edges: Sequence[float] = (), span: tuple[float, float, int] = (0.0, 0.0, 0),
+    more: Sequence[float] = (),
+) -> FloatArray:  # fmt: skip
+    """Radii to `last`, those of a second span, and single ones [a].
+
+    Those to `last` keep off the edges, where the pressure of rings and of cells is rough.
+    """
     r = np.linspace(0.0, last, round(last / 0.05) + 1)
-    return [float(one) for one in r if all(abs(one - edge) > margin for edge in edges)]
-
-
-def wear_cases() -> tuple[WearCase, ...]:
-    """All cases: sliding for a while and for long, on a layer, fretting with and without a stick disk."""
-    # ν = 0: slip along one direction is as along another; c/a = √(1 - u0/(μ d)) = √½ in partial slip
-    fretting: dict[str, Any] = {"poisson_ratio": 0.0, "friction": 0.5, "reach": 2.6, "cycles": 200}
-    partial: dict[str, Any] = {**fretting, "amplitude": 0.025, "wear": 0.004}
-    sticking = _beside(last=0.6)
-    slipping = [*sticking, *np.linspace(0.78, 0.94, 9), 1.15, 1.2]
-    return (
-        _case(
-            "sliding", "a sphere that slides wears", _beside(last=1.1), _beside(1.215, last=1.4), volume=1.0,
-            reach=3.0, quick=True,
-        ),
-        _case(
-            "sliding-far", "a sphere slides far", _beside(last=1.65), _beside(1.84, last=2.1), volume=10.0, reach=4.4
-        ),
-        _case(
-            "sliding-on-a-layer", "a sphere slides on a layer of 2 E", _beside(last=0.9),
-            _beside(1.12, last=1.3), volume=1.0, reach=3.0, layer=[1.0, 2.0],
-        ),
-        _case(
-            "fretting", "200 cycles of partial slip under a load", sticking, slipping, **partial, kept="load",
-            quick=True,
-        ),
-        _case(
-            "fretting-at-an-approach", "200 cycles of partial slip at an approach", sticking, slipping, **partial,
-            kept="approach",
-        ),
-        _case(
-            "fretting-gross-slip", "200 cycles of gross slip under a load", _beside(last=0.9),
-            _beside(1.14, last=1.2), **fretting, amplitude=0.1, wear=0.001, kept="load",
-        ),
-    )  # fmt: skip
+    clear = np.all(np.abs(r[:, None] - np.asarray(edges)) > _MARGIN, axis=1)
+    return np.concatenate([r[clear], np.linspace(*span), more])

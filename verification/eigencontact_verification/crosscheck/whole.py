@@ -79,7 +79,7 @@ def crosscheck(
     start = time.perf_counter()
     with Bar(show=show) as bar:
         solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=bar)
-    judged = tuple(judge(one, limit=limit) for one in solved)
+    judged = tuple(judge(solution, limit=limit) for solution in solved)
     notes = tuple(remarks(judged)) if remarks is not None else ()
     notes += tuple(_pictures(judged, folder / "fields")) if pictures else ()
     report = Report(
@@ -98,7 +98,7 @@ def crosscheck(
 def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
     """Write mesh and field of the first case of each kernel that draws some; say what was written, or why not."""
     seen = set()
-    for case in (found.case for found in judged):
+    for case in (judged_case.case for judged_case in judged):
         if case.subject in seen:
             continue
         try:
@@ -118,5 +118,7 @@ def _folder(case: Case, folder: Path) -> Path:
 
 def _drawn(judged: Sequence[JudgedCase], folder: Path) -> dict[str, tuple[Path, ...]]:
     """Pictures that are there, by key of the case; one that failed has not taken the others with it."""
-    files = {one.case.key: tuple(sorted(_folder(one.case, folder).glob("*.png"))) for one in judged}
-    return {key: found for key, found in files.items() if found}
+    files = {
+        judged_case.case.key: tuple(sorted(_folder(judged_case.case, folder).glob("*.png"))) for judged_case in judged
+    }
+    return {key: pictures for key, pictures in files.items() if pictures}

@@ -53,7 +53,7 @@ class Task:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
-    """What became of a task.
+    """Result of a task.
 
     Attributes
     ----------
@@ -81,8 +81,8 @@ class Outcome:
     @property
     def unknowns(self) -> int | None:
         """Number of unknowns of the largest system; None where the case does not tell."""
-        told = None if self.fields is None else self.fields.get(UNKNOWNS)
-        return None if told is None else int(told[0])
+        count = None if self.fields is None else self.fields.get(UNKNOWNS)
+        return None if count is None else int(count[0])
 
 
 def perform(task: Task) -> Outcome:
@@ -97,8 +97,8 @@ def perform(task: Task) -> Outcome:
         return {"seconds": time.perf_counter() - start, "memory": peak}
 
     try:
-        found = task.case.judged() if task.level is None else task.case.reference(task.level, task.outer)
-        fields = _checked(task.case, found)
+        answer = task.case.judged() if task.level is None else task.case.reference(task.level, task.outer)
+        fields = _checked(task.case, answer)
     except MemoryError:
         return Outcome(status="memory", reason="no memory left", **measured())
     except Exception as problem:  # noqa: BLE001 - a stranger's case may raise anything, and the cross-check goes on
@@ -109,23 +109,23 @@ def perform(task: Task) -> Outcome:
     return Outcome(status="done", fields=fields, **measured())
 
 
-def _checked(case: Case, found: Fields) -> Fields:
+def _checked(case: Case, answer: Fields) -> Fields:
     """Fields as the profiles ask for them."""
     fields: Fields = {}
     for profile in case.profiles:
-        if profile.name not in found:
-            raise ValueError(f"profile '{profile.name}' must be returned (got {sorted(found)}); add its values")
-        values = np.asarray(found[profile.name], dtype=float)
+        if profile.name not in answer:
+            raise ValueError(f"profile '{profile.name}' must be returned (got {sorted(answer)}); add its values")
+        values = np.asarray(answer[profile.name], dtype=float)
         expected = (len(profile.points), len(profile.components))
         if values.shape != expected:
             raise ValueError(
                 f"profile '{profile.name}' must be {expected} (got {values.shape}); one column a component"
             )
         fields[profile.name] = values
-        if own_error(profile.name) in found:
-            fields[own_error(profile.name)] = np.abs(found[own_error(profile.name)]).reshape(expected)
-    if UNKNOWNS in found:
-        fields[UNKNOWNS] = np.asarray(found[UNKNOWNS], dtype=float).reshape(1)
+        if own_error(profile.name) in answer:
+            fields[own_error(profile.name)] = np.abs(answer[own_error(profile.name)]).reshape(expected)
+    if UNKNOWNS in answer:
+        fields[UNKNOWNS] = np.asarray(answer[UNKNOWNS], dtype=float).reshape(1)
     return fields
 
 

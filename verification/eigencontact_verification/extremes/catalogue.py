@@ -11,20 +11,9 @@ __all__ = ["KEYS", "chosen"]
 
 #: Names of the modules in `features`, each with a `FEATURE`.
 KEYS = (
-    "poisson",
-    "stiffness",
-    "aspects",
-    "depths",
-    "loads",
-    "friction",
-    "scales",
-    "grids",
-    "precision",
-    "layers",
-    "softening",
-    "wear",
-    "refusals",
-)
+    "poisson", "stiffness", "aspects", "depths", "loads", "friction", "scales", "grids", "precision", "layers",
+    "softening", "wear", "refusals",
+)  # fmt: skip
 
 
 def chosen(keys: tuple[str, ...] = KEYS) -> tuple[Feature, ...]:

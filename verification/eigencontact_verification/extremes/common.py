@@ -9,13 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.oracles.dense import compliance_matrix, solve_contact
+from eigencontact_verification.oracles.eshelby import dilatational_ball_displacement, dilatational_ball_stress
 
-__all__ = ["MODULUS", "NU", "RADIUS", "apart", "ball", "dense_error", "hertz_load", "off", "run", "steel"]
+__all__ = [
+    "CONTACT", "MODULUS", "NU", "RADIUS", "apart", "ball", "coated", "dense_error", "hertz_load", "hot_ball", "off",
+    "run", "steel",
+]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
 
 #: Contact modulus E* [Pa], Poisson's ratio and radius of the ball [m] where a corner does not change them.
 MODULUS, NU, RADIUS = 1e11, 0.3, 1e-3
+#: Contact radius [m] of the ball likewise.
+CONTACT = 1e-5
 
 
 def steel(nu: float = NU, modulus: float = MODULUS) -> dict[str, Any]:
@@ -23,12 +29,19 @@ def steel(nu: float = NU, modulus: float = MODULUS) -> dict[str, Any]:
     return {"young-modulus": modulus * (1.0 - nu * nu), "poisson-ratio": nu}
 
 
-def hertz_load(contact: float, radius: float = RADIUS, modulus: float = MODULUS) -> float:
+def coated(*layers: dict[str, Any], substrate: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Body of bonded layers on steel, or on another substrate."""
+    return {"medium": {"type": "bonded-layers", "layers": list(layers), "substrate": substrate or steel()}}
+
+
+def hertz_load(contact: float = CONTACT, radius: float = RADIUS, modulus: float = MODULUS) -> float:
     """Load [N] under which a rigid ball has this contact radius [m]."""
     return 4.0 * modulus * contact**3 / (3.0 * radius)
 
 
-def ball(contact: float = 1e-5, *, cells: int = 16, size: float = 2.6, body: Any = None, **more: Any) -> dict[str, Any]:
+def ball(
+    contact: float = CONTACT, *, cells: int = 16, size: float = 2.6, body: Any = None, **more: Any
+) -> dict[str, Any]:
     """A rigid ball with this contact radius [m] on a window of `size` contact radii."""
     return {
         "body1": steel() if body is None else body,
@@ -58,13 +71,29 @@ def off(found: Any, expected: Any) -> float:
     return abs(float(found) / float(expected) - 1.0)
 
 
+def hot_ball(depth: float, points: ArrayLike, nu: float, quantity: str) -> tuple[FloatArray, FloatArray]:
+    """Field of a dilated ball of radius 1 and depth of its centre, at points (n, 3), and Davies's closed form.
+
+    Parameters
+    ----------
+    quantity : str
+        ``"displacement"`` or ``"stress"``; shear modulus 1, eigenstrain 1e-3.
+    """
+    import eigencontact as ec
+
+    points = np.asarray(points, dtype=float)
+    shape = ec.make("sphere", center=(0.0, 0.0, depth), radius=1.0)
+    constants: Any = {"young_modulus": 2.0 * (1.0 + nu), "poisson_ratio": nu, "quantity": quantity}
+    found = ec.inclusion_field(shape, 1e-3 * np.eye(3), points, **constants)
+    closed = dilatational_ball_displacement if quantity == "displacement" else dilatational_ball_stress
+    return np.asarray(found), np.asarray(closed(points, (0.0, 0.0, depth), 1.0, 1e-3, nu))
+
+
 def dense_error(
     cells: tuple[int, int],
     edges: tuple[float, float],
     approach: float,
-    *,
     radii: tuple[float, float] = (RADIUS, RADIUS),
-    precision: str = "double",
 ) -> float:
     """Error of the pressure of a paraboloid that is pressed by an approach, against dense linear algebra.
 
@@ -81,7 +110,7 @@ def dense_error(
         "geometry": {"type": "ellipsoid", "radius-x": rx, "radius-y": ry},
         "grid": {"cells": [nx, ny], "size": [nx * dx, ny * dy]},
         "steps": {"approach": approach},
-        "numerics": {"tolerance": 1e-9, "allow-contact-at-edge": True, "allow-coarse": True, "precision": precision},
+        "numerics": {"tolerance": 1e-9, "allow-contact-at-edge": True, "allow-coarse": True},
         "output": {"pictures": False},
     }
     found = run(scene).dataset["pressure"].values[-1]

@@ -1,39 +1,63 @@
-"""What a feature declares: corners of the parameter space, each with an error against a reference and its bound."""
+"""Features and their corners of the parameter space, each with an error against a reference and its bound."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
-__all__ = ["Corner", "Feature", "refusal"]
+__all__ = ["Corner", "Feature", "family", "refusal"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Corner:
-    """One point of the parameter space.
+    """One point of the parameter space."""
+
+    name: str  #: the parameter and its value: ``"ν = 1/2"``
+    #: Computes the answer there and returns its largest error against the reference, relative to the answer's size [-].
+    error: Callable[[], float]
+    bound: float  #: largest error that holds
+    reason: str  #: origin of the bound
+    quick: bool = False  #: whether the quick campaign has it; such a corner takes a tenth of a second or so
+    refused: str = ""  #: words of the refusal that is the right answer there; empty where an answer is due
+
+
+def family(
+    name: str, error: Callable[..., float], values: Iterable[Any] | Mapping[Any, Any], *,
+    bound: float | Callable[..., float], reason: str, quick: bool | Collection[Any] = (),
+) -> list[Corner]:  # fmt: skip
+    """Corners of one error at several values.
 
     Parameters
     ----------
     name : str
-        The parameter and its value: ``"ν = 1/2"``.
+        Format of the names.
     error : callable
-        Computes the answer there and its largest error against the reference, as a part of the answer's own size [-].
-    bound : float
-        Largest error that is right.
+        Error of the values; see `Corner`.
+    values : iterable or mapping
+        Arguments of `error`, a tuple or a single one; a mapping has them by the values of the name.
+    bound : float or callable
+        Bound of all, or bound of the arguments.
     reason : str
-        Why the bound is what it is.
-    quick : bool
-        Whether the quick campaign has it; such a corner takes a tenth of a second or so.
-    refused : str
-        Words of the refusal that is the right answer there; empty where an answer is due.
+        See `Corner`.
+    quick : bool or collection
+        Whether all are quick, or the arguments of those that are.
     """
-
-    name: str
-    error: Callable[[], float]
-    bound: float
-    reason: str
-    quick: bool = False
-    refused: str = ""
+    pairs = values.items() if isinstance(values, Mapping) else ((value, value) for value in values)
+    corners = []
+    for words, given in pairs:
+        several = given if isinstance(given, tuple) else (given,)
+        corners.append(
+            Corner(
+                name=name.format(*(words if isinstance(words, tuple) else (words,))),
+                error=partial(error, *several),
+                bound=bound(*several) if callable(bound) else bound,
+                reason=reason,
+                quick=quick if isinstance(quick, bool) else given in quick,
+            )
+        )
+    return corners
 
 
 def refusal(name: str, call: Callable[[], object], words: str, *, quick: bool = False) -> Corner:
@@ -49,20 +73,9 @@ def refusal(name: str, call: Callable[[], object], words: str, *, quick: bool = 
 
 @dataclass(frozen=True, kw_only=True)
 class Feature:
-    """Corners of one kind.
+    """Corners of one kind."""
 
-    Parameters
-    ----------
-    key : str
-        Name on the command line.
-    title : str
-        What is taken to its extremes.
-    reference : str
-        What the answers are compared with, in a sentence.
-    corners : tuple of Corner
-    """
-
-    key: str
-    title: str
-    reference: str
+    key: str  #: name on the command line
+    title: str  #: the parameters
+    reference: str  #: closed forms, methods or invariants that the answers are compared with
     corners: tuple[Corner, ...]

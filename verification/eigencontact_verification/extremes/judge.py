@@ -10,41 +10,29 @@ from time import perf_counter
 from eigencontact.errors import EigencontactError
 from eigencontact_verification.extremes.feature import Corner, Feature
 
-__all__ = ["Found", "FoundFeature", "judge", "run"]
+__all__ = ["CornerVerdict", "FeatureVerdict", "Verdict", "judge", "run"]
 
 # A refusal longer than this is no clear message [characters].
 _LONGEST = 400
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
-    """What one corner gave.
-
-    Attributes
-    ----------
-    corner : Corner
-    word : "holds", "refused" or "fails"
-    error : float or None
-        Largest error; None where there was no answer.
-    message : str
-        Of a refusal, or why the corner fails.
-    seconds : float
-        Wall time.
-    """
+class CornerVerdict:
+    """Verdict on one corner."""
 
     corner: Corner
-    word: str
-    error: float | None
-    message: str
-    seconds: float
+    word: str  #: "holds", "refused" or "fails"
+    error: float | None  #: largest error; None where there was no answer
+    message: str  #: text of a refusal, or reason of a failure
+    seconds: float  #: wall time [s]
 
 
 @dataclass(frozen=True, kw_only=True)
-class FoundFeature:
-    """What the corners of one feature gave."""
+class FeatureVerdict:
+    """Verdicts on the corners of one feature."""
 
     feature: Feature
-    corners: tuple[Found, ...]
+    corners: tuple[CornerVerdict, ...]
 
     @property
     def word(self) -> str:
@@ -52,7 +40,7 @@ class FoundFeature:
         return "fails" if any(found.word == "fails" for found in self.corners) else "holds"
 
     @property
-    def worst(self) -> Found | None:
+    def worst(self) -> CornerVerdict | None:
         """Corner whose error is the largest part of its bound; None where no corner answered."""
         answered = [found for found in self.corners if found.error is not None and not found.corner.refused]
         return max(answered, key=_share, default=None)
@@ -63,12 +51,12 @@ class FoundFeature:
         return sum(found.seconds for found in self.corners)
 
 
-def _share(found: Found) -> float:
+def _share(found: CornerVerdict) -> float:
     error = float("inf") if found.error is None or not isfinite(found.error) else found.error
     return error / found.corner.bound
 
 
-def judge(corner: Corner) -> Found:
+def judge(corner: Corner) -> CornerVerdict:
     """Compute one corner.
 
     Any exception that is not one of eigencontact's own is a fault, and so is a refusal that was not declared, a message
@@ -84,7 +72,7 @@ def judge(corner: Corner) -> Found:
         word, message = "fails", f"{type(problem).__name__}: {problem}"
     else:
         word, message = _answered(corner, error)
-    return Found(corner=corner, word=word, error=error, message=message, seconds=perf_counter() - began)
+    return CornerVerdict(corner=corner, word=word, error=error, message=message, seconds=perf_counter() - began)
 
 
 def _refused(corner: Corner, message: str) -> tuple[str, str]:
@@ -107,21 +95,21 @@ def _answered(corner: Corner, error: float) -> tuple[str, str]:
     return "holds", ""
 
 
-def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[tuple[Feature, Found | FoundFeature]]:
-    """Judge all corners; yields each as it is found, and each feature after its corners.
+#: A feature with the verdict on one of its corners, or on all of them.
+Verdict = tuple[Feature, CornerVerdict | FeatureVerdict]
 
-    Parameters
-    ----------
-    features : sequence of Feature
-    quick : bool
-        Only quick corners; a feature without any is left out.
+
+def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[Verdict]:
+    """Judge all corners, or only quick ones; yields each verdict, and each feature after its corners.
+
+    A feature without quick corners is left out of the quick run.
     """
     for feature in features:
         corners = [corner for corner in feature.corners if corner.quick or not quick]
         if not corners:
             continue
-        found = []
+        verdicts = []
         for corner in corners:
-            found.append(judge(corner))
-            yield feature, found[-1]
-        yield feature, FoundFeature(feature=feature, corners=tuple(found))
+            verdicts.append(judge(corner))
+            yield feature, verdicts[-1]
+        yield feature, FeatureVerdict(feature=feature, corners=tuple(verdicts))

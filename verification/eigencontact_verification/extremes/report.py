@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.extremes.judge import Found, FoundFeature
+from eigencontact_verification.extremes.judge import CornerVerdict, FeatureVerdict
 from eigencontact_verification.reporting.files import write_report_files
 from eigencontact_verification.reporting.page import html_page, html_table, markdown_table, measured
 
@@ -30,20 +30,13 @@ _CORNER_HEAD = ("corner", "error", "bound", "why this bound", "verdict")
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a campaign found.
+    """Verdicts on all features."""
 
-    Attributes
-    ----------
-    features : tuple of FoundFeature
-    quick : bool
-        Whether only quick corners were computed.
-    """
-
-    features: tuple[FoundFeature, ...]
-    quick: bool = False
+    features: tuple[FeatureVerdict, ...]
+    quick: bool = False  #: whether only quick corners were computed
 
     @property
-    def faults(self) -> tuple[tuple[str, Found], ...]:
+    def faults(self) -> tuple[tuple[str, CornerVerdict], ...]:
         """Corners that fail, with the key of their feature."""
         return tuple((one.feature.key, c) for one in self.features for c in one.corners if c.word == "fails")
 
@@ -87,7 +80,7 @@ class Report:
         }
 
 
-def _corner_data(found: Found) -> dict[str, Any]:
+def _corner_data(found: CornerVerdict) -> dict[str, Any]:
     corner = found.corner
     return {
         "corner": corner.name,
@@ -112,7 +105,7 @@ def _rows(report: Report) -> Iterator[tuple[str, ...]]:
         yield one.feature.key, str(len(one.corners)), *told, str(refused), one.word
 
 
-def _corner_rows(one: FoundFeature) -> Iterator[tuple[str, ...]]:
+def _corner_rows(one: FeatureVerdict) -> Iterator[tuple[str, ...]]:
     for found in one.corners:
         error = "–" if found.error is None or found.corner.refused else f"{found.error:.1e}"
         bound = "–" if found.corner.refused else f"{found.corner.bound:.1e}"
@@ -124,10 +117,10 @@ def table(report: Report) -> Table:
     """One row a feature, for a terminal."""
     from rich.table import Table
 
-    found = Table(*_HEAD, box=None, pad_edge=False)
+    rows = Table(*_HEAD, box=None, pad_edge=False)
     for row in _rows(report):
-        found.add_row(*row, style="bold red" if row[-1] == "fails" else None)
-    return found
+        rows.add_row(*row, style="bold red" if row[-1] == "fails" else None)
+    return rows
 
 
 def as_markdown(report: Report) -> str:

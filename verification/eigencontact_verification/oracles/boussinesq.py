@@ -33,7 +33,7 @@ __all__ = ["point_force", "rectangle"]
 
 FloatArray = NDArray[np.float64]
 
-_GAUSS = 16
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _PANEL = 2.0
 _FLAT = 1e-18
 
@@ -160,18 +160,16 @@ def _pieces(box: Box, z: float) -> Iterator[Box]:
 def _panels(start: float, stop: float) -> tuple[FloatArray, FloatArray]:
     """Composite Gauss rule on panels no longer than `_PANEL`."""
     count = max(1, int(np.ceil((stop - start) / _PANEL)))
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
     edges = np.linspace(start, stop, count + 1)
     half = 0.5 * (stop - start) / count
     middles = 0.5 * (edges[1:] + edges[:-1])
-    return (middles[:, None] + half * nodes).ravel(), np.tile(half * weights, count)
+    return (middles[:, None] + half * _NODES).ravel(), np.tile(half * _WEIGHTS, count)
 
 
 def _gauss_box(load: str, box: Box, z: float, nu: float) -> FloatArray:
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
     x, y, a, b = box
-    values = point_force(load, (x - a * nodes)[:, None], (y - b * nodes)[None, :], np.array(z), nu)
-    return np.asarray(np.einsum("cij,i,j->c", values, a * weights, b * weights))
+    values = point_force(load, (x - a * _NODES)[:, None], (y - b * _NODES)[None, :], np.array(z), nu)
+    return np.asarray(np.einsum("cij,i,j->c", values, a * _WEIGHTS, b * _WEIGHTS))
 
 
 def _triangles(load: str, box: Box, z: float, nu: float) -> FloatArray:

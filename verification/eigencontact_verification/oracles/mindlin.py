@@ -43,7 +43,13 @@ def kelvin(x: Any, y: Any, z: Any, nu: Any) -> NDArray[Any]:
     R = np.sqrt(x * x + y * y + z * z)
     offset = (x, y, z)
     cube = R * R * R
-    return np.array([[(3 - 4 * nu) / R * (i == j) + offset[i] * offset[j] / cube for j in range(3)] for i in range(3)])
+    diagonal = (3 - 4 * nu) / R
+    out = np.empty((3, 3, *np.shape(diagonal)), dtype=np.result_type(diagonal, 1.0))
+    for i in range(3):
+        for j in range(i + 1):
+            out[i, j] = out[j, i] = offset[i] * offset[j] / cube
+        out[i, i] += diagonal
+    return out
 
 
 def image(X: Any, Y: Any, Z: Any, z: Any, nu: Any) -> NDArray[Any]:

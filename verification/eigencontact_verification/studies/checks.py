@@ -1,4 +1,4 @@
-"""What a study says that its trend must show, and whether the numbers show it."""
+"""Checks of a study: statements on its trend, and whether the numbers satisfy them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,11 @@ __all__ = ["Verdict", "verdicts"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """A check and its outcome.
+    """A check and its outcome."""
 
-    Attributes
-    ----------
-    check : str
-        In words.
-    holds : bool
-        Whether the numbers show it.
-    found : str
-        The numbers.
-    """
-
-    check: str
-    holds: bool
-    found: str
+    check: str  #: statement in words
+    holds: bool  #: whether the numbers satisfy it
+    found: str  #: the numbers in words
 
 
 def verdicts(study: Study, found: Sequence[Finished]) -> list[Verdict]:

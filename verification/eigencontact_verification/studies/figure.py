@@ -13,7 +13,7 @@ from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import source_in_words
-from eigencontact_verification.studies.study import Finished, Study, formatted, number_of, plain
+from eigencontact_verification.studies.study import Finished, Study, formatted, label_of, levels_of, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,21 +26,15 @@ _NAMED = {"black": "black", "grey": "0.5"}
 
 
 def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
-    """Figure of all variants, with its source below.
-
-    Parameters
-    ----------
-    study : Study
-        Whose panels are drawn.
-    found : sequence of Finished
-        Its variants.
-    """
+    """Figure of all variants, with its source below."""
     panels = [one for panel in study.figure["panel"] for one in _each(study, panel, found)]
     if not panels:
         raise SceneError(f"{study.name}: no panel has anything to show")
     first = len(_each(study, study.figure["panel"][0], found))
     told = study.figure.get("columns", first if first > 1 else 4)
-    columns = min(len(panels), len(_levels(found, told)) if isinstance(told, str) else int(told))
+    columns = min(
+        len(panels), len(levels_of((one.values for one in found), told)) if isinstance(told, str) else int(told)
+    )
     rows = -(-len(panels) // columns)
     width, height = study.figure.get("size", (3.4 * columns + 1.4, 2.9 * rows))
     figure = new_figure(float(width), float(height))
@@ -76,25 +70,17 @@ def _each(
         return [(panel, chosen, title)]
     if each == "variant":
         return [(panel, [one], _filled(title or "{label}", one)) for one in chosen]
-    return [(panel, group, _filled(title, group[0]) if title else f"{_label(study, each)} = {plain(level)}")
-            for level in _levels(chosen, each)
-            for group in [[one for one in chosen if one.values.get(each) == level]]]  # fmt: skip
+    panels, label = [], label_of(study.parameters, each)
+    for level in levels_of((variant.values for variant in chosen), each):
+        group = [variant for variant in chosen if variant.values.get(each) == level]
+        panels.append((panel, group, _filled(title, group[0]) if title else f"{label} = {plain(level)}"))
+    return panels
 
 
 def _only(table: Mapping[str, Any], found: Sequence[Finished]) -> list[Finished]:
     if "only" not in table:
         return list(found)
     return [one for one in found if bool(evaluate(str(table["only"]), one.context, "only"))]
-
-
-def _levels(found: Sequence[Finished], name: str) -> list[Any]:
-    """Values of a parameter that occur, in order."""
-    levels = list(dict.fromkeys(one.values[name] for one in found if name in one.values))
-    return sorted(levels, key=number_of) if all(isinstance(number_of(one), int | float) for one in levels) else levels
-
-
-def _label(study: Study, name: str) -> str:
-    return next((one.label for one in study.parameters if one.name == name), name)
 
 
 def _filled(text: str, one: Finished) -> str:
@@ -115,7 +101,7 @@ def _draw_curve(
         return
     chosen = _only(curve, panel)
     by, dash = curve.get("by"), curve.get("dash-by")
-    colours, dashes = (_levels(found, name) if name else [] for name in (by, dash))
+    colours, dashes = (levels_of((one.values for one in found), name) if name else [] for name in (by, dash))
     points: dict[Any, list[tuple[float, float, Finished]]] = {}
     for number, one in enumerate(chosen):
         x, y = (_of(one, str(curve[axis]), study) for axis in "xy")
@@ -129,7 +115,7 @@ def _draw_curve(
         x, y = np.broadcast_arrays(np.asarray(x), np.asarray(y))
         axes.plot(x, y, _style(curve, dash_at), color=_colour(curve, at, n), label=label)
     for (colour_at, dash_at), group in points.items():
-        words = f"{_label(study, by)} = {plain(group[0][2].values[by])}" if by else ""
+        words = f"{label_of(study.parameters, by)} = {plain(group[0][2].values[by])}" if by else ""
         label = _filled(str(curve["label"]), group[0][2]) if "label" in curve else words
         across, up = [one[0] for one in group], [one[1] for one in group]
         axes.plot(across, up, _style(curve, dash_at, "o-"), color=_colour(curve, colour_at, n), label=label or None)
@@ -158,7 +144,7 @@ def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, one: Finished) ->
     first = panel["curve"][0] if panel["curve"] else panel.get("map", {})
     for axis in "xy":
         plain = str(first.get(axis, ""))
-        told = panel.get(f"{axis}-label", _label(study, plain) if plain in one.values else plain)
+        told = panel.get(f"{axis}-label", label_of(study.parameters, plain) if plain in one.values else plain)
         getattr(axes, f"set_{axis}label")(subscripts(str(told)))
         if f"{axis}-limits" in panel:
             getattr(axes, f"set_{axis}lim")(*panel[f"{axis}-limits"])

@@ -1,13 +1,13 @@
-"""What the file of a study may hold, key by key, and the refusal of everything else."""
+"""Keys of the file of a study, and the refusal of all others."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from eigencontact.errors import SceneError, nearest, shown
 
-__all__ = ["FORM", "checked"]
+__all__ = ["FORM", "as_tables", "checked", "one_of"]
 
 #: Keys of each table, and what they mean; `eigencontact study --form` prints them.
 FORM: dict[str, dict[str, str]] = {
@@ -129,3 +129,22 @@ def checked(
     if missing:
         raise SceneError(f"{told} must have {missing[0]}: {known[missing[0]]}")
     return table
+
+
+def as_tables(given: Any) -> list[Any]:
+    """Tables of an array, or the one table."""
+    return list(given) if isinstance(given, list) else [given]
+
+
+def one_of(value: Any, choices: Collection[str], place: str, *, rule: str = "") -> str:
+    """Return a value that is one of several.
+
+    Raises
+    ------
+    SceneError
+        Another value, with the nearest choice.
+    """
+    if value not in choices:
+        rule = rule or f"one of {', '.join(choices)}"
+        raise SceneError(f"{place} must be {rule} (got {shown(value)}){nearest(str(value), choices)}")
+    return str(value)

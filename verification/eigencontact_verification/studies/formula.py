@@ -135,37 +135,20 @@ def _middle_plane(value: xr.DataArray) -> xr.DataArray:
 
 @dataclass(frozen=True)
 class Context:
-    """What the names of a formula stand for.
+    """Meaning of the names in a formula."""
 
-    Attributes
-    ----------
-    names : mapping
-        Constants, parameters and readings.
-    dataset : xarray.Dataset, optional
-        Results of a variant; a bare name is the value at the end.
-    """
-
-    names: Mapping[str, Value]
-    dataset: xr.Dataset | None = None
+    names: Mapping[str, Value]  #: constants, parameters and readings
+    dataset: xr.Dataset | None = None  #: results of a variant; a bare name is the value at the end
     at: Any = field(default=-1)
 
 
 def evaluate(text: str, context: Context, told: str = "formula") -> Value:
-    """Value of a formula.
-
-    Parameters
-    ----------
-    text : str
-        The formula.
-    context : Context
-        Its names.
-    told : str
-        Where it stands, for messages.
+    """Value of a formula; `told` is its place, for messages.
 
     Raises
     ------
     SceneError
-        A formula that cannot be read, or a name that stands for nothing; with the nearest.
+        A formula that cannot be read, or an unknown name, with the nearest.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Running a study by the machinery of sweeps: what is finished is kept, what fails is told and stops nothing."""
+"""Runs of a study by the machinery of sweeps: finished variants are kept, a failure stops no other variant."""
 
 from __future__ import annotations
 
@@ -57,25 +57,16 @@ def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
 def run_study(
     study: Study, folder: Path, *, coarse: bool = False, workers: int = 1, cluster: Cluster | None = None
 ) -> Iterator[Finished | Failed]:
-    """Run the variants, each into a folder of its own; finished ones are read again, not run again.
+    """Run the variants, each into a folder of its own, as they finish; finished ones are read again, not run again.
 
     Parameters
     ----------
-    study : Study
-        What is asked.
     folder : Path
-        Each study has a folder in it, and each variant one in that.
+        Has a folder of each study, with a folder of each variant.
     coarse : bool
         Fewer variants and cells, for a first look.
-    workers : int
-        Processes that share the variants.
-    cluster : Cluster, optional
-        Who runs them instead.
-
-    Yields
-    ------
-    Finished or Failed
-        In the order in which they are finished.
+    workers, cluster : int, Cluster
+        Number of processes at a time, or the cluster that runs the variants instead.
     """
     from dataclasses import replace
 

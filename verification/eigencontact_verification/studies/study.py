@@ -1,8 +1,8 @@
-"""A study: a scene and what is varied of it, what is read off each variant, a figure, and where it was published."""
+"""A study: a scene, parameters that vary, numbers of each variant, a figure, and the publication of the trend."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.units import NUMBER
-from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.errors import SceneError, shown
 from eigencontact_verification.reporting.bundled import read_toml
-from eigencontact_verification.studies.form import checked
+from eigencontact_verification.studies.form import as_tables, checked, one_of
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.template import changed, filled
 
@@ -21,76 +21,55 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from eigencontact.scene.schema import Scene
-    from eigencontact.sweeps.axes import Axis
 
-__all__ = ["Finished", "Parameter", "Study", "formatted", "number_of", "plain", "read_study", "study_of"]
+__all__ = [
+    "Finished",
+    "Parameter",
+    "Study",
+    "formatted",
+    "label_of",
+    "levels_of",
+    "number_of",
+    "plain",
+    "read_study",
+    "study_of",
+]
 
 Values = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a study varies: a name in formulas, and where its values go by themselves, if anywhere."""
+    """A parameter that varies."""
 
-    name: str
-    key: str = ""
+    name: str  #: name in formulas
+    key: str = ""  #: dotted key of the scene that takes its values; empty where only formulas use them
     label: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """A question asked of several variants of a scene.
+    """A scene, its variants, numbers and figure; see the tables of `eigencontact_verification.studies.form.FORM`."""
 
-    Attributes
-    ----------
-    name : str
-        What is typed.
-    title, trend : str
-        What is varied and looked at; what is known of the outcome.
-    sources : sequence of mapping
-        Where the trend was published.
-    scene_tables : mapping
-        Scene, with formulas.
-    constants, coarse_constants : mapping
-        Numbers by name; those of a first look.
-    parameters : sequence of Parameter
-        What is varied.
-    rows, coarse_rows : sequence of mapping
-        Values of the parameters of each variant, in the order of the figure.
-    changes, coarse_changes : mapping
-        What is put at keys of the scene.
-    cases : sequence of mapping
-        Changes for some variants.
-    label : str
-        Text of a variant.
-    readings : mapping of str to (str, str, str)
-        Name in formulas, formula, and condition of each number.
-    figure : mapping
-        ``size``, ``columns``, ``legend`` and ``panel``.
-    checks : sequence of mapping
-        What the trend must show.
-    folder : Path, optional
-        Where the files that the scene names lie.
-    """
-
-    name: str
-    title: str
-    trend: str = ""
-    sources: Sequence[Mapping[str, Any]] = ()
-    scene_tables: Mapping[str, Any]
-    constants: Values
-    coarse_constants: Values
+    name: str  #: name on the command line
+    title: str  #: the question
+    trend: str = ""  #: known outcome, and its limits
+    sources: Sequence[Mapping[str, Any]] = ()  #: publications of the trend
+    scene_tables: Mapping[str, Any]  #: scene, with formulas
+    constants: Values  #: numbers by name
+    coarse_constants: Values  #: those of a first look
     parameters: Sequence[Parameter]
-    rows: Sequence[Values]
-    coarse_rows: Sequence[Values]
-    changes: Mapping[str, Any] = field(default_factory=dict)
-    coarse_changes: Mapping[str, Any] = field(default_factory=dict)
-    cases: Sequence[Mapping[str, Any]] = ()
-    label: str = ""
+    rows: Sequence[Values]  #: values of the parameters of each variant, in the order of the figure
+    coarse_rows: Sequence[Values]  #: those of a first look
+    changes: Mapping[str, Any] = field(default_factory=dict)  #: values at keys of the scene
+    coarse_changes: Mapping[str, Any] = field(default_factory=dict)  #: those of a first look
+    cases: Sequence[Mapping[str, Any]] = ()  #: changes for some variants
+    label: str = ""  #: text of a variant
+    #: Name in formulas, formula, and condition of each number.
     readings: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
-    figure: Mapping[str, Any] = field(default_factory=dict)
-    checks: Sequence[Mapping[str, Any]] = ()
-    folder: Path | None = None
+    figure: Mapping[str, Any] = field(default_factory=dict)  #: ``size``, ``columns``, ``legend`` and ``panel``
+    checks: Sequence[Mapping[str, Any]] = ()  #: statements that the trend must satisfy
+    folder: Path | None = None  #: folder of the files that the scene names
 
     def names(self, values: Values, *, coarse: bool) -> dict[str, Any]:
         """Constants, and parameters of a variant."""
@@ -130,44 +109,18 @@ class Study:
             found[label] = names[symbol] = number
         return found
 
-    def axes(self, *, coarse: bool) -> list[Axis]:
-        """Parameters as a sweep has them."""
-        from eigencontact.sweeps.axes import Axis
-
-        rows = self.coarse_rows if coarse else self.rows
-        return [Axis(one.key or one.name, tuple(dict.fromkeys(row.get(one.name) for row in rows)))
-                for one in self.parameters]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Finished:
-    """A variant with its results.
-
-    Attributes
-    ----------
-    label : str
-        Of the variant.
-    values : mapping
-        Its parameters.
-    dataset : xarray.Dataset
-        Its results.
-    row : mapping
-        Numbers read off them, by name.
-    names : mapping
-        What formulas may use: constants, parameters, numbers.
-    place : int
-        Its number in the order of the study.
-    warnings : sequence of mapping
-        As in ``summary.json``: what makes its numbers worth less than they look.
-    """
+    """A variant with its results."""
 
     label: str
-    values: Values
+    values: Values  #: its parameters
     dataset: xr.Dataset
-    row: Mapping[str, float]
-    names: Mapping[str, Any]
-    place: int = 0
-    warnings: Sequence[Mapping[str, Any]] = ()
+    row: Mapping[str, float]  #: numbers of the results, by name
+    names: Mapping[str, Any]  #: names of formulas: constants, parameters, numbers
+    place: int = 0  #: its number in the order of the study
+    warnings: Sequence[Mapping[str, Any]] = ()  #: warnings of the run, as in ``summary.json``
 
     @property
     def context(self) -> Context:
@@ -176,19 +129,12 @@ class Finished:
 
 
 def read_study(path: Path, text: str | None = None) -> Study:
-    """Study of a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-        Its file; the name of the study is that of the file.
-    text : str, optional
-        Its contents, where they have been read.
+    """Read the study of a TOML file, or of its text; its name is that of the file.
 
     Raises
     ------
     SceneError
-        What is wrong with it, by key.
+        A faulty key, with its rule.
     """
     given = read_toml(path, text, "study")
     return study_of(given, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
@@ -199,23 +145,19 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
 
     Parameters
     ----------
-    given : mapping
-        The tables.
-    name : str
-        Of the study.
     beside : Path
         Folder of scenes that it names.
     folder : Path, optional
-        Where the files that the scene names lie.
+        Folder of the files that the scene names.
 
     Raises
     ------
     SceneError
-        What is wrong with it, by key.
+        A faulty key, with its rule.
     """
     table = checked(given, "study", f"study {name}", needs=("title", "scene", "vary"))
     coarse = checked(table.get("coarse", {}), "coarse", "coarse")
-    groups = _tables(table["vary"])
+    groups = as_tables(table["vary"])
     parameters: dict[str, Parameter] = {}
     constants = _numbers(table.get("constants", {}))
     blocks = [_block(group, parameters, constants) for group in groups]
@@ -226,7 +168,7 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
         name=name,
         title=str(table["title"]),
         trend=" ".join(str(table.get("trend", "")).split()),
-        sources=[checked(one, "source", "source") for one in _tables(table.get("source", []))],
+        sources=[checked(one, "source", "source") for one in as_tables(table.get("source", []))],
         scene_tables=_scene(table["scene"], beside),
         constants=constants,
         coarse_constants=coarser,
@@ -235,24 +177,20 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
         coarse_rows=[row for block in few for row in block],
         changes=table.get("set", {}),
         coarse_changes=coarse.get("set", {}),
-        cases=[checked(one, "when", "when", needs=("if",)) for one in _tables(table.get("when", []))],
+        cases=[checked(one, "when", "when", needs=("if",)) for one in as_tables(table.get("when", []))],
         label=str(table.get("label", "")),
         readings=_readings(table.get("read", {})),
         figure=_figure(table),
-        checks=[checked(one, "check", "check", needs=("number", "is")) for one in _tables(table.get("check", []))],
+        checks=[checked(one, "check", "check", needs=("number", "is")) for one in as_tables(table.get("check", []))],
         folder=folder,
     )
-
-
-def _tables(given: Any) -> list[Any]:
-    return list(given) if isinstance(given, list) else [given]
 
 
 def _fewer(coarse: Mapping[str, Any], count: int) -> list[Mapping[str, Any] | None]:
     """Changes of each product of values for a first look; None leaves it out."""
     if "vary" not in coarse:
         return [{}] * count
-    given = _tables(coarse["vary"])
+    given = as_tables(coarse["vary"])
     return [*given, *[None] * (count - len(given))]
 
 
@@ -305,18 +243,27 @@ def _readings(given: Any) -> dict[str, tuple[str, str, str]]:
 def _figure(table: Mapping[str, Any]) -> dict[str, Any]:
     figure = dict(checked(table.get("figure", {}), "figure", "figure"))
     panels = []
-    for n, given in enumerate(_tables(table.get("panel", []))):
+    for n, given in enumerate(as_tables(table.get("panel", []))):
         panel = dict(checked(given, "panel", f"panel {n}"))
-        curves = _tables(panel.get("curve", []))
+        curves = as_tables(panel.get("curve", []))
         panel["curve"] = [checked(one, "curve", f"panel {n}, curve", needs=("x", "y")) for one in curves]
         if "map" in panel:
             panel["map"] = checked(panel["map"], "map", f"panel {n}, map", needs=("x", "y", "z"))
         panels.append(panel)
-    legend, places = figure.get("legend", "right"), ("right", "above", "none")
-    if legend not in places:
-        near = nearest(str(legend), places)
-        raise SceneError(f"figure.legend must be one of {', '.join(places)} (got {shown(legend)}){near}")
+    one_of(figure.get("legend", "right"), ("right", "above", "none"), "figure.legend")
     return {**figure, "panel": panels}
+
+
+def label_of(parameters: Iterable[Parameter], name: str) -> str:
+    """Label of a parameter, or the name where there is no such parameter."""
+    return next((parameter.label for parameter in parameters if parameter.name == name), name)
+
+
+def levels_of(rows: Iterable[Values], name: str) -> list[Any]:
+    """Values of a parameter in several rows, each once; sorted where all are numbers."""
+    levels = list(dict.fromkeys(row[name] for row in rows if name in row))
+    numbers = all(isinstance(number_of(level), int | float) for level in levels)
+    return sorted(levels, key=number_of) if numbers else levels
 
 
 def formatted(label: str, values: Values) -> str:

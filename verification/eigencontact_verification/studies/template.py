@@ -26,17 +26,10 @@ def changed(tables: Mapping[str, Any], put: Mapping[str, Any], without: Sequence
 
 
 def filled(value: Any, context: Context, told: str) -> Any:
-    """Tables with their formulas computed.
+    """Tables with their formulas computed; `told` is their place, for messages.
 
-    Parameters
-    ----------
-    value : tables, arrays, texts, numbers
-        A text that begins with "=" is a formula. An entry of an array with a table ``each`` of one name and its values
-        stands for an entry for each value, in which the formulas may use the name.
-    context : Context
-        Names of the formulas.
-    told : str
-        Where it stands, for messages.
+    A text that begins with "=" is a formula. An entry of an array with a table ``each`` of one name and its values
+    stands for an entry for each value, in which the formulas may use the name.
 
     Examples
     --------

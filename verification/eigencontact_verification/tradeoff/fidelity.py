@@ -1,4 +1,4 @@
-"""What a scene can be solved more cheaply by: one entry for each fidelity, with everything that is known of it."""
+"""Fidelities: settings of a scene that trade accuracy for time or memory, one entry each."""
 
 from __future__ import annotations
 
@@ -17,38 +17,19 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fidelity:
-    """One setting that costs accuracy or time.
+    """One setting that costs accuracy or time."""
 
-    Attributes
-    ----------
-    key : str
-        What it goes by; that of the scene where it is a setting of one table.
-    has : callable
-        Whether it makes a difference in the scene of a plan.
-    others : callable
-        Values worth comparing with that of the scene.
-    finest : callable
-        Value of the reference; None where the scene has it.
-    table : str
-        Table of the scene that the setting stands in.
-    unit : str
-        Of its value.
-    changes : callable, optional
-        Changes of the scene by a value, where it is not one setting.
-    seen : callable, optional
-        What of a plan it changes: where this is as in the scene there is nothing to solve.
-    keeps_window : bool
-        Whether the window must be that of the scene, as an automatic one would follow the change.
-    """
-
-    key: str
-    has: Callable[[Plan], bool]
-    others: Callable[[Plan], Sequence[Any]]
-    finest: Callable[[Plan], Any]
-    table: str = "numerics"
-    unit: str = ""
+    key: str  #: its name; the key of the scene where it is one setting
+    has: Callable[[Plan], bool]  #: whether it makes a difference in the scene of a plan
+    others: Callable[[Plan], Sequence[Any]]  #: values to compare with that of the scene
+    finest: Callable[[Plan], Any]  #: value of the reference; None where the scene has it
+    table: str = "numerics"  #: table of the scene that the setting stands in
+    unit: str = ""  #: unit of its value
+    #: Changes of the scene by a value, where it is not one setting.
     changes: Callable[[Plan, Any], Changes] | None = None
+    #: Part of a plan that it changes: where this is as in the scene there is nothing to solve.
     seen: Callable[[Plan], object] | None = None
+    #: Whether the window must be that of the scene, as an automatic one would follow the change.
     keeps_window: bool = False
 
     def of(self, plan: Plan, value: Any) -> Changes:
@@ -73,21 +54,21 @@ def _above(value: float | None, *others: float) -> list[float]:
 
 
 def _foreign(plan: Plan) -> bool:
-    return bool(plan.inhomogeneities)
+    return bool(plan.model.cells.inhomogeneities)
 
 
 def _flows(plan: Plan) -> bool:
     """Whether a law remembers what it went through."""
-    return any(law.variables for law in plan.laws)
+    return any(law.variables for law in plan.model.laws)
 
 
 def _cut(plan: Plan) -> list[Any]:
     """Sources in cells."""
-    return [source for source in plan.sources if source.lattice is not None]
+    return [source for source in plan.model.sources if source.lattice is not None]
 
 
 def _lattices(plan: Plan) -> list[Any]:
-    return [source.lattice for source in plan.sources]
+    return [source.lattice for source in plan.model.sources]
 
 
 def _cut_apart(plan: Plan) -> bool:
@@ -111,17 +92,19 @@ def _height(plan: Plan) -> float:
 
 def _treated(plan: Plan) -> bool:
     """Whether the treatment of the half-space can be chosen: an inhomogeneity and a periodic contact take one alone."""
-    return bool(plan.sources) and not _foreign(plan) and not plan.periodic and plan.numerics.half_space in _SPACES
+    model = plan.model
+    free = bool(model.sources) and not _foreign(plan) and not model.periodic
+    return free and model.numerics.half_space in _SPACES
 
 
 def _repeats(plan: Plan) -> bool:
     """Whether cycles that wear are left out."""
-    return plan.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
+    return plan.model.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
 
 
 def _worn_layers(plan: Plan) -> bool:
-    wear = plan.scene.wear
-    return wear is not None and any(getattr(plan.bodies[body - 1], "interfaces", ()) for body in wear.parts)
+    solids = plan.model.bodies.solids
+    return any(getattr(solids[body - 1], "interfaces", ()) for body in plan.scene.losses)
 
 
 def _clouds(plan: Plan) -> bool:
@@ -131,8 +114,8 @@ def _clouds(plan: Plan) -> bool:
     from eigencontact.halfspace.cloud import is_large
     from eigencontact.model.regions import region_lattice
 
-    whole = len(plan.sources) - len(_cut(plan))
-    points = [prod(region_lattice(request, plan.grid).shape) for request in plan.requests]
+    whole = len(plan.model.sources) - len(_cut(plan))
+    points = [prod(region_lattice(request, plan.grid).shape) for request in plan.model.cells.requests]
     return whole > 0 and is_large(whole, max([plan.grid.nx * plan.grid.ny, *points]), 1e-6)
 
 
@@ -145,7 +128,7 @@ def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
     from eigencontact.plugin import LayeredMedium
 
     found = []
-    for number, body in enumerate(plan.bodies, 1):
+    for number, body in enumerate(plan.model.bodies.solids, 1):
         if not isinstance(body, LayeredMedium) or not body.interfaces:
             continue
         tops, bottoms = (0.0, *body.interfaces), body.interfaces
@@ -191,27 +174,27 @@ _COUPLINGS = ("full", "one-way", "partial", "none")
 FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="precision",
-        has=lambda plan: (bool(plan.geometries) or bool(_cut(plan))) and plan.numerics.precision != "single",
+        has=lambda plan: (bool(plan.scene.geometry) or bool(_cut(plan))) and plan.numerics.precision != "single",
         others=_but("precision", ("double", "auto", "single")),
         finest=lambda _: "double",
         seen=_precisions,
     ),
     Fidelity(
         key="tolerance",
-        has=lambda plan: (bool(plan.geometries) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
+        has=lambda plan: (bool(plan.scene.geometry) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
         others=lambda plan: _above(plan.numerics.tolerance, 1e-4, 1e-2),
         finest=lambda plan: max(0.1 * plan.numerics.tolerance, min(1e-10, plan.numerics.tolerance)),
     ),
     Fidelity(
         key="coupling",
-        has=lambda plan: plan.friction is not None,
+        has=lambda plan: plan.scene.friction is not None,
         others=_but("coupling", _COUPLINGS),
         finest=lambda _: "full",
     ),
     Fidelity(key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"),
     Fidelity(
         key="layers",
-        has=lambda plan: bool(_uniform_layers(plan)) and not plan.periodic,
+        has=lambda plan: bool(_uniform_layers(plan)) and not plan.model.periodic,
         others=lambda _: ["cells"],
         finest=lambda _: None,
         changes=_in_cells,

@@ -1,4 +1,4 @@
-"""Marks and numbers of a study's picture: what stands where, and which number belongs to which mark."""
+"""Marks of a study's picture, and the places of their numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _DIGIT, _HEIGHT = 2.4, 3.5
 
 
 def look(key: str) -> tuple[str, str]:
-    """Colour and symbol of what is varied."""
+    """Colour and symbol of a key."""
     if key in ("scene", "reference"):
         return "black", "*"
     number = KEYS.index(key)

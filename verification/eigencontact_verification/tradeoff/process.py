@@ -1,71 +1,86 @@
-"""Solve one variant in a fresh process: a first call, and a peak of memory of its own."""
+"""One variant in a fresh process: the parent limits its time, the child solves and leaves two files."""
 
 from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Solved", "solve_fresh"]
+from eigencontact_verification.reporting.process import answer_of
+
+__all__ = ["FIELDS", "Solved", "main", "solve", "solve_fresh"]
+
+#: Fields of the surface that are compared.
+FIELDS = (
+    "pressure", "shear_x", "shear_y", "residual_displacement_x", "residual_displacement_y", "residual_displacement_z",
+    "worn_depth",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solved:
-    """What came back.
+    """Answer of the child."""
 
-    Attributes
-    ----------
-    status : str
-        ``"ok"``, ``"failed"``, ``"slow"`` or ``"refused"`` (not started).
-    reason : str
-        Why not ok, in words.
-    numbers : dict
-        See `eigencontact_verification.tradeoff.worker.solve`.
-    fields : dict of arrays
-        ``x``, ``y`` and surface fields ``(step, y, x)``, SI units.
-    """
-
-    status: str
-    reason: str = ""
-    numbers: dict[str, Any] = field(default_factory=dict)
+    status: str  #: ``"ok"``, ``"failed"``, ``"slow"`` or ``"refused"`` (not started)
+    reason: str = ""  #: why not ok, in words
+    numbers: dict[str, Any] = field(default_factory=dict)  #: see `solve`
+    #: ``x``, ``y`` and surface fields ``(step, y, x)``, SI units.
     fields: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 def solve_fresh(tables: Mapping[str, Any], limit: float) -> Solved:
-    """Solve the tables of a scene; never raises for what the child does.
-
-    Parameters
-    ----------
-    tables : mapping
-        Scene, plain data.
-    limit : float
-        Wall time after which the process is ended [s].
-    """
+    """Solve the tables of a scene within a wall time [s]; never raises for a failure of the child."""
     with TemporaryDirectory() as folder:
         task, answer, fields = (Path(folder) / name for name in ("scene.json", "answer.json", "fields.npz"))
         task.write_text(json.dumps(tables), encoding="utf-8")
-        module = "eigencontact_verification.tradeoff.worker"
-        command = [sys.executable, "-m", module, str(task), str(answer), str(fields)]
-        environment = {**os.environ, "EIGENCONTACT_CACHE": "off"}  # or what was solved before would look quicker
-        try:
-            done = subprocess.run(command, timeout=limit, capture_output=True, text=True, check=False, env=environment)
-        except subprocess.TimeoutExpired:
-            return Solved(status="slow", reason=f"not done within {limit:.0f} s")
-        if not answer.exists():
-            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-            return Solved(status="failed", reason=f"process ended with {done.returncode}: {last}")
-        found = json.loads(answer.read_text(encoding="utf-8"))
-        if found["status"] != "ok":
-            return Solved(status=found["status"], reason=found["reason"])
+        command = [sys.executable, "-m", __name__, str(task), str(answer), str(fields)]
+        environment = {**os.environ, "EIGENCONTACT_CACHE": "off"}  # a variant must not be quicker by tables of another
+        numbers = answer_of(command, answer, limit, environment)
+        if numbers["status"] != "ok":
+            return Solved(status=numbers["status"], reason=numbers["reason"])
         with np.load(fields) as stored:
             arrays = {name: stored[name] for name in stored.files}
-        return Solved(status="ok", numbers=found, fields=arrays)
+        return Solved(status="ok", numbers=numbers, fields=arrays)
+
+
+def solve(tables: dict[str, Any], fields: Path) -> dict[str, Any]:
+    """Solve a scene; its fields go to an ``.npz`` file, everything else is returned as plain data."""
+    from eigencontact import app
+
+    began = perf_counter()
+    try:
+        planned = app.plan(tables)
+        result = app.run(planned)
+    except Exception as problem:  # noqa: BLE001 - any fault of one variant is a line of the table
+        return {"status": "failed", "reason": f"{type(problem).__name__}: {' '.join(str(problem).split())}"}
+    whole, dataset = perf_counter() - began, result.dataset
+    arrays: dict[str, Any] = {name: dataset[name].to_numpy() for name in ("time", "x", "y", *FIELDS) if name in dataset}
+    np.savez(fields, **arrays)
+    summary = result.summary
+    return {
+        "status": "ok",
+        "cells": [planned.grid.nx, planned.grid.ny],
+        "seconds": summary["compute_seconds"],
+        "whole_seconds": whole,
+        "peak_bytes": summary["peak_memory_bytes"],
+        "history": summary["history"],
+    }
+
+
+def main(task: str, answer: str, fields: str) -> None:
+    """Read the tables of a scene from the file `task` (JSON), write the solution to `answer` and `fields`."""
+    tables = json.loads(Path(task).read_text(encoding="utf-8"))
+    Path(answer).write_text(json.dumps(solve(tables, Path(fields))), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

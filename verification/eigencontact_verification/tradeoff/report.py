@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from eigencontact_verification.reporting.page import markdown_table
@@ -90,16 +90,15 @@ def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:
 
 
 def plan_table(predictions: Sequence[Prediction]) -> Table:
-    """What would be solved, with the planner's time and memory."""
+    """Variants with the planner's time and memory."""
     from rich.markup import escape
     from rich.table import Table
 
     head = ("", "varied", "variant", "cells", "time [s]", "memory [MB]", "refused")
     table = Table(*map(escape, head), box=None, pad_edge=False)
     for k, one in enumerate(predictions):
-        cells = "–" if one.cells is None else f"{one.cells[0]} x {one.cells[1]}"
-        numbers = (_number(one.seconds, ".2g"), _number(one.memory, ".0f", 1e-6))
-        table.add_row(str(k), one.variant.key, one.variant.words, cells, *numbers, escape(one.reason))
+        numbers = (_cells(one.cells), _number(one.seconds, ".2g"), _number(one.memory, ".0f", 1e-6))
+        table.add_row(str(k), one.variant.key, one.variant.words, *numbers, escape(one.reason))
     return table
 
 
@@ -120,53 +119,39 @@ def plan_data(predictions: Sequence[Prediction]) -> list[dict[str, Any]]:
 
 def remarks(study: Study) -> list[str]:
     """Where the scene stands, what was not solved and why, and whether the reference is another."""
-    lines = [study.note] if study.note else []
-    return (
-        lines
-        + standing(study)
-        + [
-            f"{k} ({row.variant.words}) {row.status}: {row.reason}"
-            for k, row in enumerate(study.rows)
-            if row.status != "ok"
-        ]
-    )
+    unsolved = [(k, row) for k, row in enumerate(study.rows) if row.status != "ok"]
+    lines = [f"{k} ({row.variant.words}) {row.status}: {row.reason}" for k, row in unsolved]
+    return [*([study.note] if study.note else []), *standing(study), *lines]
 
 
 def _lines(study: Study, *, brief: bool = False) -> tuple[list[str], list[list[str]]]:
     """Titles and cells."""
+    error, prices = f"error: {study.headline}", ["time [s]", "memory [MB]", "front"]
     if brief:
-        head = ["", "variant", f"error: {study.headline}", "time [s]", "memory [MB]", "front"]
-        return head, [[str(k), row.variant.words, _error(row), *_prices(row)] for k, row in enumerate(study.rows)]
+        lines = [[str(k), row.variant.words, _error(row), *_prices(row)] for k, row in enumerate(study.rows)]
+        return ["", "variant", error, *prices], lines
     names = [name for name in _COLUMNS if name != study.headline and any(name in row.errors for row in study.rows)]
-    head = ["", "varied", "variant", "cells", f"error: {study.headline}", *names]
-    head += ["time [s]", "memory [MB]", "front", "predicted [s]", "[MB]"]
+    head = ["", "varied", "variant", "cells", error, *names, *prices, "predicted [s]", "[MB]"]
     lines = []
     for k, row in enumerate(study.rows):
+        varied = [row.variant.key, row.variant.words, _cells(row.cells or row.prediction.cells)]
         others = [_number(row.errors.get(name), ".1e") for name in names]
-        lines.append([str(k), *_cells(row), _error(row), *others, *_prices(row), *_predicted(row)])
+        predicted = [_number(row.prediction.seconds, ".2g"), _number(row.prediction.memory, ".0f", 1e-6)]
+        lines.append([str(k), *varied, _error(row), *others, *_prices(row), *predicted])
     return head, lines
 
 
-def _cells(row: Row) -> Iterator[str]:
-    yield row.variant.key
-    yield row.variant.words
-    cells = row.cells or row.prediction.cells
-    yield "–" if cells is None else f"{cells[0]} x {cells[1]}"
+def _cells(cells: tuple[int, int] | None) -> str:
+    return "–" if cells is None else f"{cells[0]} x {cells[1]}"
 
 
 def _error(row: Row) -> str:
     return _number(row.error, ".2e") if row.status == "ok" else row.status
 
 
-def _prices(row: Row) -> Iterator[str]:
-    yield _number(row.seconds, ".3g")
-    yield _number(row.memory, ".0f", 1e-6)
-    yield "".join(word[0].upper() for word in row.fronts)
-
-
-def _predicted(row: Row) -> Iterator[str]:
-    yield _number(row.prediction.seconds, ".2g")
-    yield _number(row.prediction.memory, ".0f", 1e-6)
+def _prices(row: Row) -> list[str]:
+    front = "".join(price[0].upper() for price in row.fronts)
+    return [_number(row.seconds, ".3g"), _number(row.memory, ".0f", 1e-6), front]
 
 
 def _number(value: float | None, form: str, scale: float = 1.0) -> str:

@@ -20,7 +20,7 @@ _SAME = 1.02
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """What the planner says of a variant; ``reason`` is why it refuses it."""
+    """Prediction of the planner for a variant; ``reason`` is that of its refusal."""
 
     variant: Variant
     cells: tuple[int, int] | None = None
@@ -49,28 +49,18 @@ class Row:
 
     @property
     def variant(self) -> Variant:
-        """What was solved."""
+        """The variant."""
         return self.prediction.variant
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Rows of a study; the first one is the reference.
+    """Rows of a study; the first one is the reference."""
 
-    Attributes
-    ----------
-    name : str
-        Of the scene.
-    headline : str
-        Which error the rows are compared by.
-    note : str
-        What a reader must know: the reference could not be solved and another stands in for it.
-    """
-
-    name: str
-    headline: str
+    name: str  #: name of the scene
+    headline: str  #: name of the error by which the rows are compared
     rows: tuple[Row, ...]
-    note: str = ""
+    note: str = ""  #: says where the reference could not be solved and another row stands in for it
 
 
 def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
@@ -113,22 +103,18 @@ def study(
 
     Parameters
     ----------
-    name : str
-        Of the scene.
     resolved : mapping
-        Its tables.
+        Tables of the scene.
     predictions : sequence of Prediction
         The first is the reference.
-    limit : float
-        Time of one variant [s]; one that the planner predicts above it is not started.
-    memory : float
-        Memory of one variant [bytes]; one that the planner predicts above it is not started.
+    limit, memory : float
+        Time [s] and memory [byte] of one variant; one that the planner predicts above them does not start.
     repeat : int
         Processes for each variant: the median of their times, the largest of their peaks.
     solve : callable
         Tables and limit to `Solved`; by default in a fresh process.
     told : callable
-        Told what is solved next.
+        Called before each variant, with its words.
 
     Raises
     ------
@@ -140,35 +126,28 @@ def study(
     rows: list[Row] = []
     for prediction in predictions:
         if reason := _refused(prediction, limit, memory):
-            solved.append(Solved(status="refused", reason=reason))
-            rows.append(Row(prediction=prediction, status="refused", reason=reason))
-            continue
-        told(f"{prediction.variant.key}: {prediction.variant.words}")
-        tables = tables_of(resolved, prediction.variant)
-        laps = [solve(tables, limit) for _ in range(repeat)]
-        bad = next((lap for lap in laps if lap.status != "ok"), None)
-        solved.append(bad or laps[0])
-        rows.append(_row(prediction, bad, laps))
+            laps = [Solved(status="refused", reason=reason)]
+        else:
+            told(f"{prediction.variant.key}: {prediction.variant.words}")
+            tables = tables_of(resolved, prediction.variant)
+            laps = [solve(tables, limit) for _ in range(repeat)]
+        solved.append(next((lap for lap in laps if lap.status != "ok"), laps[0]))
+        rows.append(_row(prediction, solved[-1], laps))
     best, note = _reference(rows)
     reference = solved[best]
-    judged = []
-    for k, (row, one) in enumerate(zip(rows, solved, strict=True)):
-        if one.status != "ok" or k == best:
-            judged.append(row)
-            continue
-        found = errors(one.numbers, one.fields, reference.numbers, reference.fields)
-        judged.append(replace(row, errors=found))
-    common = [row.errors for row in judged if row.errors]
-    headline = next((word for word in HEADLINES if any(word in found for found in common)), HEADLINES[0])
-    judged = [replace(row, error=row.errors.get(headline)) for row in judged]
-    marks = fronts(judged)
-    judged = [replace(row, fronts=mark) for row, mark in zip(judged, marks, strict=True)]
+    for k, answer in enumerate(solved):
+        if answer.status == "ok" and k != best:
+            differences = errors(answer.numbers, answer.fields, reference.numbers, reference.fields)
+            rows[k] = replace(rows[k], errors=differences)
+    headline = next((name for name in HEADLINES if any(name in row.errors for row in rows)), HEADLINES[0])
+    judged = [replace(row, error=row.errors.get(headline)) for row in rows]
+    judged = [replace(row, fronts=mark) for row, mark in zip(judged, fronts(judged), strict=True)]
     judged.insert(0, judged.pop(best))
     return Study(name=name, headline=headline, rows=tuple(judged), note=note)
 
 
 def standing(study: Study) -> list[str]:
-    """Where the scene as it stands is on each front, or what is as accurate at a lower price."""
+    """Place of the scene as it stands on each front, or the variant that is as accurate at a lower price."""
     scene = next((row for row in study.rows if row.variant.key == "scene" and row.error is not None), None)
     if scene is None:
         return []
@@ -221,9 +200,9 @@ def _refused(prediction: Prediction, limit: float, memory: float) -> str:
     return ""
 
 
-def _row(prediction: Prediction, bad: Solved | None, laps: Sequence[Solved]) -> Row:
-    if bad is not None:
-        return Row(prediction=prediction, status=bad.status, reason=bad.reason)
+def _row(prediction: Prediction, answer: Solved, laps: Sequence[Solved]) -> Row:
+    if answer.status != "ok":
+        return Row(prediction=prediction, status=answer.status, reason=answer.reason)
     nx, ny = laps[0].numbers["cells"]
     return Row(
         prediction=prediction,

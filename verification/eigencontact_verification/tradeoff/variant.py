@@ -1,4 +1,4 @@
-"""Which fidelities of a scene are worth comparing: this follows from what the scene holds.
+"""Variants of a scene: its grid and the fidelities that make a difference in it.
 
 One setting is changed at a time against the scene as it stands; the reference has the finest of each.
 """
@@ -16,47 +16,28 @@ if TYPE_CHECKING:
 
 __all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "tables_of", "variants"]
 
-#: What can be varied, in the order of the table.
+#: Keys of all variations, in the order of the table.
 KEYS = ("grid", *(one.key for one in FIDELITIES))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fidelities:
-    """How far to vary.
+    """Extent of the variation."""
 
-    Attributes
-    ----------
-    coarser : tuple of float
-        Factors on the number of cells each way, below `base`.
-    base, reference : float
-        Factors of the variants that change something else, and of the reference.
-    """
-
-    coarser: tuple[float, ...] = (0.25, 0.5)
-    base: float = 1.0
-    reference: float = 2.0
+    coarser: tuple[float, ...] = (0.25, 0.5)  #: factors on the number of cells each way, below `base`
+    base: float = 1.0  #: factor of the variants that change something else
+    reference: float = 2.0  #: factor of the reference
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variant:
-    """One fidelity of a scene.
+    """One fidelity of a scene."""
 
-    Attributes
-    ----------
-    key : str
-        What is changed, one of `KEYS`; ``"scene"`` and ``"reference"`` for the two that others are compared with.
-    words : str
-        Its value in words.
-    changes : mapping
-        Tables of the scene by name, with the values that change.
-    fidelity : Fidelity, optional
-        What is changed, where it is not the grid.
-    """
-
+    #: Key of the change, one of `KEYS`; ``"scene"`` and ``"reference"`` for the two that others are compared with.
     key: str
-    words: str
-    changes: Changes = field(default_factory=dict)
-    fidelity: Fidelity | None = None
+    words: str  #: its value in words
+    changes: Changes = field(default_factory=dict)  #: tables of the scene by name, with the values that change
+    fidelity: Fidelity | None = None  #: changed setting, where it is not the grid
 
 
 def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
@@ -73,22 +54,12 @@ def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
 
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
-    """What can be varied in a scene."""
+    """Keys that can vary in a scene."""
     return ("grid", *(one.key for one in FIDELITIES if one.has(plan)))
 
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
-    """Reference, scene as it stands (at the factor `base`), then one change at a time.
-
-    Parameters
-    ----------
-    plan : Plan
-        Of the scene as it stands.
-    fidelities : Fidelities
-        How far to vary.
-    only : sequence of str
-        Keys to vary, of `keys_of`; by default all.
-    """
+    """Reference, scene as it stands (at the factor `base`), then one change at a time, of all keys or only of some."""
     base_grid, base_words = _grid(plan, fidelities.base)
     fine_grid, fine_words = _grid(plan, fidelities.reference)
     found = _grids(plan, fidelities) if not only or "grid" in only else []
@@ -125,7 +96,7 @@ def _grids(plan: Plan, fidelities: Fidelities) -> list[Variant]:
 def _grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
     """Table of a grid with so many times the cells each way, and its resolution in words."""
     spec = plan.scene.grid
-    if spec.automatic and plan.geometries:
+    if spec.automatic and plan.scene.geometry:
         cells = factor * spec.cells_per_contact_radius
         center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
@@ -14,11 +14,15 @@ from eigencontact.model.kernels import KernelUse
 from eigencontact.results.records import StepRecord
 
 if TYPE_CHECKING:
+    from eigencontact.core.cautions import Caution, LeftOut
     from eigencontact.execution.blocks.precision import Precision
+    from eigencontact.model.model import Model
 
 __all__ = ["Block", "Cost", "Part", "Run", "Running", "Stateless"]
 
 Started = TypeVar("Started")
+#: Scalars of every step, in order.
+History = Sequence[Mapping[str, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +154,22 @@ class Block(Part, ABC):
     def cycles_of(self, last: StepRecord) -> int:  # noqa: ARG002
         """Number of cycles that an accepted step stands for, itself included."""
         return 1
+
+    def facts(self, model: Model) -> list[str]:  # noqa: ARG002
+        """Lines for `explain` about the physics of the block; see `eigencontact.planning.explain.PlanWords.facts`."""
+        return []
+
+    def left_out(self, model: Model) -> list[LeftOut]:  # noqa: ARG002
+        """Effects that the physics of the block leaves out."""
+        return []
+
+    def foreseen(self, model: Model) -> Iterable[Caution]:  # noqa: ARG002
+        """Warnings that the plan shows."""
+        return ()
+
+    def noticed(self, model: Model, last: StepRecord, history: History) -> Iterable[Caution]:  # noqa: ARG002
+        """Warnings that results show: the last step, and the scalars of all steps."""
+        return ()
 
     @abstractmethod
     def start(self, run: Run) -> Running:

@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.block import Part
 from eigencontact.execution.blocks.increment import Increment
@@ -21,7 +19,6 @@ from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["COUPLING_RESIDUAL", "Contact", "ContactAnswer", "Fields", "normal_options", "scaled_forces"]
 
-FloatArray = NDArray[np.float64]
 Fields = Mapping[str, FloatArray]
 _Control = TypeVar("_Control", Control, TangentialControl)
 

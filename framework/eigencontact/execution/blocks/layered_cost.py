@@ -18,7 +18,7 @@ from eigencontact.core.tensors import COMPONENTS
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.halfspace.media import response_at_depths
 from eigencontact.model.kernels import Solid
-from eigencontact.model.model import Model
+from eigencontact.model.window import Window
 from eigencontact.plugin import LayeredMedium
 from eigencontact.scene.schema import Numerics
 
@@ -61,14 +61,17 @@ def layered_sampling_seconds(medium: LayeredMedium, *, periodic: bool) -> float:
     return _periodic_point(medium) if periodic else _STRESS_POINT
 
 
-def layered_surface_cost(model: Model, tractions: Iterable[str]) -> Cost:
-    """Tables of surface displacement of layered bodies, one of each influence, beyond those of homogeneous ones."""
-    shape, box = model.grid.shape, model.contact_box
-    lattice = (shape[0] + box[0]) * (shape[1] + box[1]) / (1 if model.periodic else 4)
+def layered_surface_cost(
+    solids: Iterable[Solid | None], window: Window, tractions: Iterable[str], *, periodic: bool
+) -> Cost:
+    """Tables of surface displacement of layered bodies, for tractions with a kernel each."""
+    shape, box = window.grid.shape, window.box
+    lattice = (shape[0] + box[0]) * (shape[1] + box[1]) / (1 if periodic else 4)
+    media = {body for body in solids if isinstance(body, LayeredMedium)}
     seconds, held = 0.0, 0.0
     for count in Counter(tractions).values():
-        for medium in {body for body in model.bodies if isinstance(body, LayeredMedium)}:
-            if model.periodic:
+        for medium in media:
+            if periodic:
                 seconds += count * lattice * _periodic_point(medium) / 3.0
             else:
                 seconds += _FIELD + _depth_seconds(medium) + count * (_TABLES * _TABLE + lattice * _POINT)

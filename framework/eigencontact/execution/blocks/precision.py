@@ -14,7 +14,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from eigencontact.convolution import Convolver, Layout
-from eigencontact.model.model import Model
 from eigencontact.model.sources import Lattice
 from eigencontact.scene.schema import Numerics
 
@@ -81,11 +80,14 @@ def settled(
     return numerics.model_copy(update={"precision": chosen}), (Precision(operator, chosen, expected, bound),)
 
 
-def contact_precision(model: Model) -> tuple[Numerics, tuple[Precision, ...]]:
-    """Of the contact: the compliance of a wave falls with its number, so that round-off grows with the cells across."""
-    across = max(model.contact_box)
-    share = INNER if model.inhomogeneities else 1.0
-    return settled(model.numerics, "contact", lambda: across * plane_round_off(), share=share)
+def contact_precision(
+    numerics: Numerics, box: tuple[int, int], *, coupled: bool
+) -> tuple[Numerics, tuple[Precision, ...]]:
+    """Precision of a contact on a box of cells; `coupled` where inhomogeneities are iterated on with it.
+
+    The compliance of a wave falls with its number, so that round-off grows with the cells across.
+    """
+    return settled(numerics, "contact", lambda: max(box) * plane_round_off(), share=INNER if coupled else 1.0)
 
 
 @cache
@@ -96,7 +98,7 @@ def plane_round_off() -> float:
     """
     n, fields = 64, []
     layout = Layout((n, n), (n, n))
-    y, x = layout.lattice_y[:, None], layout.lattice_x[None, :]
+    y, x = layout.y.lattice[:, None], layout.x.lattice[None, :]
     source = np.random.default_rng(1).standard_normal((n, n))
     for precision in ("double", "single"):
         kernel = layout.spectrum(1.0 / np.sqrt(1.0 + x**2 + y**2), (1, 1), precision=precision)

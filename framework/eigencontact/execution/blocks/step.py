@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.array_types import FloatArray
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.results.records import HistoryRecord, RegionRecord, StepRecord
 from eigencontact.solvers.control import Control
@@ -14,8 +12,6 @@ from eigencontact.solvers.report import Progress
 from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["CyclePlace", "Step"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.model.kernels import Bodies
+from eigencontact.core.array_types import FloatArray
+from eigencontact.model.kernels import Solids
 
 __all__ = ["Slide", "Surface"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,8 +48,8 @@ class Surface:
         Sliding all over the contact; None where the solver computes the slip.
     moved : bool
         Whether the surfaces have changed since the solver computed the last pressure.
-    bodies : Bodies or None
-        Bodies with layers that have become thinner; None where the bodies are those of the model.
+    solids : Solids or None
+        Solids with layers that have become thinner; None where the bodies are those of the model.
     """
 
     separation: FloatArray | None = None
@@ -58,7 +57,7 @@ class Surface:
     exposed: NDArray[np.intp] | None = None
     slide: Slide | None = None
     moved: bool = False
-    bodies: Bodies | None = None
+    solids: Solids | None = None
 
     def halves(self) -> tuple[Surface, Surface]:
         """Surfaces of the first and of the second half of an increment: each slides half of the way."""

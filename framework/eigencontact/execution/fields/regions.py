@@ -1,30 +1,27 @@
-"""Fields at the points of a region, by tractions and by eigenstrain, and what is read off them, as they are stored."""
+"""Fields at the points of a region, by tractions and by eigenstrain, and the numbers that follow from them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Block, Cost, Run, Running
-from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.blocks.step import Step
-from eigencontact.model.kernels import KernelUse
+from eigencontact.execution.fields.cause import Cause
+from eigencontact.model.interface import Interface
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice, region_lattice
 from eigencontact.results.records import RegionRecord
 from eigencontact.scene.schema import StressRequest
 
-__all__ = ["Region", "RunningRegion", "regions_of"]
+__all__ = ["Region", "RunningRegion", "region_of", "regions_of"]
 
-FloatArray = NDArray[np.float64]
 
 _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "von_mises": von_mises,
@@ -33,19 +30,27 @@ _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "hydrostatic": hydrostatic,
 }
 
+#: Causes of the fields of a region, made for an interface.
+CausesOf = Callable[[Interface | None], Iterator[Cause]]
+
 
 class Region(Block):
-    """Fields wanted at the points of one region: by the tractions of a contact, and by all eigenstrain of its body.
+    """Fields at the points of one region: by the tractions of a contact, and by all eigenstrain of its body.
 
-    A step is enough to evaluate it: tractions are its surface fields, the eigenstrain of inhomogeneities its history.
+    A stored step is enough to evaluate it: surface fields are tractions, and history has the eigenstrain.
 
     Parameters
     ----------
-    model : Model
     request : StressRequest
-        With the places that it stands for.
+        With limits and depths.
+    lattice : RegionLattice
+        Its points.
+    causes : callable
+        Causes of its fields, made for an interface.
+    interface : Interface or None
+        None without a contact.
     asker : str, optional
-        Who wants to see it in each step, if it is no result of the scene.
+        Observer that sees the region in each step; such a region is no result of the scene.
 
     Raises
     ------
@@ -64,119 +69,87 @@ class Region(Block):
         ),
     )  # fmt: skip
 
-    def __init__(self, model: Model, request: StressRequest, asker: str = "") -> None:
+    def __init__(
+        self, request: StressRequest, lattice: RegionLattice, causes: CausesOf, interface: Interface | None,
+        asker: str = "",
+    ) -> None:  # fmt: skip
         self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
-        self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
-        self._model = model
+        self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
+        self.stored, label = not asker, request.label
         self.name = f"stress-{label}"
-        self._stored = not asker
         self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
-        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self._stored else {}
-        causes = list(_causes(model, request, self._lattice))
-        if not causes:
+        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
+        parts = list(causes(interface))
+        if not parts:
             raise SceneError(
                 f"stress region {label!r} must lie in a body with eigenstrain (body{request.body} has none, "
                 "and there is no contact); set body"
             )
-        self.requires = frozenset().union(*(cause.requires for cause in causes))
-        self.kernels = [kernel for cause in causes for kernel in cause.kernels]
-        note = "; ".join(cause.note for cause in causes if cause.note)
+        self.requires = frozenset().union(*(cause.requires for cause in parts))
+        self.kernels = [kernel for cause in parts for kernel in cause.kernels]
+        note = "; ".join(cause.note for cause in parts if cause.note)
         self.why += f"; {note}" if note else ""
-        self.cost = sum((cause.cost for cause in causes), Cost())
-        self.precisions = [precision for cause in causes for precision in cause.precisions]
+        self.cost = sum((cause.cost for cause in parts), Cost())
+        self.precisions = [precision for cause in parts for precision in cause.precisions]
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return RunningRegion(self._model, self._request, self._lattice, stored=self._stored)
+        return RunningRegion(self)
 
 
 class RunningRegion:
     """Fields of a region in one run, with causes that hold operators."""
 
-    def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice, *, stored: bool) -> None:
-        self._model, self._request, self._lattice, self._stored = model, request, lattice, stored
-        self._bodies, self._causes = model.bodies, list(_causes(model, request, lattice))
+    def __init__(self, region: Region) -> None:
+        self._region, self._interface = region, region.interface
+        self._causes = list(region.causes(region.interface))
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         fields: dict[str, FloatArray] = {}
-        bodies = step.surface.bodies
-        if bodies is not None and bodies != self._bodies:
-            self._bodies = bodies
-            self._causes = list(_causes(replace(self._model, bodies=self._bodies), self._request, self._lattice))
+        solids, interface = step.surface.solids, self._interface
+        if solids is not None and interface is not None and solids != interface.solids:
+            self._interface = replace(interface, solids=solids)
+            self._causes = list(self._region.causes(self._interface))
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
         for cause in self._causes:
             cause.amend(fields, step)
-        record, stress = region_record(self._request, self._lattice, fields)
+        record, stress = region_record(self._region.request, self._region.lattice, fields)
         record = replace(
             record,
             note="; ".join(cause.note for cause in self._causes if cause.note),
             mean_above=max(cause.mean_above for cause in self._causes),
         )
-        (step.regions if self._stored else step.looks)[record.name] = record
-        if self._stored and stress is not None:
+        (step.regions if self._region.stored else step.looks)[record.name] = record
+        if self._region.stored and stress is not None:
             note_largest(step, record, stress)
 
 
-class Cause(Protocol):
-    """Something that causes a field at the points of a region."""
+def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
+    """Region of a request in a model."""
+    lattice = region_lattice(request, model.grid)
 
-    @property
-    def requires(self) -> frozenset[str]:
-        """Quantities that it needs of a step."""
-        ...
+    def causes(interface: Interface | None) -> Iterator[Cause]:
+        if interface is not None:
+            from eigencontact.execution.fields.traction_field import TractionField, moves
 
-    @property
-    def kernels(self) -> Sequence[KernelUse]:
-        """Influence coefficients that it builds."""
-        ...
+            moving = moves(model.scene.ramps)
+            yield TractionField(interface, model.window, model.numerics, request, lattice, moves=moving)
+        if any(source.body == request.body for source in model.sources):
+            from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
+            from eigencontact.execution.routes.subsurface import Subsurface
 
-    @property
-    def cost(self) -> Cost:
-        """Price of them, and of a step."""
-        ...
+            yield EigenstrainField(Subsurface.of(model, request.body), request, lattice)
 
-    @property
-    def precisions(self) -> Sequence[Precision]:
-        """See `Part`."""
-        ...
-
-    @property
-    def note(self) -> str:
-        """What must be known of its values, in words, or nothing."""
-        ...
-
-    @property
-    def mean_above(self) -> float:
-        """Depth [m] above which its stress is a mean over each cell; 0 where none is."""
-        ...
-
-    def fields(self, step: Step) -> dict[str, FloatArray]:
-        """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
-        ...
-
-    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Change the sum of all causes where more is known of it."""
-        ...
-
-
-def _causes(model: Model, request: StressRequest, lattice: RegionLattice) -> Iterator[Cause]:
-    if model.geometries:
-        from eigencontact.execution.fields.traction_field import TractionField
-
-        yield TractionField(model, request, lattice)
-    if any(source.body == request.body for source in model.sources):
-        from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
-
-        yield EigenstrainField(model, request, lattice)
+    return Region(request, lattice, causes, model.interface, asker)
 
 
 def regions_of(model: Model) -> Iterator[Region]:
     """Every region that the scene asks for."""
-    return map(partial(Region, model), model.requests)
+    return (region_of(model, request) for request in model.cells.requests)
 
 
 def region_record(

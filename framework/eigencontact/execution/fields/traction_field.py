@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box
 from eigencontact.core.kept import kept_or_made
 from eigencontact.core.material import Material
@@ -16,20 +16,21 @@ from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import plane_round_off, settled
 from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost
-from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.blocks.step import Step as LoadStep
+from eigencontact.execution.fields.cause import Cause
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.model.bodies import kernel_key
+from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
-from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
-from eigencontact.scene.schema import StressRequest
+from eigencontact.model.window import Window
+from eigencontact.scene.schema import Numerics, Step, StressRequest
 from eigencontact.solvers.surface_means import depth_of_means
 
-__all__ = ["TractionField"]
+__all__ = ["TractionField", "moves"]
 
-FloatArray = NDArray[np.float64]
 
-#: What is told of a region that has points next to the surface.
+#: Note on a region that has points next to the surface.
 _NOTE = "stress by tractions above a depth of {:.3g} m is a mean over each cell, linear between their centres"
 _WORDS = {"stress": "stress (6 components)", "displacement": "displacement x, y, z"}
 #: Tables for one mean over a cell, and means for one point between cells.
@@ -38,7 +39,7 @@ _TABLES, _MEANS = 4, 4
 _AT_ONCE = 16
 
 
-class TractionField:
+class TractionField(Cause):
     """Field of one body; the spectra are kept as long as the contact stays in the box that they were made for.
 
     Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
@@ -47,51 +48,56 @@ class TractionField:
     periodic window against the mean of the surface.
     """
 
-    def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
-        body = model.bodies[request.body - 1]
+    def __init__(
+        self, interface: Interface, window: Window, numerics: Numerics, request: StressRequest, lattice: RegionLattice,
+        *, moves: bool,
+    ) -> None:  # fmt: skip
+        body = interface.solids[request.body - 1]
         assert body is not None
         self._body: Solid = body
-        self._number, self._wanted, self._lattice = request.body, request.fields, lattice
-        self._grid, self._periodic = model.grid, model.periodic
+        self._number, self._fields, self._lattice = request.body, request.fields, lattice
+        self._window, self._grid, self._moves = window, window.grid, moves
+        self._periodic = numerics.boundary == "periodic"
         self._numerics, self.precisions = settled(
-            model.numerics, "stress by tractions",
+            numerics, "stress by tractions",
             lambda: plane_round_off() if lattice.points is None and lattice.finer == (1, 1) else None,
         )  # fmt: skip
-        self._tractions = model.tractions
+        self._tractions = interface.tractions
         stress = not {"stress", "strain"}.isdisjoint(request.fields)
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
-            quantity: [StressCoefficients(model.influences[item.name], body, quantity) for item in model.tractions]
+            quantity: [StressCoefficients(interface.influences[t.name], body, quantity) for t in self._tractions]
             for quantity in self._quantities
         }
-        self.requires = frozenset(item.field for item in model.tractions)
+        self.requires = frozenset(item.field for item in self._tractions)
         depths = lattice.depths if lattice.points is None else lattice.points[:, 2]
         far = np.zeros(depths.shape, dtype=bool)
-        near = far if model.periodic else depths < depth_of_means(model.grid)
+        near = far if self._periodic else depths < depth_of_means(self._grid)
         self._near = {"stress": near, "displacement": far}  # no displacement is infinite
-        self.mean_above = depth_of_means(model.grid) if stress and near.any() else 0.0
+        self.mean_above = depth_of_means(self._grid) if stress and near.any() else 0.0
         self.note = _NOTE.format(self.mean_above) if self.mean_above else ""
         self._operators: dict[tuple[str, bool], Any] = {}
-        self.cost, self.kernels = Cost(), tuple[KernelUse, ...]()
+        self.cost = Cost()
+        self.kernels: tuple[KernelUse, ...] = ()
         for quantity in self._quantities:
-            self._declare(model, quantity)
+            self._declare(interface, quantity)
 
-    def _declare(self, model: Model, quantity: str) -> None:
-        """Price and kernels of a quantity; three coefficients of displacement count as six of stress."""
-        lattice, numerics, pressure = self._lattice, self._numerics, model.influences["p"]
+    def _declare(self, interface: Interface, quantity: str) -> None:
+        """Add price and kernels of a quantity; three coefficients of displacement count as six of stress."""
+        lattice, numerics, pressure = self._lattice, self._numerics, interface.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
         near = self._near[quantity]
         if lattice.points is not None:
             tables = int(np.where(near, _TABLES * _MEANS, 1).sum())
             text = f"{len(lattice.points)} points, superposed directly"
-            cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
+            cells, workers = self._window.box[0] * self._window.box[1], numerics.threads or available_threads()
             seconds = tables * (sampling * count * cells + 1e-4) / working_threads(workers)
             cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
         else:
             tables = int(np.where(near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())
             text = lattice.words
             price = section_cost if self._in_section else spectra_cost
-            cost = price(self._layout(model), tables, sampling, numerics, tractions=count)
+            cost = price(self._layout(), tables, sampling, numerics, tractions=count)
             if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
                 cost = Cost(
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
@@ -105,7 +111,7 @@ class TractionField:
             self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
         self.kernels += tuple(
             KernelUse(
-                _WORDS[quantity], item.words, kernel_key(model.influences[item.name], [self._body]), text,
+                _WORDS[quantity], item.words, kernel_key(interface.influences[item.name], [self._body]), text,
                 1 if lattice.points is not None else tables,
             )
             for item in self._tractions
@@ -117,28 +123,25 @@ class TractionField:
         lattice = self._lattice
         return 1 in lattice.target and lattice.finer == (1, 1) and not self._periodic
 
-    def _layout(self, model: Model) -> Layout:
+    def _layout(self) -> Layout:
         """Transform from a contact in the middle of the window to the lattice."""
-        shape, lattice = model.grid.shape, self._lattice
+        shape, lattice = self._grid.shape, self._lattice
         if self._periodic:
             return Layout(shape, shape, periodic=True)
-        box = model.contact_box
-        if _moves(model):  # an operator that has to hold a contact elsewhere is made with a margin; see `_kept`
+        box = self._window.box
+        if self._moves:  # an operator for a contact that moves has a margin; see `_kept`
             box = tuple(min(n, b + 2 * max(2, b // 6)) for n, b in zip(shape, box, strict=True))  # type: ignore[assignment]
         first = [(n - b) // 2 for n, b in zip(shape, box, strict=True)]
         target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
         origin = (lattice.origin[0] - first[0], lattice.origin[1] - first[1])
         return Layout(box, (target[0], target[1]), origin)
 
-    def fields(self, step: Step) -> dict[str, FloatArray]:
-        """Stress, and strain and displacement where they are wanted, ``(6 or 3, *lattice.shape)``."""
+    def fields(self, step: LoadStep) -> dict[str, FloatArray]:
+        """Stress, and requested strain and displacement, ``(6 or 3, *lattice.shape)``."""
         tractions = loads(self._number, self._tractions, step.fields)
         evaluate = self._on_lattice if self._lattice.points is None else self._at_points
-        found = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
-        return found | ({"strain": self._strain(found["stress"])} if "strain" in self._wanted else {})
-
-    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """See `eigencontact.execution.fields.regions.Cause`: tractions know no more."""
+        fields = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
+        return fields | ({"strain": self._strain(fields["stress"])} if "strain" in self._fields else {})
 
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""
@@ -158,9 +161,10 @@ class TractionField:
         points, near, kernels = self._lattice.points, self._near[quantity], self._kernels[quantity]
         assert points is not None
         values = np.empty((len(kernels[0].components), len(points)))
-        for some, found in ((near, means_at_points), (~near, stress_at_points)):
-            if some.any():
-                values[:, some] = found(self._grid, kernels, tractions, points[some], threads=self._numerics.threads)
+        threads = self._numerics.threads
+        for part, evaluate in ((near, means_at_points), (~near, stress_at_points)):
+            if part.any():
+                values[:, part] = evaluate(self._grid, kernels, tractions, points[part], threads=threads)
         return values
 
     def _on_lattice(self, quantity: str, tractions: list[FloatArray]) -> FloatArray:
@@ -239,9 +243,8 @@ class TractionField:
                 out[:, layers, rows, columns] = operator.apply(tractions)
 
 
-def _moves(model: Model) -> bool:
+def moves(ramps: Sequence[Step]) -> bool:
     """Whether the contact of a later increment reaches beyond that of the first: it grows, or tilts."""
-    ramps = model.scene.ramps
     pressed = [(ramp.normal_load, ramp.approach) for ramp in ramps]
     tilts = any(getattr(ramp, f"{name}_{axis}") for ramp in ramps for name in ("moment", "tilt") for axis in "xy")
     return bool(ramps) and (ramps[0].increments > 1 or max(map(_size, pressed)) > _size(pressed[0]) or tilts)

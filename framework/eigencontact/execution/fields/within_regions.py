@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
-from eigencontact.execution.interiors.empty_regions import is_empty, uniform_elasticity
 from eigencontact.execution.routes.cell_strain import fractions_in, place_in
 from eigencontact.model.boxes import CellBox
-from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.solvers.cell_conditions import compliance
@@ -22,7 +21,7 @@ from eigencontact.solvers.cell_conditions import compliance
 if TYPE_CHECKING:
     from eigencontact.solvers.within_cells import WithinCells
 
-__all__ = ["empty_points", "read_by_own_laws", "rises", "whole_cells"]
+__all__ = ["empty_points", "read_by_own_laws", "whole_cells"]
 
 #: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
 _LEAST = 1e-3
@@ -30,13 +29,7 @@ _LEAST = 1e-3
 #: A region is softer than the body where no strain takes more than this share of the body's stress.
 _SOFTER = 1.0 - 1e-9
 
-FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
-
-
-def rises(model: Model, body: int) -> bool:
-    """Whether the regions of a body rise as its surface wears, so that they are no longer where the scene puts them."""
-    return model.scene.wear is not None and body in model.scene.wear.parts
 
 
 def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> NDArray[np.int_]:
@@ -52,14 +45,14 @@ def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, poin
         share = fractions_in(source, source.shape, grid)
         part = out[place_in(box, source.lattice)]
         part[share > _LEAST] = 0
-        if uniform_elasticity(source) is not None:
+        if source.uniform_law is not None:
             part[share > 1.0 - _LEAST] = number
     return out
 
 
 def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> NDArray[np.bool_] | None:
     """Whether points of a lattice lie in a void, ``(n,)``, or None; of regions that overlap the later one counts."""
-    if not any(map(is_empty, sources)):
+    if not any(source.is_empty for source in sources):
         return None
     points = lattice.flat_points()
     out = np.zeros(points[0].size, dtype=bool)
@@ -67,7 +60,7 @@ def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> ND
         where = _near(source, points)
         if where.size:
             x, y, z = (axis[where] for axis in points)
-            out[where[source.shape.contains(x, y, z)]] = is_empty(source)
+            out[where[source.shape.contains(x, y, z)]] = source.is_empty
     return out if out.any() else None
 
 
@@ -104,7 +97,7 @@ def read_by_own_laws(
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
-    law = uniform_elasticity(source)
+    law = source.uniform_law
     if law is None or not source.field.uniform:
         return None
     try:

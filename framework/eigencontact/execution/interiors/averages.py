@@ -1,4 +1,4 @@
-"""Means of what the cells of an interior remember, for laws that act by a neighbourhood."""
+"""Means of the variables of cells, for laws that act by a neighbourhood."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.plugin import ConstitutiveLaw, LawStep
 from eigencontact.solvers.neighbourhood import Neighbourhood, reach_of
 
 __all__ = ["Averages"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Averages:
@@ -58,7 +57,7 @@ class Averages:
         self.width = k, j, i
 
     def of(self, variables: Sequence[Mapping[str, FloatArray]]) -> FloatArray:
-        """Fields ``(rows, nz, ny, nx)`` of the means of what the cells of each law remember; zero in other cells."""
+        """Fields ``(rows, nz, ny, nx)`` of the means of the variables of each law; zero in other cells."""
         out = np.zeros((self._rows, *self._shape))
         for number, name, rows, about in self._parts:
             out[rows].reshape(rows.stop - rows.start, -1)[:, self._laws[number][1]] = about.means(
@@ -66,10 +65,10 @@ class Averages:
             )
         return out
 
-    def told(self, steps: Sequence[LawStep], fields: FloatArray) -> list[LawStep]:
-        """Questions to the laws, with the means that these fields give."""
+    def with_means(self, steps: Sequence[LawStep], fields: FloatArray) -> list[LawStep]:
+        """Law steps with the means of these fields."""
         means: list[dict[str, FloatArray]] = [{} for _ in steps]
         for number, name, rows, _ in self._parts:
             flat = fields[rows].reshape(rows.stop - rows.start, -1)
             means[number][name] = flat[:, self._laws[number][1]]
-        return [replace(step, means=own) for step, own in zip(steps, means, strict=True)]
+        return [replace(step, means=values) for step, values in zip(steps, means, strict=True)]

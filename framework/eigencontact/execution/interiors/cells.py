@@ -9,27 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.interiors.empty_regions import is_empty
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
-from eigencontact.model.boxes import box_of_inhomogeneities
-from eigencontact.model.kernels import KernelUse, StressCoefficients
-from eigencontact.model.model import Model
+from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.kernels import KernelUse
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 
 __all__ = ["Cells"]
 
-FloatArray = NDArray[np.float64]
 
-#: Part of the height of cells that a surface may wear above a box that begins below it: the box stays as it is.
+#: Depth, in heights of a cell, that a surface may lose above a box that begins below it and stays in place.
 _BURIED = 0.5
 #: Krylov iterations of one solve and rounds between it and the contact, typically, for the cost.
 _ITERATIONS, _ROUNDS = 15, 8
@@ -47,63 +45,58 @@ class Cells(Responding):
 
     Parameters
     ----------
-    model : Model
-        With inhomogeneities, cut into cells, in that body.
-    body : int
-        1 or 2.
+    subsurface : Subsurface
+        With inhomogeneities in cells.
     directions : str
-        Of ``"xyz"``: along which the displacement of the surface is wanted.
+        Directions, of ``"xyz"``, of the surface displacement.
     """
 
-    def __init__(self, model: Model, body: int, directions: str) -> None:
-        sources = [source for source in model.inhomogeneities if source.body == body]
-        self._box, self._grid = box_of_inhomogeneities(sources), model.grid
-        super().__init__(model, body, directions, self._box.centres(model.grid))
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        self._box = subsurface.box
+        super().__init__(subsurface, directions, self._box.centres(subsurface.half_space.grid))
         self._settle_precision()
-        self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
-        count = len(sources)
+        self._kernels, count = subsurface.kernels, len(self.sources)
         self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
-        if model.scene.wear is not None and body in model.scene.wear.parts:
-            self.why += ", which rise as the surface wears"
-        self._declare(model)
+        if subsurface.recedes:
+            self.why += ", which rise as the surface recedes"
+        self._declare()
 
     def _settle_precision(self) -> None:
         lattice, pitch = self._box.lattice, (self._grid.dx, self._grid.dy)
         half_space, share = self._half_space, (INNER if self._tractions else 1.0)
-        self._numerics, own = settled(
+        self._numerics, precisions = settled(
             self._numerics, f"mean stress in cells of body {self.body}",
             lambda: volume_round_off(half_space, "stress", pitch, lattice), share=share,
         )  # fmt: skip
         self._half_space = replace(half_space, numerics=self._numerics)
-        self.precisions = (*own, *(self._surface.precisions if self._surface is not None else ()))
+        self.precisions = (*precisions, *(self._surface.precisions if self._surface is not None else ()))
 
     @property
     def _applications(self) -> float:
-        """Of the operator, in one step, typically."""
+        """Typical applications of the operator in one step."""
         usual = _TOGETHER if self._kernels else _ALONE
-        return usual * (_EMPTY if any(map(is_empty, self.sources)) else 1.0)
+        return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:
         """Time of the answers of laws in a step that Newton's method finds from their `update`."""
         slow = [source for source in self.sources if not isinstance(source.law, (LinearLaw, HasCellAnswer))]
         return _ANSWER * sum(source.lattice.cells for source in slow if source.lattice is not None)
 
-    def _declare(self, model: Model) -> None:
-        """Price and kernels."""
+    def _declare(self) -> None:
+        """Set price and kernels."""
         (nz, ny, nx), (_, row, column) = self._box.lattice.shape, self._box.lattice.first
         key = str(getattr(self._half_space.cell, "key", "cell"))
         who = f"eigenstrain of {self._box.names}"
         uses = [KernelUse("mean stress (6 components)", who, key, self._box.words, 58)]
-        one = Pace.of(self._half_space, "stress").volume(self._box.lattice, (ny, nx), (0.0, 0.0), nz)
+        volume = Pace.of(self._half_space, "stress").volume(self._box.lattice, (ny, nx), (0.0, 0.0), nz)
         # The Gauss points of the means share nodes; the solver keeps two vectors of six components an iteration.
         cost = Cost(
-            memory=one.memory + 8.0 * 12 * self._box.lattice.cells * _ITERATIONS,
-            seconds_once=_MEANS * one.seconds_once,
-            seconds_per_step=one.seconds_per_step * self._applications + self._seconds_of_laws(),
+            memory=volume.memory + 8.0 * 12 * self._box.lattice.cells * _ITERATIONS,
+            seconds_once=_MEANS * volume.seconds_once,
+            seconds_per_step=volume.seconds_per_step * self._applications + self._seconds_of_laws(),
         )
         layout = Layout(self._grid.shape, (ny, nx), (row, column))
-        for item in model.tractions:
-            influence = model.influences[item.name]
+        for item, influence in zip(self._tractions, self._subsurface.influences, strict=True):
             seconds = 8.0 * sampling_seconds(influence, self._half_space.material)
             cost += spectra_cost(layout, nz, seconds, self._numerics)
             uses.append(
@@ -142,7 +135,7 @@ class Cells(Responding):
             )
 
     def _fill(self) -> None:
-        """Make the system of the content of the cells; the operators stay."""
+        """Build the system for the content of the cells; the operators stay."""
         from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 
         linear = self._content.linear
@@ -157,7 +150,7 @@ class Cells(Responding):
         )
 
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """See `Interior.begin`; inclusions rise by the depth that the surface above them has lost."""
+        """See `Interior.begin`; inclusions rise by the depth that the surface above them loses."""
         lost = increment.surface.lost.get(self.body, self._lost)
         if not np.array_equal(lost, self._lost):
             self._refuse_buried(float(lost.max()))
@@ -172,8 +165,8 @@ class Cells(Responding):
         layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
         if layers and lost > _BURIED * height:
             raise SceneError(
-                f"wear of body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, where "
-                f"inclusions lie in the depth alone (got {lost:.3g} m above {self._box.names}, whose cells begin "
+                f"depth lost by body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, "
+                f"where inclusions lie in the depth alone (got {lost:.3g} m above {self._box.names}, whose cells begin "
                 f"{layers} layers below the surface); give larger cells by numerics.inclusion-pitch, or another "
                 "inclusion, of the body's own constants, that begins at the surface"
             )

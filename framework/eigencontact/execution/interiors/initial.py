@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.model.initial import InitialState, overlaps
 from eigencontact.plugin import ConstitutiveLaw
@@ -18,7 +19,6 @@ from eigencontact.scene.schema import Scene
 
 __all__ = ["initial_states", "moved_state"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of what was remembered that may lie where nothing is.
 _LOST = 1e-6
@@ -34,7 +34,7 @@ def initial_states(scene: Scene) -> dict[int, InitialState]:
     SceneError
         A step that they do not hold, or after which the body remembered nothing.
     """
-    found = {}
+    states = {}
     for body, table in ((1, scene.body1.initial), (2, scene.body2.initial)):
         if table is None:
             continue
@@ -43,15 +43,15 @@ def initial_states(scene: Scene) -> dict[int, InitialState]:
         step = steps[-1] if table.step is None else table.step
         if step not in steps:
             raise SceneError(f"{where}.step must be one that {file} holds, {steps[0]} to {steps[-1]} (got {step})")
-        known = read_history(file, str(read_attributes(file)["scene_hash"]), step)
-        records = {name: item for name, item in known.items() if item.body == body and item.coords}
+        history = read_history(file, str(read_attributes(file)["scene_hash"]), step)
+        records = {name: item for name, item in history.items() if item.body == body and item.coords}
         if not records:
             raise SceneError(
                 f"{where}.step must be one whose history is stored (got {step}, after which {file} holds nothing of "
                 f"cells of body {body}); the last is, or all with output.history = 'all'"
             )
-        found[body] = InitialState(where=where, records=records)
-    return found
+        states[body] = InitialState(where=where, records=records)
+    return states
 
 
 def moved_state(
@@ -79,12 +79,12 @@ def moved_state(
     """
     parts = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
     same = all(np.array_equal(part, part.astype(bool)) for part in parts)
-    shape, found = tuple(len(coords[axis]) for axis in "zyx"), {}
+    shape, moved = tuple(len(coords[axis]) for axis in "zyx"), {}
     for name, record in state.records.items():
         values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *parts, optimize=True)
         if name == f"equivalent_eigenstrain_{record.body}":
             if same:  # where the iteration begins; from other cells it begins anew
-                found[name] = replace(record, values=values, coords=dict(coords))
+                moved[name] = replace(record, values=values, coords=dict(coords))
             continue
         plain, cells = name.removesuffix(f"_{record.body}"), np.zeros(shape, dtype=bool)
         for law, places in laws:
@@ -102,5 +102,5 @@ def moved_state(
                 f"{plain!r} of {state.where} must lie where a law remembers it (got {100 * lost / total:.2g} % of it "
                 f"elsewhere); give the body the law of the earlier run, {state.where.split('.')[0]}.law"
             )
-        found[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
-    return found
+        moved[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
+    return moved

@@ -6,8 +6,8 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tractions import Traction, side
 from eigencontact.execution.blocks.block import Part
 from eigencontact.execution.blocks.contact import Fields
@@ -17,7 +17,6 @@ from eigencontact.results.records import HistoryRecord
 
 __all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
 
-FloatArray = NDArray[np.float64]
 Remembered = Mapping[str, HistoryRecord]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.material import Material
 from eigencontact.errors import EigencontactError
 from eigencontact.execution.interiors.material_cells import MaterialCells
@@ -17,8 +17,6 @@ from eigencontact.solvers.second_order import Faces, linked_faces
 
 __all__ = ["linked_cells"]
 
-FloatArray = NDArray[np.float64]
-
 #: A law has the constants of the matrix where its stress is this close to theirs, at this part of Young's modulus.
 _SAME = 1e-6
 _SMALL = 1e-9
@@ -28,7 +26,7 @@ _TESTED = 64
 
 def linked_cells(
     content: MaterialCells,
-    laws: Sequence[tuple[ConstitutiveLaw, NDArray[np.intp]]],
+    laws: Sequence[tuple[ConstitutiveLaw, IntArray]],
     places: tuple[FloatArray, FloatArray, FloatArray],
     matrix: Material,
 ) -> Faces | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LinearContent", "MaterialCells", "risen"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
 
 #: A share of a cell smaller than this is left out.
@@ -112,12 +112,12 @@ class MaterialCells:
             place, share = self._risen_to(member, self._new[member][1])
             left[place] -= share
             _add(shares[:, *place], names[:, *place], share, number)
-        own, other = shares
-        kept = own > _LEAST
-        self.index = np.where(kept, names[0], 0)
-        both = kept & (other > left) & (other > _LEAST)
+        first, second = shares
+        filled = first > _LEAST
+        self.index = np.where(filled, names[0], 0)
+        both = filled & (second > left) & (second > _LEAST)
         self.beside = np.where(both, names[1], 0)
-        self.fraction = np.where(kept, np.minimum(own / np.where(both, own + other, 1.0), 1.0), 1.0)
+        self.fraction = np.where(filled, np.minimum(first / np.where(both, first + second, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
 
@@ -134,12 +134,12 @@ class MaterialCells:
     def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
         """Laws that are not linear, or laws that these are made of, and the cells that they fill at least by half."""
         places = self._box.centres(self._grid).flat_points()
-        found = []
+        groups = []
         for number, law in enumerate(self.laws, 1):
             filled = (self.index == number) & (self.fraction >= _HALF)
             if not law.linear:
-                found += [(layer, filled & where.reshape(self.shape)) for layer, where in law.laws_at(*places)]
-        return [(law, cells) for law, cells in found if cells.any()]
+                groups += [(layer, filled & where.reshape(self.shape)) for layer, where in law.laws_at(*places)]
+        return [(law, cells) for law, cells in groups if cells.any()]
 
     def rim(self, width: tuple[int, int, int] = (1, 1, 1)) -> NDArray[np.bool_]:
         """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound.

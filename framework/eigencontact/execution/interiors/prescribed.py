@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.array_types import FloatArray
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
-from eigencontact.execution.routes.prescribed import PrescribedField
-from eigencontact.execution.routes.route import HalfSpace
-from eigencontact.model.model import Model
+from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.regions import surface_lattice
 
 __all__ = ["PrescribedEigenstrain", "names_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 class PrescribedEigenstrain(Interior):
@@ -22,27 +16,23 @@ class PrescribedEigenstrain(Interior):
 
     Parameters
     ----------
-    model : Model
-        With regions in that body.
-    body : int
-        1 or 2.
+    subsurface : Subsurface
+        With prescribed eigenstrain.
     directions : str
-        Of ``"xyz"``: along which the displacement of the surface is wanted.
+        Directions, of ``"xyz"``, of the surface displacement.
     """
 
     responds = False
 
-    def __init__(self, model: Model, body: int, directions: str) -> None:
-        sources = [source for source in model.prescribed if source.body == body]
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        body, grid = subsurface.body, subsurface.half_space.grid
         self.body, self._directions = body, directions
         self.name = "residual-displacement" if body == 1 else f"residual-displacement-{body}"
-        self.why = "displacement of the surface by " + names_of([source.name for source in sources])
+        self.why = "displacement of the surface by " + names_of([source.name for source in subsurface.prescribed])
         rows = tuple("xyz".index(name) for name in directions)
-        self._field = PrescribedField(
-            HalfSpace.of(model, body), sources, "displacement", surface_lattice(model.grid), rows
-        )  # fmt: skip
+        self._field = subsurface.prescribed_field("displacement", surface_lattice(grid), rows)
         self.cost, self.precisions = self._field.cost, self._field.precisions
-        points = f"{model.grid.nx} x {model.grid.ny} points of the surface"
+        points = f"{grid.nx} x {grid.ny} points of the surface"
         self.kernels = self._field.uses(f"displacement {', '.join(directions)}", points)
         self._time = 0.0
 
@@ -52,8 +42,8 @@ class PrescribedEigenstrain(Interior):
 
     def displacement(self, directions: str) -> dict[str, FloatArray]:
         """See `Interior.displacement`."""
-        found = by_direction(self.body, self._directions, self._field.at(self._time)[:, 0])
-        return {name: found[name] for name in directions}
+        displacement = by_direction(self.body, self._directions, self._field.at(self._time)[:, 0])
+        return {name: displacement[name] for name in directions}
 
 
 def names_of(names: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""Inhomogeneities of one body: their equivalent eigenstrain answers the tractions, as a whole or by sweeps."""
+"""Inhomogeneities of one body, whose equivalent eigenstrain follows from the tractions."""
 
 from __future__ import annotations
 
@@ -7,57 +7,40 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
-from eigencontact.execution.routes.closed_form import ClosedForms
-from eigencontact.execution.routes.prescribed import PrescribedField, cell_route
-from eigencontact.execution.routes.route import HalfSpace, Route
-from eigencontact.model.boxes import box_of_inhomogeneities
-from eigencontact.model.model import Model
+from eigencontact.execution.routes.prescribed import PrescribedField
+from eigencontact.execution.routes.route import Route
+from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.regions import RegionLattice, surface_lattice
-from eigencontact.model.sources import Inhomogeneity
 from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.report import Progress
 
-__all__ = ["Responding", "places_solved", "solved_route"]
-
-FloatArray = NDArray[np.float64]
-
-
-def solved_route(
-    model: Model, body: int, quantity: str, lattice: RegionLattice, rows: tuple[int, ...] | None = None
-) -> Route:
-    """Route from the equivalent eigenstrain of a body to its field at the points of a lattice."""
-    half_space = HalfSpace.of(model, body)
-    sources = [source for source in model.inhomogeneities if source.body == body]
-    if model.numerics.inclusion_resolution == "whole":
-        return ClosedForms(half_space, sources, quantity, lattice, rows)
-    return cell_route(half_space, box_of_inhomogeneities(sources), quantity, lattice, rows)
-
-
-def places_solved(model: Model, body: int) -> dict[str, FloatArray]:
-    """Centres along z, y, x of the cells with an eigenstrain to be found, as stored; empty for whole inclusions."""
-    if model.numerics.inclusion_resolution == "whole":
-        return {}
-    points = box_of_inhomogeneities([s for s in model.inhomogeneities if s.body == body]).centres(model.grid)
-    return {"z": points.depths, "y": points.y, "x": points.x}
+__all__ = ["Responding"]
 
 
 class Responding(Interior):
     """Equivalent eigenstrain of the inhomogeneities of one body.
 
-    Prescribed eigenstrain of the same body acts on them by its stress. Where it lies in an inhomogeneity it stays what
-    it is, a strain without stress, whatever the material: it adds to the prestrain there.
+    Prescribed eigenstrain of the same body acts on them by its stress. In an inhomogeneity it adds to the prestrain.
+
+    Parameters
+    ----------
+    subsurface : Subsurface
+    directions : str
+        Directions, of ``"xyz"``, of the surface displacement.
+    points : RegionLattice or None
+        Points at which the stress of prescribed eigenstrain acts; None where `start` chooses them.
 
     Attributes
     ----------
     sources : tuple of Inhomogeneity
     eigenstrain : (6, ...)
-        As it is, prestrain included.
+        Present eigenstrain, prestrain included.
     """
 
     numbers: Sequence[Number] = (
@@ -71,40 +54,39 @@ class Responding(Interior):
         ),
     )  # fmt: skip
 
-    def __init__(self, model: Model, body: int, directions: str, points: RegionLattice | None) -> None:
+    def __init__(self, subsurface: Subsurface, directions: str, points: RegionLattice | None) -> None:
+        body = subsurface.body
         self.body, self.name = body, "inhomogeneities" if body == 1 else f"inhomogeneities-{body}"
-        self._model, self._directions, self._numerics = model, directions, model.numerics
-        self._half_space = HalfSpace.of(model, body)
-        self.sources: tuple[Inhomogeneity, ...] = tuple(s for s in model.inhomogeneities if s.body == body)
+        self._subsurface, self._directions, self._half_space = subsurface, directions, subsurface.half_space
+        self._numerics, self._grid = self._half_space.numerics, self._half_space.grid
+        self.sources, self._tractions = subsurface.inhomogeneities, subsurface.tractions
         self.remembers = frozenset({eigenstrain_name(body)})
-        self._tractions = model.tractions
-        self._coords = places_solved(model, body)
-        # Along tractions the mean over each cell belongs to the mean stress by those; elsewhere the centres are taken.
+        self._coords = subsurface.coords
+        # Along tractions the mean over each cell belongs to the mean stress by these; elsewhere the centre counts.
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
         self._centres = "".join(name for name in directions if name not in self._means)
-        others = [source for source in model.prescribed if source.body == body]
-        self._prescribed = None
-        if others and points is not None:
-            self._prescribed = PrescribedField(self._half_space, others, "stress", points)
+        self._prescribed: PrescribedField | None = None
+        if subsurface.prescribed and points is not None:
+            self._prescribed = subsurface.prescribed_field("stress", points)
         self._surface: Route | None = None
         if self._centres:
             rows = tuple("xyz".index(name) for name in self._centres)
-            self._surface = solved_route(model, body, "displacement", surface_lattice(model.grid), rows)
+            self._surface = subsurface.route("displacement", surface_lattice(self._grid), rows)
         self._time, self._spent, self._residual = 0.0, 0.0, 0.0
         self._lifted: tuple[FloatArray, FloatArray] | None = None
         self._progress: Progress | None = None
 
     @abstractmethod
     def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
-        """Mean displacement of the surface cells along all tractions, ``(n, ny, nx)`` [m], of this body alone."""
+        """Mean displacement of this body's surface cells along all tractions, ``(n, ny, nx)`` [m]."""
 
     @abstractmethod
     def applied(self, tractions: Fields) -> FloatArray:
-        """Mean stress of the contact and of the prescribed eigenstrain in them, ``(6, ...)`` [Pa]."""
+        """Mean stress in them by the contact and by prescribed eigenstrain, ``(6, ...)`` [Pa]."""
 
     @abstractmethod
     def prestrain(self, time: float) -> FloatArray:
-        """Eigenstrain of their own, ``(6, ...)``."""
+        """Prestrain, ``(6, ...)``."""
 
     @abstractmethod
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
@@ -113,37 +95,37 @@ class Responding(Interior):
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""
         self._time, self._progress = increment.times[1], increment.progress
-        self._own = self.prestrain(self._time)
-        known = last.get(eigenstrain_name(self.body))
-        self.eigenstrain = self._own if known is None else self.fitted(known)
+        self._prestrain = self.prestrain(self._time)
+        record = last.get(eigenstrain_name(self.body))
+        self.eigenstrain = self._prestrain if record is None else self.fitted(record)
         self._spent, self._residual = 0.0, 0.0
 
-    def fitted(self, known: HistoryRecord) -> FloatArray:
-        """What was stored, on the cells of this interior."""
-        return known.values
+    def fitted(self, record: HistoryRecord) -> FloatArray:
+        """Stored values on the cells of this interior."""
+        return record.values
 
     def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
         """See `Interior.image`."""
-        found = self.solve(self.applied(tractions), self._own, tolerance)
-        self.eigenstrain, self._residual = found.eigenstrain, found.report.residual
-        self._spent += found.report.iterations
+        solution = self.solve(self.applied(tractions), self._prestrain, tolerance)
+        self.eigenstrain, self._residual = solution.eigenstrain, solution.report.residual
+        self._spent += solution.report.iterations
         return self.unknown, self._residual
 
     def displacement(self, directions: str) -> dict[str, FloatArray]:
         """See `Interior.displacement`."""
-        found: dict[str, FloatArray] = {}
+        moved: dict[str, FloatArray] = {}
         if self._means and set(directions) & set(self._means):
             if self._lifted is None or not np.array_equal(self._lifted[0], self.eigenstrain):
                 self._lifted = self.eigenstrain, self.mean_displacement(self.eigenstrain)
             rows = dict(zip((item.direction for item in self._tractions), self._lifted[1], strict=True))
-            found = by_direction(self.body, self._means, np.array([rows[name] for name in self._means]))
+            moved = by_direction(self.body, self._means, np.array([rows[name] for name in self._means]))
         if self._surface is not None and set(directions) & set(self._centres):
-            found |= by_direction(self.body, self._centres, self._surface.field(self.eigenstrain)[:, 0])
-        return {name: found[name] for name in directions}
+            moved |= by_direction(self.body, self._centres, self._surface.field(self.eigenstrain)[:, 0])
+        return {name: moved[name] for name in directions}
 
     @property
     def progress(self) -> Progress | None:
-        """Told the residual of each iteration."""
+        """Callback for the residual of each iteration."""
         return self._progress
 
     def remembered(self) -> dict[str, HistoryRecord]:

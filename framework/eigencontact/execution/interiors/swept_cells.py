@@ -18,7 +18,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import shear_ratios
+from eigencontact.core.material import Material
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
@@ -27,16 +29,15 @@ from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.initial import moved_state
 from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
 from eigencontact.execution.interiors.linked_cells import linked_cells
-from eigencontact.model.growth import enlarged, lattice_of, with_lattice
-from eigencontact.model.model import Model
+from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.growth import enlarged, lattice_of
 from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings
 from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.second_order import centre_values
 
-__all__ = ["SweptCells", "stiffness_ratios", "worth_sweeping"]
+__all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
-FloatArray = NDArray[np.float64]
 
 #: Ratios of stiffness between which sweeps take a third to a half of the applications that solves take.
 _MODERATE = (0.05, 20.0)
@@ -57,10 +58,10 @@ class SweptCells(Cells):
         ),
     )  # fmt: skip
 
-    def __init__(self, model: Model, body: int, directions: str) -> None:
-        super().__init__(model, body, directions)
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        super().__init__(subsurface, directions)
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
-        self.remembers |= {f"{name}_{body}" for source in self.sources for name in source.law.variables}
+        self.remembers |= {f"{name}_{self.body}" for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
         self.why += ", swept with the contact" if self._kernels else ", swept"
 
@@ -97,7 +98,7 @@ class SweptCells(Cells):
         self._after = self._before
         self._about = self._averages.of(self._before)
         steps = [self._law_step(cells, increment) for _, cells in self._laws]
-        self._steps = self._averages.told(steps, self._about)
+        self._steps = self._averages.with_means(steps, self._about)
 
     def _law_step(self, cells: NDArray[np.intp], increment: Increment) -> LawStep:
         x, y, z = (axis[cells] for axis in self._places)
@@ -105,17 +106,17 @@ class SweptCells(Cells):
         return LawStep(x=x, y=y, z=z, time=end, duration=end - start)
 
     def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Remembered) -> dict[str, FloatArray]:
-        """What the cells of a law remember; zero at rest."""
-        found = {}
+        """Variables of the cells of a law in stored records; zero at rest."""
+        variables = {}
         for name, variable in law.variables.items():
-            known = last.get(f"{name}_{self.body}")
-            shape = (variable.components, cells.size)
-            found[name] = np.zeros(shape) if known is None else self.fitted(known).reshape(shape[0], -1)[:, cells]
-        return found
+            record, count = last.get(f"{name}_{self.body}"), variable.components
+            whole = np.zeros((count, cells.size)) if record is None else self.fitted(record).reshape(count, -1)
+            variables[name] = whole if record is None else whole[:, cells]
+        return variables
 
     def adopted(self) -> Remembered:
         """See `Interior.adopted`."""
-        state = self._model.initial.get(self.body)
+        state = self._subsurface.initial
         return {} if state is None else moved_state(state, self._laws, self._coords, self._box.lattice.edges)
 
     @property
@@ -128,7 +129,7 @@ class SweptCells(Cells):
     def take(self, unknown: FloatArray) -> None:
         """See `Interior.take`."""
         self.eigenstrain, self._about = unknown[:6], unknown[6:]
-        self._steps = self._averages.told(self._steps, self._about)
+        self._steps = self._averages.with_means(self._steps, self._about)
 
     def answer_as_a_whole(self) -> bool:
         """See `Interior.answer_as_a_whole`."""
@@ -142,25 +143,27 @@ class SweptCells(Cells):
         if not self._sweeping:
             return super().image(tractions, tolerance)
         before, self._load = self._sweeps.applications, self.applied(tractions)
-        found = self._sweeps.sweep(self.eigenstrain, self._load, self._own, self._before, self._steps, self._start)
-        self._after, self._residual, self._size = found.remembered, found.residual, found.size
+        sweep = self._sweeps.sweep(
+            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start
+        )
+        self._after, self._residual, self._size = sweep.remembered, sweep.residual, sweep.size
         self._spent += self._sweeps.applications - before
-        self._change = found.image - self.eigenstrain
+        self._change = sweep.image - self.eigenstrain
         if not self._about.size:
-            return found.image, found.residual
-        means = self._averages.of(found.remembered)
+            return sweep.image, sweep.residual
+        means = self._averages.of(sweep.remembered)
         size = float(np.linalg.norm(means))
         change = float(np.linalg.norm(means - self._about)) / size if size > 0.0 else 0.0
-        self._residual = max(found.residual, change)
-        return np.concatenate([found.image, means]), self._residual
+        self._residual = max(sweep.residual, change)
+        return np.concatenate([sweep.image, means]), self._residual
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`; with the certificate of laws that are not linear."""
-        found = super().scalars()
+        scalars = super().scalars()
         if self._sweeping and self._laws:
-            misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._own, self._before, self._steps)
-            found["law_residual"] = misfit
-        return found
+            misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._prestrain, self._before, self._steps)
+            scalars["law_residual"] = misfit
+        return scalars
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
         """See `Interior.flowed`."""
@@ -178,11 +181,12 @@ class SweptCells(Cells):
     def trouble(self) -> str:
         """See `Interior.trouble`."""
         sizes = np.linalg.norm(self._change.reshape(6, -1), axis=0) if self._sweeping else np.zeros(0)
-        found = [(float(sizes[cells].max()), n) for n, (_, cells) in enumerate(self._laws)] if sizes.size else []
-        if not found:
+        largest = [(float(sizes[cells].max()), n) for n, (_, cells) in enumerate(self._laws)] if sizes.size else []
+        if not largest:
             return ""
-        law, cells = self._laws[max(found)[1]]
-        words = self._cells.words(law, int(sizes[cells].argmax()), self._steps[max(found)[1]])
+        number = max(largest)[1]
+        law, cells = self._laws[number]
+        words = self._cells.words(law, int(sizes[cells].argmax()), self._steps[number])
         return f", most in {words} of {law.key!r} (where it softens, {law.advice})"
 
     @property
@@ -201,24 +205,25 @@ class SweptCells(Cells):
         reached &= self._rim
         if reached.any():
             cells = np.argwhere(reached.reshape(self._content.shape))
-            raise Outgrown(self, self._with(enlarged(self._box.lattice, cells, self._averages.width)))
+            raise self._outgrown(enlarged(self._box.lattice, cells, self._averages.width))
 
-    def _with(self, lattice: Lattice) -> SweptCells:
-        return type(self)(with_lattice(self._model, self.body, lattice), self.body, self._directions)
+    def _outgrown(self, lattice: Lattice) -> Outgrown:
+        """Event of a box that must grow to fill a lattice as well."""
+        return Outgrown(self, type(self)(self._subsurface.grown(lattice), self._directions))
 
-    def fitted(self, known: HistoryRecord) -> FloatArray:
+    def fitted(self, record: HistoryRecord) -> FloatArray:
         """See `Responding.fitted`: cells beyond the stored ones are at rest."""
-        mine = self._box.lattice
-        if known.values.shape[1:] == mine.shape or not known.coords:
-            return known.values
-        stored = lattice_of(known.coords, mine.edges, self._grid)
-        start = np.subtract(stored.first, mine.first)
-        if np.any(start < 0) or np.any(start + stored.shape > mine.shape):
-            raise Outgrown(self, self._with(stored))
-        out = np.zeros((len(known.values), *mine.shape))
+        lattice = self._box.lattice
+        if record.values.shape[1:] == lattice.shape or not record.coords:
+            return record.values
+        stored = lattice_of(record.coords, lattice.edges, self._grid)
+        start = np.subtract(stored.first, lattice.first)
+        if np.any(start < 0) or np.any(start + stored.shape > lattice.shape):
+            raise self._outgrown(stored)
+        values = np.zeros((len(record.values), *lattice.shape))
         k, j, i = (slice(int(low), int(low) + count) for low, count in zip(start, stored.shape, strict=True))
-        out[:, k, j, i] = known.values
-        return out
+        values[:, k, j, i] = record.values
+        return values
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
         """See `Interior.states`; a cell counts with all of its volume."""
@@ -228,38 +233,38 @@ class SweptCells(Cells):
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
-        found = super().remembered()
+        records = super().remembered()
         for (law, cells), variables in zip(self._laws, self._after, strict=True):
             for name, variable in law.variables.items():
-                own, shape = f"{name}_{self.body}", (variable.components, *self._content.shape)
-                if own not in found:
-                    found[own] = self._record(own, np.zeros(shape), variable.unit, variable.meaning)
-                found[own].values.reshape(shape[0], -1)[:, cells] = variables[name]
-        return found
+                key, shape = f"{name}_{self.body}", (variable.components, *self._content.shape)
+                if key not in records:
+                    records[key] = self._record(key, np.zeros(shape), variable.unit, variable.meaning)
+                records[key].values.reshape(shape[0], -1)[:, cells] = variables[name]
+        return records
 
 
-def worth_sweeping(model: Model, sources: Sequence[Inhomogeneity]) -> bool:
-    """Whether the inhomogeneities of a body are to be swept.
+def should_sweep(subsurface: Subsurface) -> bool:
+    """Whether sweeps solve the inhomogeneities of a body.
 
-    Laws that are not linear have to be; linear ones take fewer applications of the operator under a contact where the
-    ratios of stiffness are moderate.
+    Nonlinear laws need them. Linear laws take fewer applications of the operator by sweeps where they lie under a
+    contact and the ratios of stiffness are moderate.
     """
+    sources = subsurface.inhomogeneities
     laws = [law for n, law in enumerate(s.law for s in sources) if law not in [s.law for s in sources[:n]]]
     if not all(law.linear for law in laws):
         return True
     low, high = _MODERATE
-    ratios = [stiffness_ratios(model, law, sources) for law in laws]
-    return bool(model.tractions) and all(low <= least and most <= high for least, most in ratios)
+    ratios = [stiffness_ratios(subsurface.half_space.material, law, sources) for law in laws]
+    return bool(subsurface.influences) and all(low <= least and most <= high for least, most in ratios)
 
 
-def stiffness_ratios(model: Model, law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> tuple[float, float]:
+def stiffness_ratios(matrix: Material, law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> tuple[float, float]:
     """Least and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
-    matrix = model.half_space(sources[0].body).shear_modulus
-    return shear_ratios(_somewhere(law, sources), matrix)  # type: ignore[arg-type]
+    return shear_ratios(_somewhere(law, sources), matrix.shear_modulus)  # type: ignore[arg-type]
 
 
 def _somewhere(law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> ConstitutiveLaw:
-    """Law itself, or that of some points in the bounds of its regions."""
+    """Uniform law, or the law at some points in the bounds of its regions."""
     if not law.varies:
         return law
     bounds = np.array([source.shape.bounds for source in sources if source.law == law])

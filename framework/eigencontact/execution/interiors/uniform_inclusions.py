@@ -6,8 +6,8 @@ from functools import partial
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import in_parallel
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import SceneError
@@ -16,10 +16,9 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.sampling import sampling_seconds
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.execution.interiors.responding import Responding
-from eigencontact.execution.routes.prescribed import PrescribedField
+from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials
 from eigencontact.model.kernels import KernelUse, StressCoefficients
-from eigencontact.model.model import Model
 from eigencontact.model.overlaps import overlapping
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
@@ -27,7 +26,6 @@ from eigencontact.plugin import LinearLaw
 
 __all__ = ["Wholes"]
 
-FloatArray = NDArray[np.float64]
 
 #: Points of an inclusion at which the stress of the contact is averaged, for the cost.
 _POINTS = 32
@@ -47,8 +45,8 @@ class Wholes(Responding):
         A shape without closed form, a law or a prestrain that is not uniform and linear, or inclusions that overlap.
     """
 
-    def __init__(self, model: Model, body: int, directions: str) -> None:
-        super().__init__(model, body, directions, None)
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        super().__init__(subsurface, directions, None)
         for source in self.sources:
             _refuse(source)
         for first, second in overlapping(self.sources):
@@ -56,18 +54,16 @@ class Wholes(Responding):
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for "
                 "numerics.inclusion-resolution = 'whole' (got ground that both hold); set it to 'cells'"
             )
-        self._grid = model.grid
-        self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
-        self._others = [source for source in model.prescribed if source.body == body]
+        self._kernels = subsurface.kernels
         self.why = "its uniform eigenstrain"
         if len(self.sources) > 1:
             self.why = f"one eigenstrain of each of {len(self.sources)} whole inhomogeneities"
-        self._declare(model)
+        self._declare()
 
-    def _declare(self, model: Model) -> None:
-        """Price and kernels."""
+    def _declare(self) -> None:
+        """Set price and kernels."""
         count, cells = len(self.sources), self._grid.nx * self._grid.ny
-        influences = [model.influences[item.name] for item in model.tractions]
+        influences = self._subsurface.influences
         seconds = sum(_POINTS * count * cells * sampling_seconds(i, self._half_space.material) for i in influences)
         self.cost = Cost(
             memory=48.0 * count * cells * len(influences) + 1e6,
@@ -91,12 +87,12 @@ class Wholes(Responding):
         self._system = WholeInclusions(
             shapes, self._half_space.material, laws, space=self._half_space.space, threads=self._numerics.threads
         )
-        if self._others:
+        if self._subsurface.prescribed:
             none = np.empty(0)
             points = RegionLattice(
                 target=(0, 0), origin=(0.0, 0.0), x=none, y=none, depths=none, points=self._system.points.T.copy()
             )
-            self._prescribed = PrescribedField(self._half_space, self._others, "stress", points)
+            self._prescribed = self._subsurface.prescribed_field("stress", points)
         self._volumes = np.array(
             [float(cast("HasFarField", source.shape).far_field().volumes.sum()) for source in self.sources]
         )

@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import accumulate, by_name
 from eigencontact.core.tractions import ALONG
 from eigencontact.errors import NotConverged
@@ -34,7 +34,6 @@ from eigencontact.solvers.anderson import Anderson
 
 __all__ = ["Coupled", "Solved"]
 
-FloatArray = NDArray[np.float64]
 
 #: Rounds of one attempt, and where every interior is swept: what softens under friction takes a hundred.
 _ROUNDS, _ROUNDS_SWEPT = 60, 150
@@ -216,13 +215,13 @@ class Coupled:
             if residual <= self._tolerance and not answering:
                 continue  # what was swept stays: only the contact has to be solved to the tolerance
             # Bodies can be softened where every displacement by the tractions can be offset.
-            wanted = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
+            softness = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
             moved = loaded is None or not np.array_equal(pressed, loaded)
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(taken for taken, _ in images)]
-            if answering and (wanted != share or moved or residual > last):
-                mixer, share = _Mixer(), wanted
+            if answering and (softness != share or moved or residual > last):
+                mixer, share = _Mixer(), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
                 sizes = [scales[:, None, None], *(np.abs(taken).max() for taken in answers[1:])]
@@ -261,11 +260,12 @@ class _Mixer:
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
     ) -> list[FloatArray]:
         """Next guess; `sizes` are those of the arrays, or of rows of them, as they are."""
-        known = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
-        if any(size.any() and not before for size, before in zip(sizes, known, strict=True)):
+        has_unit = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
+        if any(size.any() and not before for size, before in zip(sizes, has_unit, strict=True)):
             self._anderson = Anderson(_DEPTH)
             self._units = [
-                unit if before else size for unit, size, before in zip(self._units or sizes, sizes, known, strict=True)
+                unit if before else size
+                for unit, size, before in zip(self._units or sizes, sizes, has_unit, strict=True)
             ]
         weights = [np.sqrt(one.size) if len(guess) > 1 else 1.0 for one in guess]
         scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
@@ -305,7 +305,7 @@ class _Seen:
 
     def __init__(self) -> None:
         self._last: _Round | None = None
-        self._found: list[float] = []
+        self._ratios: list[float] = []
 
     def share(self, now: _Round) -> float:
         """Part of the bodies' compliance to solve the contact with more: the middle of the range, in few steps."""
@@ -313,10 +313,10 @@ class _Seen:
         if before is not None:
             change = now.traction - before.traction
             work = float(np.sum(change * (now.elastic - before.elastic)))
-            found = float(np.sum(change * (now.residual - before.residual)))
-            if work > 0.0 and abs(found) < _EXTREME * work:
-                self._found.append(found / work)
-        if not self._found:
+            added = float(np.sum(change * (now.residual - before.residual)))
+            if work > 0.0 and abs(added) < _EXTREME * work:
+                self._ratios.append(added / work)
+        if not self._ratios:
             return 0.0
-        middle = max(1.0 + 0.5 * (min(self._found) + max(self._found)), 1.0 / _EXTREME)
+        middle = max(1.0 + 0.5 * (min(self._ratios) + max(self._ratios)), 1.0 / _EXTREME)
         return float(2.0 ** (0.5 * round(2.0 * np.log2(middle)))) - 1.0

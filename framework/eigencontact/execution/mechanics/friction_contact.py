@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
 from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
@@ -31,22 +32,23 @@ from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.mechanics.normal_contact import (
     NORMAL_FIELDS,
     NORMAL_NUMBERS,
-    beyond_homogeneous,
     cell_deflection,
+    layers_cost,
     normal_cost,
     normal_scalars,
     normal_work,
     scaled_normal,
+    surface_kernels,
 )
-from eigencontact.model.bodies import kernel_key
 from eigencontact.model.coupling import Coupling
-from eigencontact.model.kernels import KernelUse, PairCoefficients
-from eigencontact.model.model import Model
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.interface import Interface
+from eigencontact.model.window import Window
 from eigencontact.plugin import FrictionState
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.holding import TRAVEL
-from eigencontact.scene.schema import Numerics, Scene
+from eigencontact.scene.schema import Numerics, Step
 from eigencontact.solvers.contact_area import contact_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.tangential.control import MODES, mode_fields
@@ -56,7 +58,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ContactWithFriction", "friction_cost", "friction_fields"]
 
-FloatArray = NDArray[np.float64]
 
 #: Values of the stored field ``contact_zone``.
 _SLIP, _STICK = 1.0, 2.0
@@ -111,34 +112,45 @@ def friction_fields(components: str) -> frozenset[str]:
 
 
 class ContactWithFriction(Contact):
-    """Pressure, shear, stick and slip. What a step needs of the last one is taken from its stored record alone."""
+    """Pressure, shear, stick and slip. A step needs nothing of the last one but its stored record.
+
+    Parameters
+    ----------
+    interface : Interface
+        With a friction law.
+    window : Window
+    numerics : Numerics
+    exposed : Exposed or None
+        Materials at the surface, for laws that distinguish them.
+    ramps : sequence of Step
+        Load history, for the predicted time.
+    coupled : bool
+        Whether inhomogeneities are iterated on with the contact.
+    """
 
     name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
     numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
     accumulated = frozenset({"slip_distance", "dissipated_energy_density"})
 
-    def __init__(self, model: Model) -> None:
-        assert model.coupling is not None
-        assert model.friction is not None
-        grid, box, coupling = model.grid, model.contact_box, model.coupling
-        self._law, self._grid = model.friction, grid
-        self._numerics, self.precisions = contact_precision(model)
-        self._facts = partial(exposed_facts, model.exposed)
-        if model.exposed is not None:
+    def __init__(
+        self, interface: Interface, window: Window, numerics: Numerics, exposed: Exposed | None,
+        ramps: Sequence[Step], *, coupled: bool,
+    ) -> None:  # fmt: skip
+        assert interface.friction is not None
+        coupling, pairs = interface.coupling, interface.coupling.pairs
+        self._law, self._grid = interface.friction, window.grid
+        self._numerics, self.precisions = contact_precision(numerics, window.box, coupled=coupled)
+        self._facts = partial(exposed_facts, exposed)
+        if exposed is not None:
             self.requires = self.requires | {"exposed_material"}
-        self._components, self._periodic = coupling.components, model.periodic
+        self._components, self._periodic = coupling.components, numerics.boundary == "periodic"
         self.directions = f"{coupling.components}z"
         self.fields = NORMAL_FIELDS | friction_fields(coupling.components)
-        self._coefficients = {
-            (i, j): PairCoefficients(model.influences[ALONG[j].name], model.bodies, i) for i, j in coupling.pairs
-        }
-        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
-        keys = {j: kernel_key(model.influences[ALONG[j].name], model.bodies) for _, j in coupling.pairs}
-        self.kernels = tuple(
-            KernelUse(f"displacement {i}", ALONG[j].words, keys[j], text) for i, j in coupling.pairs
-        )  # fmt: skip
-        self.cost = friction_cost(grid.shape, box, coupling, self._numerics, _pressed(model.scene))
-        self.cost += beyond_homogeneous(model, [ALONG[j].name for _, j in coupling.pairs])
+        self._coefficients = {(i, j): interface.pair(i, j) for i, j in pairs}
+        self.kernels = surface_kernels(interface, window, pairs)
+        tractions = [ALONG[j].name for _, j in pairs]
+        self.cost = friction_cost(window.grid.shape, window.box, coupling, self._numerics, _pressed(ramps))
+        self.cost += layers_cost(interface, window, tractions, periodic=self._periodic)
 
     def start(self) -> None:
         """See `Contact.start`."""
@@ -219,7 +231,7 @@ class ContactWithFriction(Contact):
         surface = increment.surface
         assert surface.separation is not None
         self._time, self._scale, self._material = increment.times[1], 1.0 + softer, surface.exposed
-        found = self._contact.step(
+        scaled = self._contact.step(
             surface.separation + offset["z"] if "z" in offset else surface.separation,
             scaled_forces(increment.control, self._scale),
             scaled_forces(increment.tangential, self._scale),
@@ -231,7 +243,7 @@ class ContactWithFriction(Contact):
             moved=surface.moved,
             progress=increment.progress,
         )
-        solution = _scaled(found, 1.0 / self._scale)
+        solution = _scaled(scaled, 1.0 / self._scale)
         along = solution.tangential.displacement + solution.tangential_by_pressure
         rows = dict(zip(self._components, range(len(self._components)), strict=True))
         return ContactAnswer(
@@ -272,12 +284,12 @@ class ContactWithFriction(Contact):
 
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """See `Contact.results`; slip and what has slipped add up over the increments."""
-        found: list[FrictionalSolution] = [answer.solution for answer in answers]
-        last = found[-1]
+        solutions: list[FrictionalSolution] = [answer.solution for answer in answers]
+        last = solutions[-1]
         normal, tangential, sliding = last.normal, last.tangential, last.sliding
         loaded = normal.pressure > 0
-        slipping = [(one.normal.pressure > 0) & ~one.tangential.stick for one in found]
-        moved = [one.tangential.slip * where for one, where in zip(found, slipping, strict=True)]
+        slipping = [(solution.normal.pressure > 0) & ~solution.tangential.stick for solution in solutions]
+        moved = [solution.tangential.slip * where for solution, where in zip(solutions, slipping, strict=True)]
         stick = loaded & ~np.any(slipping, axis=0)
         vectors = {
             "displacement": tangential.displacement + last.tangential_by_pressure,
@@ -294,13 +306,13 @@ class ContactWithFriction(Contact):
             "contact_zone": np.where(stick, _STICK, np.where(loaded, _SLIP, 0.0)),
         }
         scalars = normal_scalars(normal, self._grid, periodic=self._periodic)
-        return fields, scalars | self._scalars(found) | self._zones(loaded, stick)
+        return fields, scalars | self._scalars(solutions) | self._zones(loaded, stick)
 
-    def _scalars(self, found: list[FrictionalSolution]) -> dict[str, float]:
-        last = found[-1]
+    def _scalars(self, solutions: list[FrictionalSolution]) -> dict[str, float]:
+        last = solutions[-1]
         forces, rigid = last.tangential.forces, last.tangential.rigid
-        certificates = [one.tangential.report.certificate for one in found]
-        normals = [one.normal.report.certificate for one in found]
+        certificates = [solution.tangential.report.certificate for solution in solutions]
+        normals = [solution.normal.report.certificate for solution in solutions]
         worst = {
             name: max(getattr(certificate, name) for certificate in certificates)
             for name in ("bound", "stick", "alignment", "load")
@@ -308,7 +320,7 @@ class ContactWithFriction(Contact):
         return {
             "gap_residual": max(certificate.gap for certificate in normals if certificate is not None),
             "penetration_residual": max(certificate.penetration for certificate in normals if certificate is not None),
-            "load_residual": max(worst["load"], *(one.load for one in normals if one is not None)),
+            "load_residual": max(worst["load"], *(solution.load for solution in normals if solution is not None)),
             "tangential_load_x": float(forces[0]),
             "tangential_load_y": float(forces[1]),
             "tangential_load": float(np.hypot(forces[0], forces[1])),
@@ -321,8 +333,8 @@ class ContactWithFriction(Contact):
             "bound_residual": worst["bound"],
             "stick_residual": worst["stick"],
             "alignment_residual": worst["alignment"],
-            "coupling_residual": max(one.coupling_residual for one in found),
-            "coupling_rounds": float(sum(one.rounds for one in found)),
+            "coupling_residual": max(solution.coupling_residual for solution in solutions),
+            "coupling_rounds": float(sum(solution.rounds for solution in solutions)),
         }
 
     def _zones(self, loaded: NDArray[np.bool_], stick: NDArray[np.bool_]) -> dict[str, float]:
@@ -355,12 +367,12 @@ def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
     )
 
 
-def _pressed(scene: Scene) -> float:
-    """Part of the steps in which the pressure is not that of the step before."""
-    if any(ramp.slides for ramp in scene.ramps):
+def _pressed(ramps: Sequence[Step]) -> float:
+    """Share of the increments that change the pressure."""
+    if any(ramp.slides for ramp in ramps):
         return 1.0
     counts, changed, before = 0, 0, None
-    for ramp in scene.ramps:
+    for ramp in ramps:
         prescribed = [getattr(ramp, name) for name in _NORMAL]
         counts += ramp.increments
         changed += ramp.increments * (prescribed != before)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import contact_modulus
 from eigencontact.execution.blocks.block import Stateless
@@ -14,14 +14,13 @@ from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.exposed import Exposed
-from eigencontact.model.kernels import Bodies
+from eigencontact.model.kernels import Solids
 from eigencontact.plugin import FrictionLaw, FrictionState, HasReferencePressure
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 
 __all__ = ["ReferenceShear", "ShearBound"]
 
-FloatArray = NDArray[np.float64]
 
 #: Loads that differ by no more than this part of what friction carries are the same.
 _SAME = 1e-9
@@ -77,9 +76,9 @@ class ReferenceShear(Stateless):
     provides = frozenset({"reference_shear_x", "reference_shear_y"})
     wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
-    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, bodies: Bodies) -> None:
+    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids) -> None:
         self._grid, self._geometry = grid, geometry
-        self._modulus = contact_modulus(*without_layers(bodies))
+        self._modulus = contact_modulus(*without_layers(solids))
         self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:

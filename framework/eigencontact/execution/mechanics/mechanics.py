@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.core.peaks import peak_of_means
 from eigencontact.errors import NotConverged
@@ -20,14 +20,22 @@ from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solved
-from eigencontact.model.kernels import Bodies
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.interface import Interface
+from eigencontact.model.kernels import Solids
 from eigencontact.model.law_numbers import measured, numbers_of_laws
 from eigencontact.model.model import Model
+from eigencontact.model.window import Window
+from eigencontact.plugin import ConstitutiveLaw
+from eigencontact.scene.schema import Numerics
+from eigencontact.scene.steps import Step as Ramp
 from eigencontact.solvers.control import Control
 
-__all__ = ["Mechanics", "RunningMechanics", "contact_of", "mechanics_of"]
+if TYPE_CHECKING:
+    from eigencontact.execution.routes.subsurface import Subsurface
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Mechanics", "RunningMechanics", "mechanics_of"]
+
 
 #: Scalars of a contact, of surfaces that eigenstrain displaces, of bodies with laws, and of `numerics.plastic-error`.
 _OF_CONTACT = (
@@ -83,20 +91,32 @@ class Mechanics(Block):
 
     Parameters
     ----------
-    model : Model
-    contact : Contact or None
-    interiors : sequence of Interior
-        Some, where there is no contact.
+    interface : Interface or None
+        None without a contact.
+    contact_of : callable
+        Contact of an interface.
+    subsurfaces : sequence of Subsurface
+        At least one where there is no contact.
     directions : str
-        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is needed.
+        Directions, of ``"xyz"``, of the surface displacement by the interiors.
+    laws : sequence of ConstitutiveLaw
+        Laws whose numbers are stored.
+    grid : Grid
+    numerics : Numerics
     """
 
     settles = True
     numbers: Sequence[Number] = (*_OF_CONTACT, *_OF_INTERIORS, *_OF_COUPLING, *_OF_LAWS, _PLASTIC_ERROR)
 
-    def __init__(self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> None:
-        self._model, self._directions = model, directions
-        self.numbers = tuple(_numbers(model, contact, interiors, directions))
+    def __init__(
+        self, interface: Interface | None, contact_of: Callable[[Interface], Contact],
+        subsurfaces: Sequence[Subsurface], directions: str, laws: Sequence[ConstitutiveLaw], grid: Grid,
+        numerics: Numerics,
+    ) -> None:  # fmt: skip
+        self.interface, self.contact_of, self.subsurfaces = interface, contact_of, subsurfaces
+        self.directions, self.laws, self.grid, self.numerics = directions, laws, grid, numerics
+        contact, interiors = self._make()
+        self.numbers = tuple(self._numbers(contact, interiors))
         self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
         self.name, self.why = self._parts[0].name, self._parts[0].why
         self.kernels = [kernel for part in self._parts for kernel in part.kernels]
@@ -113,13 +133,38 @@ class Mechanics(Block):
         """See `Block.parts`."""
         return self._parts
 
+    def _make(self) -> tuple[Contact | None, list[Interior]]:
+        """Contact and interiors, not yet started."""
+        contact = None if self.interface is None else self.contact_of(self.interface)
+        return contact, interiors_of(self.subsurfaces, self.directions)
+
+    def _numbers(self, contact: Contact | None, interiors: Sequence[Interior]) -> Iterator[Number]:
+        """Scalars of the steps of a scene."""
+        if contact is not None:
+            yield from contact.numbers
+        for interior in interiors:
+            yield from interior.numbers
+        if interiors and "z" in self.directions:
+            yield from _OF_INTERIORS
+        laws = numbers_of_laws(self.laws)
+        yield from (*laws, *(_OF_LAWS if laws else ()))
+        if contact is not None:
+            yield from (*(_OF_COUPLING if any(interior.responds for interior in interiors) else ()), *_OF_CONTACT)
+        if self.numerics.plastic_error is not None:
+            yield _PLASTIC_ERROR
+
     def start(self, run: Run) -> RunningMechanics:  # noqa: ARG002
         """See `Block.start`."""
-        contact, interiors = contact_of(self._model), interiors_of(self._model, self._directions)
+        contact, interiors = self._make()
         for part in (contact, *interiors):
             if part is not None:
                 part.start()
-        return RunningMechanics(self._model, contact, interiors, self._directions, by_name(self.numbers))
+        return RunningMechanics(self, contact, interiors)
+
+    def contact_for(self, solids: Solids) -> Contact:
+        """Contact of other solids in the same interface."""
+        assert self.interface is not None
+        return self.contact_of(replace(self.interface, solids=solids))
 
 
 class RunningMechanics:
@@ -131,26 +176,19 @@ class RunningMechanics:
 
     Parameters
     ----------
-    model : Model
-        Window, numerics and the numbers of its laws.
+    plan : Mechanics
     contact : Contact or None
         Started.
     interiors : sequence of Interior
-        Started; others take their place as they grow.
-    directions : str
-        See `Mechanics`.
-    declared : mapping of str to Number
-        Of `Mechanics.numbers`.
+        Started; larger ones take their place as they grow.
     """
 
-    def __init__(
-        self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str,
-        declared: Mapping[str, Number],
-    ) -> None:  # fmt: skip
-        self._model, self._grid, self._numerics, self._declared = model, model.grid, model.numerics, declared
-        self._of_laws = tuple(number.name for number in numbers_of_laws(model.laws))
-        self._contact, self._bodies, self._interiors = contact, model.bodies, list(interiors)
-        self._directions = directions if interiors else ""
+    def __init__(self, plan: Mechanics, contact: Contact | None, interiors: Sequence[Interior]) -> None:
+        self._plan, self._grid, self._numerics, self._declared = plan, plan.grid, plan.numerics, by_name(plan.numbers)
+        self._of_laws = tuple(number.name for number in numbers_of_laws(plan.laws))
+        self._contact, self._interiors = contact, list(interiors)
+        self._solids = None if plan.interface is None else plan.interface.solids
+        self._directions = plan.directions if interiors else ""
         self._tried: list[Solved] = []
         self._error = 0.0
         self._couple()
@@ -159,33 +197,32 @@ class RunningMechanics:
         """Join the contact and the interiors as they are now."""
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
-    def _follow(self, bodies: Bodies | None) -> None:
-        """Make the contact anew where the layers of the bodies have changed."""
-        if bodies is not None and bodies != self._bodies:
-            self._bodies, self._contact = bodies, contact_of(replace(self._model, bodies=bodies))
-            assert self._contact is not None
+    def _follow(self, solids: Solids | None) -> None:
+        """Make a new contact where layers of the solids have changed."""
+        if solids is not None and solids != self._solids:
+            self._solids, self._contact = solids, self._plan.contact_for(solids)
             self._contact.start()
             self._couple()
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         began = perf_counter()
-        self._follow(step.surface.bodies)
-        found = self._with_enough_cells(step)
-        last = found[-1]
+        self._follow(step.surface.solids)
+        increments = self._with_enough_cells(step)
+        last = increments[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.remembered
         spent: dict[str, float] = {}
-        for increment in found:
+        for increment in increments:
             accumulate(self._declared, spent, increment.scalars)
         for increment in self._tried:
             efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
             accumulate(self._declared, spent, efforts)
-        answers = [one.contact for one in found if one.contact is not None]
+        answers = [one.contact for one in increments if one.contact is not None]
         if self._contact is not None:
             self._store(step, self._contact, answers)
             spent["solve_seconds"] = perf_counter() - began
-            spent["substeps"] = len(found)
+            spent["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
             spent["plastic_error"] = self._error
         step.scalars |= spent
@@ -196,9 +233,9 @@ class RunningMechanics:
         if self._of_laws:
             states = (state for interior in self._interiors for state in interior.states())
             step.scalars |= dict.fromkeys(self._of_laws, 0.0) | measured(states)
-            imprint = last.displacement.get("z", np.zeros((1, 1)))
-            step.scalars["print_depth"] = max(0.0, peak_of_means(imprint))
-            step.scalars["pile_up"] = max(0.0, peak_of_means(-imprint))
+            imprint = last.displacement.get("z")
+            step.scalars["print_depth"] = 0.0 if imprint is None else max(0.0, peak_of_means(imprint))
+            step.scalars["pile_up"] = 0.0 if imprint is None else max(0.0, peak_of_means(-imprint))
 
     def pressed(
         self,
@@ -212,16 +249,16 @@ class RunningMechanics:
 
         `fields` are those of a step near by; none before the first.
         """
-        self._follow(surface.bodies)
+        self._follow(surface.solids)
         assert self._contact is not None
         assert surface.separation is not None
         sunk = fields.get("residual_displacement_z")
         moved = surface.separation if sunk is None else surface.separation + sunk
         return self._contact.pressed(control, moved, fields, springs, start)
 
-    def softness(self, bodies: Bodies | None) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `bodies` as in `Surface`."""
-        self._follow(bodies)
+    def softness(self, solids: Solids | None) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
+        self._follow(solids)
         assert self._contact is not None
         return self._contact.softness
 
@@ -269,8 +306,8 @@ class RunningMechanics:
             if depth == _HALVINGS:
                 raise
         first, second = increment.halves()
-        found = self._solved(first, memory, before, depth + 1)
-        return found + self._solved(second, _memory(found), found[-1], depth + 1)
+        increments = self._solved(first, memory, before, depth + 1)
+        return increments + self._solved(second, _memory(increments), increments[-1], depth + 1)
 
     def _accurate(
         self, increment: Increment, memory: Any, before: Solved, whole: list[Solved] | None, depth: int
@@ -294,74 +331,65 @@ class RunningMechanics:
             self._error = max(self._error, error)
             return half + rest
         self._tried += rest
-        found = self._accurate(first, memory, before, half, depth + 1)
-        return found + self._accurate(second, _memory(found), found[-1], None, depth + 1)
+        increments = self._accurate(first, memory, before, half, depth + 1)
+        return increments + self._accurate(second, _memory(increments), increments[-1], None, depth + 1)
 
 
-def _numbers(model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> Iterator[Number]:
-    """Scalars of the steps of a scene."""
-    if contact is not None:
-        yield from contact.numbers
-    for interior in interiors:
-        yield from interior.numbers
-    if interiors and "z" in directions:
-        yield from _OF_INTERIORS
-    laws = numbers_of_laws(model.laws)
-    yield from (*laws, *(_OF_LAWS if laws else ()))
-    if contact is not None:
-        yield from (*(_OF_COUPLING if any(interior.responds for interior in interiors) else ()), *_OF_CONTACT)
-    if model.numerics.plastic_error is not None:
-        yield _PLASTIC_ERROR
-
-
-def _memory(found: Sequence[Solved]) -> Any:
+def _memory(increments: Sequence[Solved]) -> Any:
     """What the contact needs of increments that are solved."""
-    last = found[-1].contact
+    last = increments[-1].contact
     return None if last is None else last.memory
-
-
-def contact_of(model: Model) -> Contact | None:
-    """The contact of a scene; None where it has none."""
-    if model.friction is not None:
-        from eigencontact.execution.mechanics.friction_contact import ContactWithFriction
-
-        return ContactWithFriction(model)
-    if model.geometries:
-        from eigencontact.execution.mechanics.normal_contact import NormalContact
-
-        return NormalContact(model)
-    return None
 
 
 def mechanics_of(model: Model) -> Mechanics | None:
     """The mechanics of a scene; None where it has neither contact nor eigenstrain."""
-    contact = contact_of(model)
-    dragged = model.coupling is not None and bool(model.coupling.components)
-    everything = contact is None or model.scene.output.tangential_displacement or dragged
-    directions = "xyz" if everything else "z"
-    interiors = interiors_of(model, directions)
-    if contact is None and not interiors:
+    surface: Interface | None = model.interface
+    subsurfaces: Sequence[Subsurface] = ()
+    if model.sources:
+        from eigencontact.execution.routes.subsurface import subsurfaces_of
+
+        subsurfaces = subsurfaces_of(model)
+    if surface is None and not subsurfaces:
         return None
-    return Mechanics(model, contact, interiors, directions)
+    everything = surface is None or model.scene.output.tangential_displacement or bool(surface.coupling.components)
+    contact_of = partial(
+        _contact_of, window=model.window, numerics=model.numerics, exposed=model.exposed, ramps=model.scene.ramps,
+        coupled=bool(model.cells.inhomogeneities),
+    )  # fmt: skip
+    directions = "xyz" if everything else "z"
+    return Mechanics(surface, contact_of, subsurfaces, directions, model.laws, model.grid, model.numerics)
 
 
-def interiors_of(model: Model, directions: str) -> list[Interior]:
-    """What lies below the surface of both bodies."""
-    found: list[Interior] = []
-    for body in sorted({source.body for source in model.prescribed}):
-        from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
+def _contact_of(
+    interface: Interface, *, window: Window, numerics: Numerics, exposed: Exposed | None, ramps: Sequence[Ramp],
+    coupled: bool,
+) -> Contact:  # fmt: skip
+    """Contact of an interface; see `ContactWithFriction` for the parameters."""
+    if interface.friction is not None:
+        from eigencontact.execution.mechanics.friction_contact import ContactWithFriction
 
-        found.append(PrescribedEigenstrain(model, body, directions))
-    for body in sorted({source.body for source in model.inhomogeneities}):
-        from eigencontact.execution.interiors.cells import Cells
+        return ContactWithFriction(interface, window, numerics, exposed, ramps, coupled=coupled)
+    from eigencontact.execution.mechanics.normal_contact import NormalContact
 
-        if model.numerics.inclusion_resolution == "whole":
+    return NormalContact(interface, window, numerics, coupled=coupled)
+
+
+def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Interior]:
+    """Interiors of both bodies: prescribed eigenstrain first, then inhomogeneities."""
+    interiors: list[Interior] = []
+    for subsurface in subsurfaces:
+        if subsurface.prescribed:
+            from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
+
+            interiors.append(PrescribedEigenstrain(subsurface, directions))
+    for subsurface in subsurfaces:
+        if subsurface.inhomogeneities and subsurface.in_cells:
+            from eigencontact.execution.interiors.cells import Cells
+            from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
+
+            interiors.append((SweptCells if should_sweep(subsurface) else Cells)(subsurface, directions))
+        elif subsurface.inhomogeneities:
             from eigencontact.execution.interiors.uniform_inclusions import Wholes
 
-            found.append(Wholes(model, body, directions))
-        else:
-            from eigencontact.execution.interiors.swept_cells import SweptCells, worth_sweeping
-
-            swept = worth_sweeping(model, [source for source in model.inhomogeneities if source.body == body])
-            found.append((SweptCells if swept else Cells)(model, body, directions))
-    return found
+            interiors.append(Wholes(subsurface, directions))
+    return interiors

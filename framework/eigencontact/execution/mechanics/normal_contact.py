@@ -8,19 +8,21 @@ from math import log2
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
+from eigencontact.core.tractions import ALONG
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import contact_precision
-from eigencontact.model.bodies import kernel_key, layered_bodies
+from eigencontact.model.bodies import layered_bodies
+from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import KernelUse, PairCoefficients
-from eigencontact.model.model import Model
+from eigencontact.model.window import Window
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.contact_area import contact_area
@@ -32,15 +34,15 @@ __all__ = [
     "NORMAL_FIELDS",
     "NORMAL_NUMBERS",
     "NormalContact",
-    "beyond_homogeneous",
     "cell_deflection",
+    "layers_cost",
     "normal_cost",
     "normal_scalars",
     "normal_work",
     "scaled_normal",
+    "surface_kernels",
 ]
 
-FloatArray = NDArray[np.float64]
 
 #: Scalars of every contact.
 NORMAL_NUMBERS = (
@@ -76,21 +78,27 @@ NORMAL_FIELDS = frozenset({"pressure", "gap", "displacement_z"})
 
 
 class NormalContact(Contact):
-    """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load."""
+    """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load.
+
+    Parameters
+    ----------
+    interface : Interface
+    window : Window
+    numerics : Numerics
+    coupled : bool
+        Whether inhomogeneities are iterated on with the contact.
+    """
 
     name, why = "normal-contact", "pressure, contact area, approach"
     fields = NORMAL_FIELDS
     numbers = NORMAL_NUMBERS
 
-    def __init__(self, model: Model) -> None:
-        grid, box = model.grid, model.contact_box
-        self._grid = grid
-        self._numerics, self.precisions = contact_precision(model)
-        self._coefficients = PairCoefficients(model.influences["p"], model.bodies, "z")
-        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
-        key = kernel_key(model.influences["p"], model.bodies)
-        self.kernels = (KernelUse("displacement z", "pressure p", key, text),)
-        self.cost = normal_cost(grid.shape, box, self._numerics) + beyond_homogeneous(model, ["p"])
+    def __init__(self, interface: Interface, window: Window, numerics: Numerics, *, coupled: bool) -> None:
+        self._grid, self._coefficients = window.grid, interface.normal
+        self._numerics, self.precisions = contact_precision(numerics, window.box, coupled=coupled)
+        self.kernels = surface_kernels(interface, window, [("z", "z")])
+        self.cost = normal_cost(window.grid.shape, window.box, self._numerics)
+        self.cost += layers_cost(interface, window, ["p"], periodic=numerics.boundary == "periodic")
 
     def start(self) -> None:
         """See `Contact.start`."""
@@ -154,13 +162,20 @@ class NormalContact(Contact):
         return fields, scalars
 
 
-def beyond_homogeneous(model: Model, tractions: Sequence[str]) -> Cost:
+def layers_cost(interface: Interface, window: Window, tractions: Sequence[str], *, periodic: bool) -> Cost:
     """Price of the surface coefficients of layered bodies, for traction names with a kernel each."""
-    if not layered_bodies(model.bodies):
+    if not layered_bodies(interface.solids):
         return Cost()
     from eigencontact.execution.blocks.layered_cost import layered_surface_cost
 
-    return layered_surface_cost(model, tractions)
+    return layered_surface_cost(interface.solids, window, tractions, periodic=periodic)
+
+
+def surface_kernels(interface: Interface, window: Window, pairs: Sequence[tuple[str, str]]) -> tuple[KernelUse, ...]:
+    """Kernels of surface displacement, by pairs of directions of displacement and traction."""
+    grid, (by, bx) = window.grid, window.box
+    layout = f"surface, {bx} x {by} of {grid.nx} x {grid.ny} cells"
+    return tuple(KernelUse(f"displacement {i}", ALONG[j].words, interface.kernel_key(j), layout) for i, j in pairs)
 
 
 def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:

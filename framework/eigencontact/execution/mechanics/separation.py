@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
@@ -16,11 +15,11 @@ from eigencontact.execution.blocks.block import Block, Run, Running, Stateless
 from eigencontact.execution.blocks.precision import plane_round_off, settled
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.blocks.step import Step
-from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
-from eigencontact.model.kernels import Bodies, KernelUse, PairCoefficients
+from eigencontact.model.bodies import layered_bodies, without_layers
+from eigencontact.model.interface import Interface
+from eigencontact.model.kernels import KernelUse, Solids
 from eigencontact.model.model import Model
-from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
+from eigencontact.plugin import HasReferencePressure
 from eigencontact.plugin.revolution import RevolutionSum
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Numerics
@@ -28,24 +27,31 @@ from eigencontact.scene.schema import Numerics
 if TYPE_CHECKING:
     from eigencontact.convolution import Convolver
 
-__all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_beside_contact"]
+__all__ = [
+    "ReferencePressure",
+    "Separation",
+    "TangentialDisplacement",
+    "blocks_beside_contact",
+    "separation_blocks",
+]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of which a closed form is evaluated at a time: what it needs besides its result stays in the cache.
 _BAND = 2**17
 
 
 class Separation(Block):
-    """The initial gap; where the geometry rolls or slides, at the place that it has reached, which is stored.
+    """The initial gap; that of a geometry that rolls or slides, at its present place, which is stored.
 
     Parameters
     ----------
-    geometries : sequence of Geometry
-        Their separations add up.
+    interface : Interface
+        The separations of its geometries add up.
     grid : Grid
-    motion : str
-        Verb for the geometry that moves along the surface; empty where it stays.
+    travels : bool
+        Whether the geometry moves along the surface.
+    slides : bool, optional
+        Whether it then slides; by default where there is friction.
     """
 
     name = "separation"
@@ -55,22 +61,23 @@ class Separation(Block):
         Number(name=f"travel_{axis}", unit="m", meaning=f"place of the geometry along {axis}") for axis in "xy"
     )
 
-    def __init__(self, geometries: Sequence[Geometry], grid: Grid, motion: str) -> None:
-        self._geometries, self._grid, self._travels = geometries, grid, bool(motion)
-        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in geometries)
-        self.why += f", which {motion} along the surface" if motion else ""
-        self.numbers = Separation.numbers if motion else ()
+    def __init__(self, interface: Interface, grid: Grid, *, travels: bool, slides: bool | None = None) -> None:
+        self._interface, self._grid, self._travels = interface, grid, travels
+        slides = interface.friction is not None if slides is None else slides
+        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
+        self.why += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
+        self.numbers = Separation.numbers if travels else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return _TravellingGap(self._geometries, self._grid, travels=self._travels)
+        return _TravellingGap(self._interface, self._grid, travels=self._travels)
 
 
 class _TravellingGap:
     """The initial gap at the place that the geometry has reached; it is computed where the place changes."""
 
-    def __init__(self, geometries: Sequence[Geometry], grid: Grid, *, travels: bool) -> None:
-        self._geometries, self._grid, self._travels = geometries, grid, travels
+    def __init__(self, interface: Interface, grid: Grid, *, travels: bool) -> None:
+        self._interface, self._grid, self._travels = interface, grid, travels
         self._place: tuple[float, float] | None = None
         self._separation = np.empty(0)
 
@@ -78,7 +85,7 @@ class _TravellingGap:
         """See `Running.advance`."""
         if step.travel != self._place:
             y, x = self._grid.axes()
-            self._separation = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
+            self._separation = self._interface.separation(x - step.travel[0], y - step.travel[1])
             self._place = step.travel
         step.surface = replace(step.surface, separation=self._separation)
         if self._travels:
@@ -93,14 +100,14 @@ class TangentialDisplacement(Block):
     provides = frozenset({"displacement_x", "displacement_y"})
     wanted = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
 
-    def __init__(self, grid: Grid, influence: SurfaceInfluence, solids: Bodies, numerics: Numerics) -> None:
+    def __init__(self, interface: Interface, grid: Grid, numerics: Numerics) -> None:
         self._grid, periodic = grid, numerics.boundary == "periodic"
         self._numerics, self.precisions = settled(numerics, self.name, plane_round_off)
-        self._pairs = [PairCoefficients(influence, solids, component) for component in "xy"]
+        self._pairs = [interface.pair(component, "z") for component in "xy"]
         self._layout = Layout(grid.shape, grid.shape, periodic=periodic)
-        key = kernel_key(influence, solids)
+        key, solids = interface.kernel_key("z"), [body for body in interface.solids if body is not None]
         self.kernels = tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy")
-        sampling = max(sampling_seconds(influence, body, periodic=periodic) for body in solids if body is not None)
+        sampling = max(sampling_seconds(interface.influences["p"], body, periodic=periodic) for body in solids)
         self.cost = spectra_cost(self._layout, 1, sampling, self._numerics, kernels=2)
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
@@ -116,7 +123,7 @@ class TangentialDisplacement(Block):
                 spectrum = layout.spectrum_from_response(response, pair.parity, precision=precision)
             else:
                 half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
-                table = pair.table(layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, half_widths)
+                table = pair.table(layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, half_widths)
                 spectrum = layout.spectrum(table, pair.parity, precision=precision)
             kernels.append([spectrum])
         return _ConvolvedPressure(Convolver(layout, precision=precision, threads=self._numerics.threads), kernels)
@@ -145,14 +152,14 @@ class ReferencePressure(Stateless):
     key : str
         Name of the geometry.
     grid : Grid
-    bodies : Bodies
+    solids : Solids
     simpler : str
         Phrase for what the closed form leaves out; empty where it leaves out nothing.
     """
 
     requires = frozenset({"pressure"})
 
-    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, bodies: Bodies, simpler: str) -> None:
+    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids, simpler: str) -> None:
         from eigencontact.core.material import contact_modulus
 
         self.name = "homogeneous-pressure" if simpler else "reference-pressure"
@@ -160,7 +167,7 @@ class ReferencePressure(Stateless):
         self._field = self.name.replace("-", "_")
         self.provides, self.wanted = frozenset({self._field}), {self._field: "pictures"}
         self._grid, self._geometry = grid, geometry
-        self._modulus = contact_modulus(*without_layers(bodies))
+        self._modulus = contact_modulus(*without_layers(solids))
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
@@ -176,33 +183,36 @@ class ReferencePressure(Stateless):
         step.fields[self._field] = field
 
 
-def blocks_beside_contact(model: Model, *, new_surfaces: bool) -> Iterator[Block]:
-    """Blocks of a contact besides its mechanics; without `new_surfaces` another block gives the separation."""
-    if not model.geometries:
-        return
-    if new_surfaces:
-        motion = "rolls" if model.friction is None else "slides"
-        travels = any(ramp.travels for ramp in model.scene.ramps)
-        yield Separation(model.geometries, model.grid, motion if travels else "")
-        if model.exposed is not None:
-            from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
+def separation_blocks(model: Model, gap: Separation | None = None) -> Iterator[Block]:
+    """Blocks of the gap, by default that of new surfaces, and of the material at the surface."""
+    assert model.interface is not None
+    yield gap or Separation(model.interface, model.grid, travels=any(ramp.travels for ramp in model.scene.ramps))
+    if model.exposed is not None:
+        from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
 
-            yield ExposedMaterial(model.exposed)
-    if model.scene.output.tangential_displacement and model.friction is None:
-        yield TangentialDisplacement(model.grid, model.influences["p"], model.bodies, model.numerics)
-    alone = len(model.geometries) == 1
-    geometry: object = model.geometries[0] if alone else RevolutionSum.of(model.geometries)
-    key, reference = model.geometries[0].key, None
-    if new_surfaces and not model.periodic and isinstance(geometry, HasReferencePressure):
+        yield ExposedMaterial(model.exposed)
+
+
+def blocks_beside_contact(model: Model) -> Iterator[Block]:
+    """Blocks of a contact besides its mechanics and its gap."""
+    interface, grid = model.interface, model.grid
+    if interface is None:
+        return
+    friction, numerics = interface.friction, model.numerics
+    if model.scene.output.tangential_displacement and friction is None:
+        yield TangentialDisplacement(interface, grid, numerics)
+    first, *more = interface.geometries
+    geometry: object = RevolutionSum.of(interface.geometries) if more else first
+    reference = None
+    if not (model.scene.losses or model.periodic) and isinstance(geometry, HasReferencePressure):
         simpler = "without inclusions and eigenstrain" if model.sources else ""
-        simpler = "on the bare substrate" if layered_bodies(model.bodies) else simpler
-        reference = ReferencePressure(geometry, key, model.grid, model.bodies, simpler)
+        simpler = "on the bare substrate" if layered_bodies(interface.solids) else simpler
+        reference = ReferencePressure(geometry, first.key, grid, interface.solids, simpler)
         yield reference
-    if model.friction is not None:
+    if friction is not None:
         from eigencontact.execution.mechanics.friction_reference import ReferenceShear, ShearBound
 
-        yield ShearBound(model.friction, model.grid, model.exposed)
-        assert model.coupling is not None
+        yield ShearBound(friction, grid, model.exposed)
         exact = reference is not None and reference.name == "reference-pressure"
-        if exact and isinstance(geometry, HasReferencePressure) and not model.coupling.joins_normal:
-            yield ReferenceShear(geometry, key, model.grid, model.bodies)
+        if exact and isinstance(geometry, HasReferencePressure) and not interface.coupling.joins_normal:
+            yield ReferenceShear(geometry, first.key, grid, interface.solids)

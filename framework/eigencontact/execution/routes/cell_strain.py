@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CellStrain", "fractions_in", "place_in", "values_of"]
 
-FloatArray = NDArray[np.float64]
 Place = tuple[slice, slice, slice]
 
 
@@ -41,15 +40,15 @@ class CellStrain:
     @cached_property
     def _fractions(self) -> list[tuple[Place, FloatArray]]:
         """Part of the box that a source takes, and the fraction of each of its cells inside."""
-        found = []
+        fractions = []
         for source in self._box.sources:
             assert source.lattice is not None
             whole = np.ones(source.lattice.shape)
             inside = whole if isinstance(source.shape, Patch) else fractions_in(source, source.shape, self._grid)
             rule = f"fine enough to find {source.name!r}"
             require(inside.any(), source.where, "cells", source.lattice.shape[::-1], rule)
-            found.append((place_in(self._box, source.lattice), inside))
-        return found
+            fractions.append((place_in(self._box, source.lattice), inside))
+        return fractions
 
 
 def place_in(box: CellBox, lattice: Lattice) -> Place:

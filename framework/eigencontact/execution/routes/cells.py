@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision, plane_round_off, settled, volume_round_off
@@ -21,7 +22,6 @@ from eigencontact.solvers.cells import Cells
 
 __all__ = ["Between", "CloseUp", "Columns", "Planes", "Volume", "cheapest"]
 
-FloatArray = NDArray[np.float64]
 
 #: Places of the surface up to which points have sums of their own: each takes some 0.3 s and 20 MB over 35 000 cells.
 _PLACES = 256
@@ -327,10 +327,10 @@ class CloseUp(Planes):
             pitch=(dx / mx, dy / my, apart),
             shape=lattice.shape,  # type: ignore[arg-type]
         )
-        found = close_up(
+        values = close_up(
             self.half_space.cell, cells, eigenstrain, target, **self.half_space.options(self.quantity)
         )  # fmt: skip
-        return np.asarray(found[list(self.rows)], dtype=float)
+        return np.asarray(values[list(self.rows)], dtype=float)
 
     def _shifted(self, eigenstrain: FloatArray) -> FloatArray:
         """Field on depths that do not follow the cells: lattices of the cells' pitch, one after the other."""

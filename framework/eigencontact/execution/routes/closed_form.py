@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import timed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import Route
@@ -17,7 +17,6 @@ from eigencontact.model.sources import Source
 
 __all__ = ["ClosedForms"]
 
-FloatArray = NDArray[np.float64]
 
 #: From so many closed forms on they are summed as a cloud of point sources where that is exact.
 _CLOUD = 16
@@ -54,10 +53,10 @@ class ClosedForms(Route):
 
     def _cloud_pace(self, source: Source) -> float:
         """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""
-        from eigencontact.halfspace.cloud import is_large, relaxed, uses_point_sources
+        from eigencontact.halfspace.cloud import cloud_sources, is_large, relaxed
 
         shape = cast("HasPotentials", source.shape)
-        if not uses_point_sources(shape):
+        if cloud_sources(shape) is None:
             return self._point_pace(source)
         finest, points = cast("HasFarField", shape).far_field(), self._some_points()
         tolerance, expanded = self.half_space.numerics.cloud_tolerance, np.inf

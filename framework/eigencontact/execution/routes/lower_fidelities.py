@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import speed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import CellRoute, HalfSpace
@@ -22,7 +22,6 @@ from eigencontact.solvers.image_pressure import ImagePressure, reflected
 
 __all__ = ["FieldInTime", "ImagePressureField", "Periodic"]
 
-FloatArray = NDArray[np.float64]
 
 #: Waves beyond those of the grid, each way, that the periodic half-space sums for eigenstrain in cells.
 _ALIASES = 2

@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.routes.cell_strain import CellStrain
@@ -23,7 +23,6 @@ from eigencontact.model.sources import Source
 
 __all__ = ["PrescribedField", "cell_route"]
 
-FloatArray = NDArray[np.float64]
 Rows = tuple[int, ...] | None
 
 
@@ -43,7 +42,7 @@ class PrescribedField:
         self._still, self._moving = find(still), find(moving)
         #: Price of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
-        self._told = [told for term in (*self._still, *self._moving) for told in term.told()]
+        self._regions = [region for term in (*self._still, *self._moving) for region in term.regions()]
         #: See `Part`.
         self.precisions = [one for term in (*self._still, *self._moving) for one in term.precisions]
         #: What must be known of its values, in words, or nothing.
@@ -60,14 +59,14 @@ class PrescribedField:
         where : str
             The points in words.
         """
-        found: dict[tuple[str, str], KernelUse] = {}
-        for source, who, how in self._told:
+        uses: dict[tuple[str, str], KernelUse] = {}
+        for source, who, how in self._regions:
             like = (source.key, how)
-            if like in found:
-                found[like] = replace(found[like], count=found[like].count + 1)
+            if like in uses:
+                uses[like] = replace(uses[like], count=uses[like].count + 1)
             else:
-                found[like] = KernelUse(what, f"eigenstrain of {who}", source.key, f"{where}, {how}")
-        return list(found.values())
+                uses[like] = KernelUse(what, f"eigenstrain of {who}", source.key, f"{where}, {how}")
+        return list(uses.values())
 
     def at(self, time: float) -> FloatArray:
         """Field at one time, ``(rows, *lattice.shape)``."""
@@ -82,15 +81,15 @@ class PrescribedField:
 
 
 class _Term(ABC):
-    """Field of some regions, and what `explain` says of it."""
+    """Field of some regions, and words for `explain`."""
 
     cost: Cost
     note = ""
     precisions: Sequence[Precision] = ()
 
     @abstractmethod
-    def told(self) -> list[tuple[Source, str, str]]:
-        """Region, its name in words, and how its field is found."""
+    def regions(self) -> list[tuple[Source, str, str]]:
+        """Regions, each with its name and its method in words."""
 
     @abstractmethod
     def at(self, time: float) -> FloatArray:
@@ -105,8 +104,8 @@ def _terms(
     if half_space.numerics.half_space == "image-pressure":
         return [_ByImage(half_space, sources, quantity, lattice, rows)]
     exact = [source for source in sources if source.lattice is None]
-    found: list[_Term] = [_Uniform(ClosedForms(half_space, exact, quantity, lattice, rows))] if exact else []
-    return found + [
+    terms: list[_Term] = [_Uniform(ClosedForms(half_space, exact, quantity, lattice, rows))] if exact else []
+    return terms + [
         _InCells(cell_route(half_space, box, quantity, lattice, rows)) for box in boxes_of(sources)
     ]  # fmt: skip
 
@@ -135,7 +134,7 @@ class _InCells(_Term):
         self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)
         self.cost, self.note, self.precisions = route.cost, route.note, route.precisions
 
-    def told(self) -> list[tuple[Source, str, str]]:
+    def regions(self) -> list[tuple[Source, str, str]]:
         return [(self._route.sources[0], self._route.box.names, self._route.words)]
 
     def at(self, time: float) -> FloatArray:
@@ -155,7 +154,7 @@ class _Uniform(_Term):
         self._at_end: FloatArray | None = None
         self.cost = route.cost.once
 
-    def told(self) -> list[tuple[Source, str, str]]:
+    def regions(self) -> list[tuple[Source, str, str]]:
         return [(source, repr(source.name), source.how) for source in self._route.sources]
 
     def _strain(self, time: float) -> FloatArray:
@@ -186,7 +185,7 @@ class _ByImage(_Term):
         self._rows, self._sources = slice(None) if rows is None else list(rows), sources
         self.cost = self._field.cost
 
-    def told(self) -> list[tuple[Source, str, str]]:
+    def regions(self) -> list[tuple[Source, str, str]]:
         return [(source, repr(source.name), self._field.words) for source in self._sources]
 
     def at(self, time: float) -> FloatArray:

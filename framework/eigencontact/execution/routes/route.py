@@ -10,10 +10,10 @@ from math import ceil, log2
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.convolution.pace import Speed, speed, timed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
@@ -22,14 +22,12 @@ from eigencontact.execution.blocks.precision import Precision
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.installed import CellMaker, installed_cell
-from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Lattice, Source
 from eigencontact.scene.schema import Numerics
 
 __all__ = ["CellRoute", "HalfSpace", "Pace", "Route"]
 
-FloatArray = NDArray[np.float64]
 
 #: Seconds of the interpreter, whatever the sizes, for each kernel of some layers and each spectrum: fitted to sections
 #: of 31 and 61 depths through boxes of 8 to 21 layers, which held 40 000 spectra in 10 s where points alone told 3.
@@ -59,15 +57,6 @@ class HalfSpace:
     registry: Registry
     full: bool = False
     steps: int = 1
-
-    @classmethod
-    def of(cls, model: Model, body: int) -> HalfSpace:
-        """One body of a model."""
-        full = model.numerics.half_space in ("full-space", "image-pressure")
-        return cls(
-            body=body, material=model.half_space(body), grid=model.grid, numerics=model.numerics,
-            registry=model.registry, full=full, steps=model.steps,
-        )  # fmt: skip
 
     @property
     def space(self) -> str:

@@ -18,10 +18,10 @@ from eigencontact.execution.run.loading import (
     start_of_ramp,
     tangential_control_at,
 )
-from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.steps import Step as Ramp
+from eigencontact.solvers.contact_growth import ContactGrowth
 
 __all__ = ["Watcher", "drive"]
 
@@ -45,32 +45,21 @@ class Watcher(Protocol):
         ...
 
 
-class Drivable(Protocol):
-    """What is driven: a plan."""
+class _Plan(Protocol):
+    """The parts of a plan that a run needs; see `eigencontact.planning.plan.Plan`."""
 
     @property
-    def scene(self) -> Scene:
-        """With the load history."""
-        ...
-
+    def scene(self) -> Scene: ...
     @property
-    def steps(self) -> int:
-        """Number of load steps, by estimate where cycles are skipped."""
-        ...
-
+    def steps(self) -> int: ...
     @property
-    def growth(self) -> ContactGrowth | None:
-        """Of the contact's radius, where increments are even in it."""
-        ...
-
+    def growth(self) -> ContactGrowth | None: ...
     @property
-    def blocks(self) -> Sequence[Block]:
-        """In order of execution."""
-        ...
+    def blocks(self) -> Sequence[Block]: ...
 
 
 def drive(
-    plan: Drivable,
+    plan: _Plan,
     *,
     watcher: Watcher | None = None,
     stopwatch: Stopwatch | None = None,
@@ -131,7 +120,7 @@ class _Course:
     history : LoadHistory
     """
 
-    def __init__(self, plan: Drivable, watcher: Watcher | None, stopwatch: Stopwatch) -> None:
+    def __init__(self, plan: _Plan, watcher: Watcher | None, stopwatch: Stopwatch) -> None:
         self._plan, self._watcher, self._stopwatch = plan, watcher, stopwatch
         self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
         self.history = LoadHistory(plan.scene.steps, friction=self._friction, growth=plan.growth)

@@ -8,7 +8,6 @@ from math import hypot
 
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.blocks.surface import Slide
-from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.steps import (
     Segment,
@@ -19,6 +18,7 @@ from eigencontact.scene.steps import (
     spaced_by_radius,
     start_of_normal,
 )
+from eigencontact.solvers.contact_growth import ContactGrowth
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl
@@ -89,14 +89,14 @@ class LoadHistory:
         # What a cycle does not mention is, from the second on, as its own end left it.
         self._again: dict[int, tuple[Step, tuple[float, float], Ends]] = {}
         for part in self._segments:
-            own = ramps[part.first : part.first + part.ramps]
+            cycle = ramps[part.first : part.first + part.ramps]
             if part.repeat > 1:
-                twice = [*ramps[: part.first], *own, *own]
+                twice = [*ramps[: part.first], *cycle, *cycle]
                 held, places = held_steps(twice) if friction else twice, held_travel(twice)
-                ends = _ends_of_increments(growth, held, {place + len(own) for place in graded[1]})
+                ends = _ends_of_increments(growth, held, {place + len(cycle) for place in graded[1]})
                 self._again |= {
-                    part.first + k: (held[k - len(own)], places[k - len(own)], ends[k - len(own)])
-                    for k in range(len(own))
+                    part.first + k: (held[k - len(cycle)], places[k - len(cycle)], ends[k - len(cycle)])
+                    for k in range(len(cycle))
                 }
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
@@ -131,14 +131,14 @@ class LoadHistory:
         The first of them has those cycles skipped before it that have been skipped before the point, and itself.
         Empty where every ramp slides all over the contact: what happened before is then forgotten.
         """
-        part, found = point.segment, list[LoadPoint]()
+        part, ends = point.segment, list[LoadPoint]()
         places = range(part.first, part.first + part.ramps)
         if all(self._ramps[place].slides for place in places):
             return []
         for place in places:
             last = self._at(point.index, part, point.cycle - 1, place, self._ramps[place].increments, 0)
-            found.append(replace(last, skipped=point.skipped if place == part.first else 0))
-        return found
+            ends.append(replace(last, skipped=point.skipped if place == part.first else 0))
+        return ends
 
     def begins_ramp(self, point: LoadPoint) -> bool:
         """Whether it is the first increment of its ramp."""
@@ -222,8 +222,8 @@ def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, 
         Its ramp; None to take all values as they came out.
     """
     names = [name for pair in (*MODES, *TANGENTIAL_MODES) for name in pair]
-    told = {} if last is None else {name: getattr(last, name) for name in names}
-    return {**scalars, **{name: value for name, value in told.items() if value is not None}}
+    prescribed = {} if last is None else {name: getattr(last, name) for name in names}
+    return {**scalars, **{name: value for name, value in prescribed.items() if value is not None}}
 
 
 def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Control:

@@ -1,16 +1,18 @@
-"""Observers: see every accepted step, and return numbers that are stored with it."""
+"""Observers: they see every accepted step and return numbers that are stored with it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from eigencontact.core.grid import Grid
 from eigencontact.errors import PluginError
 from eigencontact.execution.blocks.block import Block, Stateless
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.model import Model
+from eigencontact.model.observing import Observing
 from eigencontact.plugin import RegionView, RememberedView, StepView
 from eigencontact.results.records import RegionRecord
 
@@ -18,26 +20,40 @@ __all__ = ["Observe", "observers_of"]
 
 
 class Observe(Stateless):
-    """One observer, which sees what every run of this scene has, and the regions that it asks for."""
+    """One observer, which sees the fields of every run of this scene, and the regions that it asks for.
 
-    def __init__(self, model: Model, number: int, seen: frozenset[str]) -> None:
-        one = model.observers[number]
-        self.name, self.why, self._key = f"observer-{number}-{one.key}", f"[[observers]] {one.key!r}", one.key
-        self._observer, self._prefix, self._grid = one.observer, one.prefix, model.grid
-        self._regions = {request.label: request.label for request in model.requests}
-        self._regions |= {name: request.label for name, request in one.asked.items()}
-        self.requires = seen | set(one.observer.remembered) | {f"stress:{label}" for label in self._regions.values()}
+    Parameters
+    ----------
+    number : int
+        Among the observers of the scene.
+    observing : Observing
+    labels : iterable of str
+        Regions of the scene.
+    grid : Grid
+    seen : frozenset of str
+        Quantities that it waits for.
+    """
+
+    def __init__(
+        self, number: int, observing: Observing, labels: Iterable[str], grid: Grid, seen: frozenset[str]
+    ) -> None:
+        self.name, self.why = f"observer-{number}-{observing.key}", f"[[observers]] {observing.key!r}"
+        self._observer, self._prefix, self._key = observing.observer, observing.prefix, observing.key
+        self._regions, self._grid = {label: label for label in labels}, grid
+        self._regions |= {name: request.label for name, request in observing.regions.items()}
+        regions = {f"stress:{label}" for label in self._regions.values()}
+        self.requires = seen | set(observing.observer.remembered) | regions
         self.provides, self.wanted = frozenset({f"observed:{number}"}), {f"observed:{number}": self.why}
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
-        known = step.regions | step.looks
+        records = step.regions | step.looks
         seen = StepView(
             index=step.index,
             grid=self._grid,
             fields=_read_only(step.fields),
             scalars=dict(step.scalars),
-            regions={name: _region(known[label]) for name, label in self._regions.items()},
+            regions={name: _region(records[label]) for name, label in self._regions.items()},
             history={
                 name: RememberedView(values=_view(item.values), coords=_read_only(item.coords), unit=item.unit)
                 for name, item in step.history.items()
@@ -54,12 +70,13 @@ class Observe(Stateless):
 
 def observers_of(model: Model, seen: frozenset[str]) -> Iterator[Block]:
     """Every observer of the scene, and the regions that they ask for; `seen` are the results that they wait for."""
-    from eigencontact.execution.fields.regions import Region
+    from eigencontact.execution.fields.regions import region_of
 
-    for number, one in enumerate(model.observers):
-        for request in one.asked.values():
-            yield Region(model, request, f"[[observers]] {one.key!r}")
-        yield Observe(model, number, seen)
+    labels = [request.label for request in model.cells.requests]
+    for number, observing in enumerate(model.observers):
+        for request in observing.regions.values():
+            yield region_of(model, request, f"[[observers]] {observing.key!r}")
+        yield Observe(number, observing, labels, model.grid, seen)
 
 
 def _region(record: RegionRecord) -> RegionView:

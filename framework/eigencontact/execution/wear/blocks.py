@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+from eigencontact.core.cautions import Caution, LeftOut
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.block import Block, Cost, Run, Running
 from eigencontact.execution.blocks.precision import contact_precision
 from eigencontact.execution.blocks.step import Step
-from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics.mechanics import Mechanics
 from eigencontact.execution.mechanics.normal_contact import normal_cost
-from eigencontact.execution.mechanics.separation import Separation
-from eigencontact.execution.wear.layers import layers_that_wear
+from eigencontact.execution.mechanics.separation import Separation, separation_blocks
+from eigencontact.execution.wear.cautions import shift_that_wears, wear_cautions, worn_bodies
+from eigencontact.execution.wear.layers import layers_that_wear, refuse_unworn_kernels
 from eigencontact.execution.wear.surface import MovedContact, WornSurface
+from eigencontact.execution.wear.words import left_out_of_wear, wear_lines
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.interface import Interface
 from eigencontact.model.model import Model
+from eigencontact.model.wear import WearModel
+from eigencontact.model.window import Window
 from eigencontact.results.records import StepRecord
+from eigencontact.scene.schema import Numerics
 
 __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 
@@ -68,17 +75,22 @@ _NEAR = 0.6
 
 
 class WornSeparation(Separation):
-    """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
+    """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step.
 
-    def __init__(self, model: Model, wear: Wear) -> None:
-        ramps = model.scene.ramps
-        travels = any(ramp.travels for ramp in ramps)
-        super().__init__(model.geometries, model.grid, "slides" if travels else "")
+    Parameters
+    ----------
+    wear : Wear
+        Block that wears the surfaces.
+    """
+
+    def __init__(self, wear: Wear) -> None:
+        model = wear.model
+        super().__init__(wear.interface, wear.window.grid, travels=model.travels, slides=True)
         self._wear = wear
         self.why += ", and what has worn"
-        if any(ramp.slides for ramp in ramps):
-            jumps = any(step.repeat > 1 for step in model.scene.steps)
-            self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
+        if model.slides:
+            solves = _TRAVELLING if model.travels else _JUMPING if model.repeats else _SLIDING
+            self.cost = wear.solves(solves)
 
     def start(self, run: Run) -> Running:
         """See `Block.start`."""
@@ -102,7 +114,13 @@ class Wear(Block):
 
     Parameters
     ----------
-    model : Model
+    model : WearModel
+    interface : Interface
+    window : Window
+    exposed : Exposed or None
+        Materials at the surface.
+    numerics : Numerics
+        Of the contact.
     contact : callable
         `Block.start` of the block that solves the contact.
     """
@@ -111,29 +129,35 @@ class Wear(Block):
     settles = True
     numbers = (*_NUMBERS, _LAG, _BALANCE, _LAYER_ERROR, *_LAYERS_LOST)
 
-    def __init__(self, model: Model, contact: Callable[[Run], MovedContact]) -> None:
-        assert model.wear is not None
-        assert model.scene.wear is not None
-        layered, slides = layers_that_wear(model), any(ramp.slides for ramp in model.scene.ramps)
+    def __init__(
+        self, model: WearModel, interface: Interface, window: Window, exposed: Exposed | None, numerics: Numerics,
+        contact: Callable[[Run], MovedContact],
+    ) -> None:  # fmt: skip
+        self.model, self.interface, self.window = model, interface, window
+        self._exposed, self._numerics, self._contact = exposed, numerics, contact
+        layered = layers_that_wear(model, interface.solids)
         self.numbers = (
             *_NUMBERS,
-            *((_LAG,) if slides else ()),
-            *(() if model.wear.volume_per_energy is None else (_BALANCE,)),
+            *((_LAG,) if model.slides else ()),
+            *(() if model.law.volume_per_energy is None else (_BALANCE,)),
             *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
         )
-        self._model, self._contact = model, contact
-        bodies = model.scene.wear.parts
-        which = " and ".join(f"body {body}" for body in bodies)
-        self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
+        which = " and ".join(f"body {body}" for body in model.parts)
+        self.why = f"{which} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
         for body in layered:
-            most = model.scene.wear.layer_error
+            most = model.table.layer_error
             self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
-        slips = {"slip_distance", "dissipated_energy_density"} if model.friction is not None else set()
+        slips = set() if interface.friction is None else {"slip_distance", "dissipated_energy_density"}
         self.requires = frozenset({"pressure", *slips})
-        self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in bodies)), "[wear]")
+        self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
         self.provides = frozenset(self.wanted)
-        if not slides:
-            self.cost = _moving(model, _SLIPPING)
+        if not model.slides:
+            self.cost = self.solves(_SLIPPING)
+
+    def solves(self, count: float) -> Cost:
+        """Price of so many pressures a step; their memory is that of the contact."""
+        contact = normal_cost(self.window.grid.shape, self.window.box, self._numerics)
+        return Cost(seconds_per_step=_NEAR * count * contact.seconds_per_step)
 
     def cycles_of(self, last: StepRecord) -> int:
         """See `Block.cycles_of`."""
@@ -141,19 +165,32 @@ class Wear(Block):
 
     def start(self, run: Run) -> WornSurface:
         """See `Block.start`."""
-        return WornSurface(self._model, run.started(self._contact))
+        grid, contact = self.window.grid, run.started(self._contact)
+        return WornSurface(self.model, self.interface, grid, self._exposed, contact)
 
+    def facts(self, model: Model) -> list[str]:
+        """See `Block.facts`."""
+        return wear_lines(self.model, model.scene.steps)
 
-def _moving(model: Model, solves: float) -> Cost:
-    """Price of so many pressures a step; their memory is that of the contact."""
-    contact = normal_cost(model.grid.shape, model.contact_box, contact_precision(model)[0])
-    return Cost(seconds_per_step=_NEAR * solves * contact.seconds_per_step)
+    def left_out(self, model: Model) -> list[LeftOut]:
+        """See `Block.left_out`."""
+        return left_out_of_wear(model, self.model.table)
+
+    def foreseen(self, model: Model) -> Iterable[Caution]:
+        """See `Block.foreseen`."""
+        return shift_that_wears(model)
+
+    def noticed(self, model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]) -> Iterable[Caution]:
+        """See `Block.noticed`."""
+        return (*wear_cautions(self.model.table, model, last, history), *worn_bodies(model, last, history))
 
 
 def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
-    """What moves the surfaces, before and after the contact."""
-    wear = Wear(model, mechanics.start)
-    yield WornSeparation(model, wear)
-    if model.exposed is not None:
-        yield ExposedMaterial(model.exposed)
+    """Blocks that move the surfaces, before and after the contact."""
+    if model.wear is None or model.interface is None:
+        return
+    numerics, _ = contact_precision(model.numerics, model.window.box, coupled=bool(model.cells.inhomogeneities))
+    wear = Wear(model.wear, model.interface, model.window, model.exposed, numerics, mechanics.start)
+    refuse_unworn_kernels(model)
+    yield from separation_blocks(model, WornSeparation(wear))
     yield wear

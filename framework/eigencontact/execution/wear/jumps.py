@@ -7,8 +7,8 @@ differs from that is the error of the jump, which grows with the square of its s
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.wear.rate import Rate
@@ -17,7 +17,6 @@ from eigencontact.scene.wear import Wear
 
 __all__ = ["MOST", "Jumps", "against_deflection", "ahead"]
 
-FloatArray = NDArray[np.float64]
 
 #: Largest wear of one update, in deflections of a loaded cell: the surface has long come to rest.
 MOST = 1e7
@@ -74,9 +73,9 @@ class Jumps:
         `in_its_end` says that the surfaces move in the end of the cycle alone.
         """
         memory, last = state.memory, state.jump
-        known, slope, wanted = memory.get("rate"), np.zeros_like(pressure), 1.0
-        if known is not None:
-            slope = (rate.pressed - known) / last
+        previous, slope, jump = memory.get("rate"), np.zeros_like(pressure), 1.0
+        if previous is not None:
+            slope = (rate.pressed - previous) / last
             expected = ahead(memory, last)
             missed = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
             missing = float(missed.sum()) * self._area
@@ -84,22 +83,22 @@ class Jumps:
             state.error += 0.5 * (last - (self._table.update == "increment")) * missing
             if in_its_end:
                 change = last * float((slope * pressure).sum()) * self._area
-                spent, kept = float(energy.sum()), float(memory["cycle_energy"].sum())
-                fading = spent / kept if kept > 0 else 1.0
+                spent, before = float(energy.sum()), float(memory["cycle_energy"].sum())
+                fading = spent / before if before > 0 else 1.0
                 # The first change stands for the cycle before it as well, which begins where nothing has slipped.
                 state.lag = fading * state.lag - (0.5 if memory["slope"].any() else 1.0) * change
-            wanted = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
-            if _regime(rate.pressed, pressure) != _regime(known, pressure):
-                wanted = 1.0
+            jump = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
+            if _regime(rate.pressed, pressure) != _regime(previous, pressure):
+                jump = 1.0
         if self._table.cycles_per_update is not None:
-            wanted = float(self._table.cycles_per_update)
+            jump = float(self._table.cycles_per_update)
         most = float(rate.steady.max())
         if most > 0:
-            wanted = min(wanted, max(1.0, _STABLE * self._softness * peak / most))
+            jump = min(jump, max(1.0, _STABLE * self._softness * peak / most))
         share = against_deflection(rate, pressure, self._softness)
         if share > 0:
-            wanted = min(wanted, MOST / share)
-        state.jump = max(1, min(int(wanted), cycle.left))
+            jump = min(jump, MOST / share)
+        state.jump = max(1, min(int(jump), cycle.left))
         if state.cycles < _RUN_IN + 0.5:  # the first cycle begins where nothing has slipped
             state.memory, state.jump = updated(memory), 1
             return

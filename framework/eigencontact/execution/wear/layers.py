@@ -1,4 +1,4 @@
-"""Layers that wear: how thick the kernels take them to be, and what error it means that they are not so everywhere.
+"""Layers that wear: their thickness in the kernels, and the error of taking it as uniform.
 
 The kernels of a layered body are those of layers of uniform thickness. Where a body has lost a depth w(x, y), they are
 made for the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over
@@ -11,19 +11,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.wear.state import WornState
-from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.interface import Interface
+from eigencontact.model.kernels import PairCoefficients, Solids
 from eigencontact.model.model import Model
+from eigencontact.model.wear import WearModel
 from eigencontact.plugin import LayeredMedium, Thinning
 
-__all__ = ["WornLayers", "layers_that_wear"]
+__all__ = ["WornLayers", "layers_that_wear", "refuse_unworn_kernels"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of the error allowed by which the answer may change until kernels are made anew, some tenths of a second each.
 _SHARE = 0.1
@@ -36,52 +38,66 @@ _REMEDY = (
 _WAVES = 200
 
 
-def layers_that_wear(model: Model) -> dict[int, LayeredMedium]:
+def layers_that_wear(wear: WearModel, solids: Solids) -> dict[int, LayeredMedium]:
     """Layered bodies that wear, by number.
 
     Raises
     ------
     SceneError
-        A medium that cannot lose a depth, or an output that its kernels do not follow.
+        A medium that cannot lose a depth.
     """
-    if model.scene.wear is None:
-        return {}
-    media = {body: model.bodies[body - 1] for body in model.scene.wear.parts}
-    found = {body: medium for body, medium in media.items() if isinstance(medium, LayeredMedium)}
-    for body, medium in found.items():
+    candidates = {body: solids[body - 1] for body in wear.parts}
+    media = {body: medium for body, medium in candidates.items() if isinstance(medium, LayeredMedium)}
+    for body, medium in media.items():
         if not isinstance(medium, Thinning):
             raise SceneError(
                 f"wear.body must be one whose layers can lose a depth (got body {body}, of medium {medium.key!r} "
                 "without a method thinned); take 'bonded-layers', or let the other body wear"
             )
-        if model.scene.output.tangential_displacement and model.friction is None:
+    return media
+
+
+def refuse_unworn_kernels(model: Model) -> None:
+    """Refuse an output whose kernels do not follow the layers.
+
+    Raises
+    ------
+    SceneError
+        Displacement along the surface without friction, of layers that wear.
+    """
+    assert model.wear is not None
+    assert model.interface is not None
+    for body in layers_that_wear(model.wear, model.interface.solids):
+        if model.scene.output.tangential_displacement and model.interface.friction is None:
             raise SceneError(
                 f"output.tangential-displacement must be false where body {body} has layers that wear without friction "
                 f"(got true): its kernels are made once, for unworn layers; {_REMEDY}"
             )
-    return found
 
 
 class WornLayers:
-    """The thickness of layers in the kernels of a contact, from step to step; all of it comes from stored records.
+    """The thickness of layers in the kernels of a contact, from step to step, by stored records alone.
 
     Parameters
     ----------
-    model : Model
-        With a layered body that wears.
+    media : mapping of int to LayeredMedium
+        Layered bodies that wear.
+    interface : Interface
+        With unworn layers.
+    grid : Grid
+    allowed : float
+        Relative error of the answer that is allowed.
 
     Attributes
     ----------
-    bodies : Bodies
-        Bodies with layers of the thickness that the kernels have.
+    solids : Solids
+        Solids with layers of the thickness in the kernels.
     """
 
-    def __init__(self, model: Model) -> None:
-        assert model.scene.wear is not None
-        self._model, self._allowed = model, model.scene.wear.layer_error
-        self._media = layers_that_wear(model)
-        self._lost, self.bodies = dict.fromkeys(self._media, 0.0), model.bodies
-        reach, finest = max(model.grid.size), min(model.grid.dx, model.grid.dy)
+    def __init__(self, media: Mapping[int, LayeredMedium], interface: Interface, grid: Grid, allowed: float) -> None:
+        self._media, self._interface, self._allowed = media, interface, allowed
+        self._lost, self.solids = dict.fromkeys(media, 0.0), interface.solids
+        reach, finest = max(grid.size), min(grid.dx, grid.dy)
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
     def begin(self, step: Step, state: WornState) -> None:
@@ -126,12 +142,12 @@ class WornLayers:
 
     def _use(self, lost: Mapping[int, float]) -> None:
         if lost != self._lost:
-            self._lost, self.bodies = dict(lost), self._bodies(lost)
+            self._lost, self.solids = dict(lost), self._thinned(lost)
 
-    def _bodies(self, lost: Mapping[int, float]) -> Bodies:
-        """Bodies whose surfaces have lost uniform depths."""
+    def _thinned(self, lost: Mapping[int, float]) -> Solids:
+        """Solids whose surfaces have lost uniform depths."""
         thin = {body: medium.thinned(lost[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
-        first, second = (thin.get(number, body) for number, body in enumerate(self._model.bodies, 1))
+        first, second = (thin.get(number, body) for number, body in enumerate(self._interface.solids, 1))
         return first, second
 
     def _change(self, one: Mapping[int, float], other: Mapping[int, float]) -> float:
@@ -141,9 +157,11 @@ class WornLayers:
         k, still = self._waves, np.zeros_like(self._waves)
         worst = 0.0
         for name, along in (("p", "z"), ("q_x", "x")):
-            if name in self._model.influences:
+            if name in self._interface.influences:
                 first, second = (
-                    PairCoefficients(self._model.influences[name], self._bodies(lost), along).response(k, still).real
+                    PairCoefficients(self._interface.influences[name], self._thinned(lost), along)
+                    .response(k, still)
+                    .real
                     for lost in (one, other)
                 )
                 worst = max(worst, float(np.abs(second / first - 1.0).max()))

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.plugin import WearLaw, WearState
 from eigencontact.plugin.wear import checked_depth
 
 __all__ = ["Rate", "energy_of", "filled", "quotient", "rate_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Relative change of pressure, shear and energy by which the derivative of a law is taken.
 _NUDGE = 1e-4
@@ -84,11 +84,11 @@ def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> Fl
     return np.divide(values, by, out=np.zeros_like(values), where=where)
 
 
-def _nearest(values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
+def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
     """Values with those of the nearest known cell elsewhere."""
-    if known.all() or not known.any():
+    if valid.all() or not valid.any():
         return values
     from scipy.ndimage import distance_transform_edt
 
-    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    rows, columns = distance_transform_edt(~valid, return_distances=False, return_indices=True)
     return np.asarray(values[rows, columns])

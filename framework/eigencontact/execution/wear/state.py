@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.execution.blocks.step import Step
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 __all__ = ["WornState", "recalled", "store", "updated"]
 
-FloatArray = NDArray[np.float64]
 
 #: Digits after the point of a number of cells: a whole number of them smears nothing.
 _DIGITS = 9
@@ -91,8 +90,8 @@ class WornState:
     def wear(self, added: FloatArray, parts: Mapping[int, float]) -> None:
         """Take a depth [m] off the bodies, each its part, in coordinates of the window."""
         x, y = self.cells
-        own = {1: added, 2: carried(added, (-x, -y)) if 2 in parts else added}
-        self.depth = {body: known + parts[body] * own[body] for body, known in self.depth.items()}
+        local = {1: added, 2: carried(added, (-x, -y)) if 2 in parts else added}
+        self.depth = {body: depth + parts[body] * local[body] for body, depth in self.depth.items()}
 
 
 def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
@@ -153,7 +152,7 @@ def recalled(
 def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) -> None:
     """Fields, numbers and what is remembered, into a step; `travels` where body 2 moves."""
     total, area = state.total, grid.cell_area
-    own = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
+    lost = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
     step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}
     volume = float(total.sum()) * area
     step.scalars |= {
@@ -166,7 +165,7 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
         "update_error": state.lag / volume if volume > 0 else 0.0,
     }
     coords = {"y": grid.y, "x": grid.x}
-    for name, values in {"total_energy": state.energy, **own, **state.memory}.items():
+    for name, values in {"total_energy": state.energy, **lost, **state.memory}.items():
         if name == "steady" and not values.any():  # as where a contact stays as large as it is
             continue
         unit, meaning = _REMEMBERED[name]

@@ -12,8 +12,9 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import CyclePlace, Step
 from eigencontact.execution.blocks.surface import Surface
@@ -22,8 +23,10 @@ from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, a
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
 from eigencontact.execution.wear.state import recalled, store, updated
-from eigencontact.model.kernels import Bodies
-from eigencontact.model.model import Model
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.interface import Interface
+from eigencontact.model.kernels import Solids
+from eigencontact.model.wear import WearModel
 from eigencontact.plugin import FrictionState, NamesMaterials, WearState
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.solvers.control import Control
@@ -31,7 +34,6 @@ from eigencontact.solvers.moving_surface import moved
 
 __all__ = ["MovedContact", "WornSurface"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of the error of a jump that the integration at a fixed rate may make.
 _INTEGRATION = 0.1
@@ -51,37 +53,40 @@ class MovedContact(Protocol):
         """Pressure under moved surfaces; see `eigencontact.execution.blocks.contact.Contact.pressed`."""
         ...
 
-    def softness(self, bodies: Bodies | None) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `bodies` as in `Surface`."""
+    def softness(self, solids: Solids | None) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
         ...
 
 
 class WornSurface:
-    """The surfaces of a scene that wears, from step to step; all that it knows comes from stored records.
+    """Surfaces that wear, from step to step, by stored records alone.
 
     Parameters
     ----------
-    model : Model
-        With a wear law.
+    wear : WearModel
+    interface : Interface
+        With unworn layers.
+    grid : Grid
+    exposed : Exposed or None
+        Materials at the surface.
     contact : MovedContact
         Contact of the scene.
     """
 
-    def __init__(self, model: Model, contact: MovedContact) -> None:
-        assert model.wear is not None
-        assert model.scene.wear is not None
-        self._model = model
-        self._layers = WornLayers(model) if layers_that_wear(model) else None
-        self._law, self._friction, self._grid = model.wear, model.friction, model.grid
-        self._contact, self._parts = contact, model.scene.wear.parts
-        self._at_once = model.scene.wear.update == "increment"
-        self._jumps = Jumps(model.scene.wear, model.grid, contact.softness(self.bodies))
-        self._tolerance = _INTEGRATION * (model.scene.wear.error or 1e-2)
-        self._by_material = any(isinstance(law, NamesMaterials) for law in (model.wear, model.friction))
-        self._opening = model.scene.wear.error or 1e-2
+    def __init__(
+        self, wear: WearModel, interface: Interface, grid: Grid, exposed: Exposed | None, contact: MovedContact
+    ) -> None:
+        media = layers_that_wear(wear, interface.solids)
+        self._layers = WornLayers(media, interface, grid, wear.table.layer_error) if media else None
+        self._law, self._friction, self._grid = wear.law, interface.friction, grid
+        self._contact, self._parts, self._exposed = contact, wear.parts, exposed
+        self._at_once, self._travels = wear.by_increment, wear.travels
+        self._jumps = Jumps(wear.table, grid, contact.softness(self.solids))
+        self._opening = wear.table.error or 1e-2
+        self._tolerance = _INTEGRATION * self._opening
+        self._by_material = any(isinstance(law, NamesMaterials) for law in (self._law, self._friction))
         # Within a cycle surfaces move by increments that move them at once, and by sliding.
-        self._within = self._at_once or any(ramp.slides for ramp in model.scene.ramps)
-        self._travels = any(ramp.travels for ramp in model.scene.ramps)
+        self._within = self._at_once or wear.slides
 
     @property
     def lost(self) -> dict[int, FloatArray]:
@@ -89,14 +94,14 @@ class WornSurface:
         return {body: self._state.seen(body) for body in self._state.depth}
 
     @property
-    def bodies(self) -> Bodies | None:
-        """Bodies with layers as thick as the kernels take them to be; None where no layers wear."""
-        return None if self._layers is None else self._layers.bodies
+    def solids(self) -> Solids | None:
+        """Solids with layers as thick as the kernels take them to be; None where no layers wear."""
+        return None if self._layers is None else self._layers.solids
 
     @property
     def _exposed_facts(self) -> dict[str, Any]:
-        """What the states of laws say of the material that is exposed now."""
-        exposed = self._model.exposed
+        """Exposed material, for the states of laws."""
+        exposed = self._exposed
         return {} if exposed is None else exposed_facts(exposed, exposed.at(self.lost.get(exposed.body)))
 
     def begin(self, step: Step) -> Surface:
@@ -122,7 +127,7 @@ class WornSurface:
     def _worn_by(self, depth: FloatArray) -> Surface:
         """Surfaces that have lost a depth ``(ny, nx)`` [m] together."""
         assert self._new.separation is not None
-        return replace(self._new, separation=self._new.separation + depth, bodies=self.bodies)
+        return replace(self._new, separation=self._new.separation + depth, solids=self.solids)
 
     def advance(self, step: Step) -> None:
         """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
@@ -189,7 +194,7 @@ class WornSurface:
         state, memory = self._state, self._state.memory
         second = memory.get("steady_2", 0.0)
         each = {1: memory["steady"] - second, 2: second}
-        state.depth = {body: known + cycles * each[body] for body, known in state.depth.items()}
+        state.depth = {body: depth + cycles * each[body] for body, depth in state.depth.items()}
         state.energy = state.energy + cycles * memory["cycle_energy"]
         state.cycles += cycles
 
@@ -233,7 +238,7 @@ class WornSurface:
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
         depth = rate.depth(pressure)
-        rate = replace(rate, steady=np.minimum(rate.steady, self._contact.softness(self.bodies) * peak))
+        rate = replace(rate, steady=np.minimum(rate.steady, self._contact.softness(self.solids) * peak))
         assert step.control is not None
         before = self._state.total
         self._move(step.control, fields, rate, 1, depth, energy, pressure)
@@ -271,7 +276,7 @@ class WornSurface:
 
     def _beyond(self, depth: FloatArray) -> float:
         """Part of a depth [m] that would be worn off another material than the one exposed now, where laws differ."""
-        exposed = self._model.exposed
+        exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0
         return exposed.beyond(self.lost[exposed.body], self._parts[exposed.body] * depth)
@@ -300,22 +305,22 @@ class WornSurface:
         least = _LEAST * float(state.total.sum())
         self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
-            found = moved(
+            motion = moved(
                 lambda lost, springs, start: self._contact.pressed(
                     self._worn_by(lost), control, fields, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
             )  # fmt: skip
-            added, pressure = found.depth, found.pressure
+            added, pressure = motion.depth, motion.pressure
             state.wear(added, self._parts)
-            state.error += found.error * max(float(added.sum()), least) * self._grid.cell_area
+            state.error += motion.error * max(float(added.sum()), least) * self._grid.cell_area
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
         return pressure
 
     def _refuse_too_much(self, rate: Rate, cycles: int, pressure: FloatArray) -> None:
         """Refuse wear that numbers cannot hold beside the deflection."""
-        share = cycles * against_deflection(rate, pressure, self._contact.softness(self.bodies))
+        share = cycles * against_deflection(rate, pressure, self._contact.softness(self.solids))
         if share > 10.0 * MOST:
             raise SceneError(
                 f"wear law {self._law.key!r} must wear less than {10.0 * MOST:g} times what the surface deflects in "

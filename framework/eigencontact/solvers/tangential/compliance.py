@@ -3,40 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
-from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.operator import Coefficients, Compliance, layout_between, offsets, sampled
 from eigencontact.solvers.preconditioner import Circulant
+from eigencontact.solvers.solution import SolverOptions
 
 __all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
 
-FloatArray = NDArray[np.float64]
 #: (direction of the displacement, direction of the traction): ``("x", "y")``.
 Pair = tuple[str, str]
 
 _KEPT = 4
 
 
-class ParityCoefficients(Protocol):
-    """Influence coefficients of one response to one traction, with their parity."""
+class ParityCoefficients(Coefficients, Protocol):
+    """Influence coefficients of one response to one traction [m/Pa], with their parity."""
 
     @property
     def parity(self) -> tuple[int, int]:
         """Parity (in y, in x)."""
-        ...
-
-    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
-        """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
-        ...
-
-    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
-        """Amplitude of the response to a unit traction wave; for periodic contact."""
-        ...
 
 
 class MatrixOperator:
@@ -50,8 +42,8 @@ class MatrixOperator:
         By directions of displacement and traction; what is missing is zero.
     targets, sources : str
         Directions of the displacements and of the tractions, in the order of the arrays: ``"xy"``.
-    periodic, precision, threads
-        See `eigencontact.solvers.operator.Compliance`.
+    options : SolverOptions
+        Periodic window, precision and threads.
     """
 
     def __init__(
@@ -60,14 +52,13 @@ class MatrixOperator:
         coefficients: Mapping[Pair, ParityCoefficients],
         targets: str,
         sources: str,
-        *,
-        periodic: bool,
-        precision: str,
-        threads: int | None,
+        options: SolverOptions,
     ) -> None:
         self.grid, self.targets, self.sources = grid, targets, sources
-        self.periodic, self.precision, self.threads = periodic, precision, threads
-        self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._couples(pair)}
+        self.options = options
+        self._coefficients = {
+            pair: coefficients[pair] for pair in coefficients if pair[0] in targets and pair[1] in sources
+        }
         self._tables: dict[Pair, FloatArray] = {}
         self._unit: float | None = None
         self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
@@ -75,9 +66,6 @@ class MatrixOperator:
         self._diagonal: dict[str, Compliance] = {}
         #: Times that all displacements were computed.
         self.applications = 0
-
-    def _couples(self, pair: Pair) -> bool:
-        return pair[0] in self.targets and pair[1] in self.sources
 
     def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
         """Displacements on a box ``(len(targets), ny, nx)`` by the tractions on another ``(len(sources), ny, nx)``."""
@@ -93,34 +81,33 @@ class MatrixOperator:
         """Displacement of one cell under a unit traction along the first direction [m/Pa]."""
         if self._unit is None:
             pair = (self.targets[0], self.sources[0])
-            half = (0.5 * self.grid.dx, 0.5 * self.grid.dy)
-            self._unit = float(self._coefficients[pair].table(np.zeros(1), np.zeros(1), half)[0, 0])
+            self._unit = float(sampled(self._coefficients[pair], self.grid, 1, 1)[0, 0])
         return self._unit
 
     def _make(self, source: Box, target: Box) -> tuple[Convolver, list[list[Spectrum | None]]]:
-        if self.periodic:  # shifts between boxes of one period are rolls; the whole window is as cheap
+        if self.options.periodic:  # shifts between boxes of one period are rolls; the whole window is as cheap
             layout = Layout(self.grid.shape, self.grid.shape, periodic=True)
         else:
-            layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
+            layout = layout_between(source, target)
         kernels = [
             [self._spectrum((i, j), layout) if (i, j) in self._coefficients else None for j in self.sources]
             for i in self.targets
         ]
-        return Convolver(layout, precision=self.precision, threads=self.threads), kernels
+        return Convolver(layout, precision=self.options.precision, threads=self.options.threads), kernels
 
     def _spectrum(self, pair: Pair, layout: Layout) -> Spectrum:
         parity = self._coefficients[pair].parity
-        if self.periodic:
+        if self.options.periodic:
             ky, kx = layout.wavenumbers(self.grid.dy, self.grid.dx)
             response = self._coefficients[pair].response(kx[None, :], ky[:, None])
-            return layout.spectrum_from_response(response, parity, precision=self.precision)
-        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+            return layout.spectrum_from_response(response, parity, precision=self.options.precision)
+        y, x = offsets(layout)
         table = self._table(pair, int(y.max()) + 1, int(x.max()) + 1)
         if not (layout.y.symmetric and layout.x.symmetric):
-            sign_y = np.sign(layout.lattice_y) if parity[0] < 0 else np.ones(y.size)
-            sign_x = np.sign(layout.lattice_x) if parity[1] < 0 else np.ones(x.size)
+            sign_y = np.sign(layout.y.lattice) if parity[0] < 0 else np.ones(y.size)
+            sign_x = np.sign(layout.x.lattice) if parity[1] < 0 else np.ones(x.size)
             table = table[np.ix_(y, x)] * (sign_y[:, None] * sign_x[None, :])
-        return layout.spectrum(table, parity, precision=self.precision)
+        return layout.spectrum(table, parity, precision=self.options.precision)
 
     def _table(self, pair: Pair, ny: int, nx: int) -> FloatArray:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once for the window.
@@ -131,9 +118,7 @@ class MatrixOperator:
         table = self._tables.get(pair, np.empty((0, 0)))
         if table.shape[0] < ny or table.shape[1] < nx:
             rows, columns = max(ny, self.grid.ny), max(nx, self.grid.nx)
-            dx, dy = self.grid.dx, self.grid.dy
-            x, y = np.arange(columns, dtype=float) * dx, np.arange(rows, dtype=float) * dy
-            table = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
+            table = self._tables[pair] = sampled(self._coefficients[pair], self.grid, rows, columns)
         return table[:ny, :nx]
 
     def precondition(self, displacements: FloatArray, box: Box) -> FloatArray:
@@ -143,10 +128,8 @@ class MatrixOperator:
             inverses = []
             for direction in self.sources:
                 if direction not in self._diagonal:
-                    self._diagonal[direction] = Compliance(
-                        self.grid, self._coefficients[direction, direction], periodic=self.periodic,
-                        precision="double", threads=self.threads,
-                    )  # fmt: skip
+                    options = replace(self.options, precision="double")
+                    self._diagonal[direction] = Compliance(self.grid, self._coefficients[direction, direction], options)
                 compliance = self._diagonal[direction]
                 inverse = Circulant(compliance, box).inverse
                 inverses.append((inverse, compliance.unit / self.unit()))

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.anderson import Anderson
@@ -21,8 +21,6 @@ from eigencontact.solvers.tangential.control import TangentialControl
 from eigencontact.solvers.tangential.solver import Overloaded, TangentialOptions, TangentialSolution, TangentialSolver
 
 __all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
-
-FloatArray = NDArray[np.float64]
 
 #: Part of the tolerance that the normal and the tangential solve may use up in the last round of the coupling.
 _INNER = 0.2
@@ -142,8 +140,8 @@ class FrictionalContact:
     grid : Grid
         Cells.
     coefficients : mapping of (str, str) to ParityCoefficients
-        By directions of displacement and traction, of ``"x"``, ``"y"``, ``"z"``. Which are given is the coupling: only
-        equal directions (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
+        By directions of displacement and traction, ``"x"``, ``"y"``, ``"z"``. The pairs decide the coupling: equal
+        directions only (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
         (full). ``("z", "z")`` and one tangential direction are needed.
     bound : callable
         Shear bound [Pa] ``(ny, nx)`` from the pressure and the state at the start of the increment.
@@ -177,10 +175,7 @@ class FrictionalContact:
     ) -> MatrixOperator | None:
         if not any((i, j) in coefficients for i in targets for j in sources):
             return None
-        return MatrixOperator(
-            self.grid, coefficients, targets, sources, periodic=self.options.periodic,
-            precision=self.options.precision, threads=self.options.threads,
-        )  # fmt: skip
+        return MatrixOperator(self.grid, coefficients, targets, sources, self.options)
 
     def step(
         self,
@@ -208,18 +203,16 @@ class FrictionalContact:
             End of the last increment; at rest by default.
         offset : (k, ny, nx) float64, optional
             Tangential displacement by anything but pressure and shear, body 1 less body 2 [m].
-        tolerance : float, optional
-            Instead of that of the options: an outer iteration need not solve to the end at once.
         start : FrictionalSolution, optional
-            An answer near by: that of the same increment under another offset.
+            A solution near by: that of the same increment under another offset.
         slide : (k,) float64, optional
-            Way that body 2 slides on body 1 all over the contact [m]: the shear is at its bound everywhere, against it,
-            whatever `tangential` says. The way is not counted among the rigid displacements.
+            Distance that body 2 slides on body 1 all over the contact [m], not counted among the rigid displacements.
+            The shear is at its bound everywhere, against it; `tangential` is not used.
         moved : bool
-            Whether the separation is another than that at the end of the last increment: the bound at the start is then
-            not known, and friction works with that of the end alone.
-        progress : callable, optional
-            Told the residual of each iteration.
+            Whether the separation has changed since the end of the last increment: the bound at the start is then
+            unknown, and friction works with that of the end alone.
+        tolerance, progress
+            See `eigencontact.solvers.normal.NormalSolver.solve`.
 
         Raises
         ------
@@ -228,14 +221,13 @@ class FrictionalContact:
         """
         before = before or Sliding.at_rest(self.grid, self.components)
         increment = _Increment(separation, control, tangential, before, offset, tolerance, slide, moved, progress)
-        last = None if start is None else self._as_round(start, before)
+        last = None
+        if start is not None:
+            bound = self.bound(start.normal.pressure, before)
+            last = _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
         if self._by_shear is None:
             return self._solution(increment, self._round(increment, last, before.lift, tolerance), before.lift, 1, 0.0)
         return self._agreed(increment, last, before.lift if start is None else start.sliding.lift)
-
-    def _as_round(self, start: FrictionalSolution, before: Sliding) -> _Round:
-        bound = self.bound(start.normal.pressure, before)
-        return _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
 
     def _agreed(self, increment: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
         """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES as MODES
 from eigencontact.core.rigid_modes import RigidMode
 from eigencontact.solvers.control import PrescribedModes
 
 __all__ = ["MODES", "TangentialControl", "mode_fields"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.errors import EigencontactError
 
 __all__ = ["FittedModes", "Infeasible", "RigidPlane", "inner", "length_of"]
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _TINY = np.finfo(float).tiny
 #: Error of the forces, relative to the sum of the bounds of all cells, at which the projection stops.

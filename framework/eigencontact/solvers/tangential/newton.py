@@ -18,19 +18,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.solvers.tangential.discs import RigidPlane, inner, length_of
 
 __all__ = ["DiscProblem", "DiscState", "solve_discs"]
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-
 _TINY = np.finfo(float).tiny
 #: Conjugate-gradient steps in one Newton step at most.
 _INNER = 80
-#: Part of the loaded cells that may change between stick and slip for the Newton steps to be worth some precision.
+#: Part of the loaded cells that may change between stick and slip before Newton steps are precise.
 _SETTLED = 0.01
 #: Residual of a Newton step, relative to its first, while more cells change.
 _ROUGH = 0.4
@@ -88,22 +85,15 @@ def solve_discs(
 
     Parameters
     ----------
-    problem : DiscProblem
-        The problem.
     start : (k, ny, nx) array
-        Any tractions; they are brought into the discs first.
+        Any tractions; they are moved into the discs first.
     tolerance : float
         Bound on the wrong part of the slip (all of it in stick, across the traction in slip), relative to the largest
         displacement by the tractions.
     max_iterations : int
         Newton steps allowed.
     on_iteration : callable
-        Told the residual of each iterate.
-
-    Returns
-    -------
-    DiscState
-        ``residual`` tells whether it got there.
+        Called with the residual of each iterate; the last is that of the result.
 
     Raises
     ------

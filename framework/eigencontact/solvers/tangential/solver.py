@@ -7,21 +7,18 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged, SceneError, require
-from eigencontact.solvers.report import Progress
+from eigencontact.solvers.report import FrictionCertificate, Progress, SolveReport
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
 from eigencontact.solvers.tangential.control import MODES, TangentialControl, mode_fields
 from eigencontact.solvers.tangential.discs import Infeasible, RigidPlane, length_of
 from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve_discs
-from eigencontact.solvers.tangential.report import FrictionCertificate, TangentialReport
 
 __all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialSolver"]
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 #: Slip, relative to the largest tangential displacement in contact, that is round-off.
 _NOTHING = 1e-12
@@ -42,24 +39,10 @@ class Overloaded(SceneError):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TangentialOptions:
-    """Options of the tangential solver.
+class TangentialOptions(SolverOptions):
+    """Options of the tangential solver: the tolerance bounds the `FrictionCertificate`, iterations are Newton steps."""
 
-    Parameters
-    ----------
-    tolerance : float
-        Bound on each residual of the `FrictionCertificate` [-].
-    max_iterations : int
-        Newton steps allowed.
-    precision, threads, periodic
-        As in `eigencontact.solvers.solution.NormalOptions`.
-    """
-
-    tolerance: float = 1e-6
     max_iterations: int = 200
-    precision: str = "double"
-    threads: int | None = None
-    periodic: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -80,7 +63,7 @@ class TangentialSolution:
         δ_x, δ_y [m], φ_z [rad].
     forces : (3,) float64
         Q_x, Q_y [N], M_z [N m] of the shear.
-    report : TangentialReport
+    report : SolveReport
         Certificate, history, counts, time.
     """
 
@@ -90,7 +73,7 @@ class TangentialSolution:
     stick: BoolArray
     rigid: FloatArray
     forces: FloatArray
-    report: TangentialReport
+    report: SolveReport[FrictionCertificate]
 
 
 class TangentialSolver:
@@ -130,10 +113,7 @@ class TangentialSolver:
         options: TangentialOptions | None = None,
     ) -> None:
         self.grid, self.components, self.options = grid, components, options or TangentialOptions()
-        self.operator = MatrixOperator(
-            grid, coefficients, components, components, periodic=self.options.periodic,
-            precision=self.options.precision, threads=self.options.threads,
-        )  # fmt: skip
+        self.operator = MatrixOperator(grid, coefficients, components, components, self.options)
 
     def solve(
         self,
@@ -159,11 +139,9 @@ class TangentialSolver:
         control : TangentialControl
             Forces or rigid displacements at the end of the increment.
         start : (k, ny, nx) float64, optional
-            Shear near the answer: that of the last step.
-        tolerance : float, optional
-            Instead of that of the options: an outer iteration need not solve to the end at once.
-        progress : callable, optional
-            Told the residual of each iteration.
+            Shear near the solution: that of the last step.
+        tolerance, progress
+            See `eigencontact.solvers.normal.NormalSolver.solve`.
 
         Raises
         ------
@@ -174,7 +152,7 @@ class TangentialSolver:
         SceneError
             A bound that is negative or not finite.
         """
-        began, report, before = perf_counter(), TangentialReport(), self.operator.applications
+        began, report, before = perf_counter(), SolveReport[FrictionCertificate](), self.operator.applications
         require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
         if not (np.all(np.isfinite(bound)) and float(bound.min()) >= 0):
             raise SceneError(
@@ -190,31 +168,33 @@ class TangentialSolver:
     def slid(
         self, bound: FloatArray, offset: FloatArray, direction: FloatArray, rigid: FloatArray
     ) -> TangentialSolution:
-        """Shear of a contact in which everything has slid far, one way.
+        """Shear of a contact that slides one way in all cells.
 
         Parameters
         ----------
         bound, offset : (ny, nx), (k, ny, nx) float64
             See `solve`.
         direction : (k,) float64
-            In which body 2 slides on body 1, of length 1.
+            Direction in which body 2 slides on body 1, of length 1.
         rigid : (3,) float64
-            Rigid displacements that are counted [m, m, rad]; the way that it slides is not among them.
-
-        Returns
-        -------
-        TangentialSolution
-            Its slip is that beside the way that it slides.
+            Other rigid displacements [m, m, rad]; the slip of the solution counts them, not the sliding distance.
         """
-        shear = direction[:, None, None] * bound
-        box = Box(0, self.grid.ny, 0, self.grid.nx) if self.options.periodic else Box.around(bound > 0)
-        report, fields = TangentialReport(), mode_fields(self.grid, self.components)
-        report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=0.0)
-        displacement = np.zeros_like(shear)
+        shear, window = direction[:, None, None] * bound, Box(0, self.grid.ny, 0, self.grid.nx)
+        box = window if self.options.periodic else Box.around(bound > 0)
+        report, displacement = SolveReport[FrictionCertificate](), np.zeros_like(shear)
         if box is not None:
-            window, before = Box(0, self.grid.ny, 0, self.grid.nx), self.operator.applications
+            before = self.operator.applications
             displacement = self.operator.apply(shear[:, *box.slices], box, window)
             report.convolutions = self.operator.applications - before
+        return self._without_stick(shear, displacement, offset, rigid, report, tolerance=0.0)
+
+    def _without_stick(
+        self, shear: FloatArray, displacement: FloatArray, offset: FloatArray, rigid: FloatArray,
+        report: SolveReport[FrictionCertificate], *, tolerance: float,
+    ) -> TangentialSolution:  # fmt: skip
+        """Exact solution in which no cell sticks."""
+        fields = mode_fields(self.grid, self.components)
+        report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=tolerance)
         return TangentialSolution(
             shear=shear, displacement=displacement, rigid=rigid, report=report,
             slip=displacement + offset - np.einsum("m,mkij->kij", rigid, fields),
@@ -228,7 +208,7 @@ class TangentialSolver:
         offset: FloatArray,
         control: TangentialControl,
         start: FloatArray | None,
-        report: TangentialReport,
+        report: SolveReport[FrictionCertificate],
         tolerance: float,
         progress: Progress | None,
     ) -> TangentialSolution:
@@ -295,7 +275,7 @@ class TangentialSolver:
         rigid: FloatArray,
         free: Mapping[int, float],
         scale: tuple[Box, float],
-        report: TangentialReport,
+        report: SolveReport[FrictionCertificate],
         tolerance: float,
     ) -> TangentialSolution:
         """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
@@ -361,7 +341,7 @@ class TangentialSolver:
                 )
 
     def _without_contact(
-        self, offset: FloatArray, control: TangentialControl, report: TangentialReport
+        self, offset: FloatArray, control: TangentialControl, report: SolveReport[FrictionCertificate]
     ) -> TangentialSolution:
         """Solution where nothing touches: no shear, and the prescribed rigid displacements."""
         free = control.forces()
@@ -371,11 +351,4 @@ class TangentialSolver:
         for mode, value in control.displacements().items():
             rigid[mode] = value
         zero = np.zeros((len(self.components), *self.grid.shape))
-        report.certificate = FrictionCertificate(
-            bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=self.options.tolerance
-        )
-        slip = offset - np.einsum("m,mkij->kij", rigid, mode_fields(self.grid, self.components))
-        return TangentialSolution(
-            shear=zero, displacement=zero.copy(), slip=slip, stick=np.zeros(self.grid.shape, dtype=bool),
-            rigid=rigid, forces=np.zeros(len(MODES)), report=report,
-        )  # fmt: skip
+        return self._without_stick(zero, zero.copy(), offset, rigid, report, tolerance=self.options.tolerance)

@@ -38,7 +38,7 @@ def draw_section(subject: Subject, solution: Any, file: Path) -> None:
     points = np.stack([np.tile(x, z.size), np.zeros(x.size * z.size), np.repeat(z, x.size)], axis=1)
     with np.errstate(all="ignore"):
         closed = _von_mises(subject.field(points, "stress")).reshape(z.size, x.size)
-    left, right = (_von_mises(solution.stress(points * [s, 1, 1])).reshape(closed.shape) for s in (-1.0, 1.0))
+    elements, right = (_von_mises(solution.stress(points * [s, 1, 1])).reshape(closed.shape) for s in (-1.0, 1.0))
     top = float(np.nanquantile(closed, _BRIGHTEST))
     error = 100 * np.abs(right - closed) / top
     worst = max(1.0, float(np.nanquantile(error, 0.98)))
@@ -46,13 +46,13 @@ def draw_section(subject: Subject, solution: Any, file: Path) -> None:
     scale = min(3.0 / deep, 2.2 / wide)  # inch a unit of length
     with paper_style():
         figure = new_figure(3 * wide * scale + 2.9, deep * scale + 1.35)
-        whole, half = figure.subplots(1, 2, width_ratios=(2, 1.05))
+        largest, half = figure.subplots(1, 2, width_ratios=(2, 1.05))
         looks = {"cmap": MAP, "vmin": 0.0, "vmax": top, "rasterized": True}
-        whole.pcolormesh(-across[::-1], down, left[:, ::-1], **looks)
-        stress = whole.pcolormesh(across, down, closed, **looks)
+        largest.pcolormesh(-across[::-1], down, elements[:, ::-1], **looks)
+        stress = largest.pcolormesh(across, down, closed, **looks)
         wrong = half.pcolormesh(across, down, error, cmap=MAP_ERROR, vmin=0.0, vmax=worst, rasterized=True)
-        whole.axvline(0.0, color="white", linewidth=1.0)
-        for axes, low in ((whole, -wide), (half, 0.0)):
+        largest.axvline(0.0, color="white", linewidth=1.0)
+        for axes, low in ((largest, -wide), (half, 0.0)):
             sides = [np.linspace(low, wide, 2 * OUTLINE_SAMPLES), np.linspace(0.0, deep, 2 * OUTLINE_SAMPLES)]
             for line in outline(subject.contains, 1, 0.0, sides):
                 axes.plot(line[:, 0], line[:, 2], color=OUTLINE_COLOUR, linewidth=1.2)
@@ -64,10 +64,10 @@ def draw_section(subject: Subject, solution: Any, file: Path) -> None:
             axes.set_ylim(deep, 0.0)
             label_plane(axes, f"x [{subject.length}]", f"z [{subject.length}]")
         cells = f", {CELLS} cells across" if subject.samples == SAMPLES_CUT else ""
-        whole.set_title(f"finite elements   |   semi-analytical{cells}")
+        largest.set_title(f"finite elements   |   semi-analytical{cells}")
         half.set_title("their difference")
         for axes, shown, inches, words in (
-            (whole, stress, 2 * wide * scale, f"von Mises stress [{subject.stress}]"),
+            (largest, stress, 2 * wide * scale, f"von Mises stress [{subject.stress}]"),
             (half, wrong, wide * scale, f"[% of {top:.3g} {subject.stress}]"),
         ):
             beside = axes.inset_axes((1 + 0.1 / inches, 0.0, 0.12 / inches, 1.0))

@@ -187,9 +187,9 @@ def _rendered(
     """Picture without any text, and where (column, row) the labels of three of its corners belong."""
     import pyvista as pv
 
-    for part in (body.faces, body.edges):
-        part.point_data["size"] = np.linalg.norm(part.point_data["u"], axis=1)
-        part.points = part.points + warp * part.point_data["u"]
+    for mesh in (body.faces, body.edges):
+        mesh.point_data["size"] = np.linalg.norm(mesh.point_data["u"], axis=1)
+        mesh.points = mesh.points + warp * mesh.point_data["u"]
     towards = np.array([-0.62, -1.0, -0.72])
     lift = 4e-3 * subject.size * towards  # lines lie on faces; a little in front of them they are seen
     middle, span = (body.low + body.high) / 2, float(np.linalg.norm(body.high - body.low))

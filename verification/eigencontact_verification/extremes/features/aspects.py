@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from eigencontact_verification.extremes.common import RADIUS, apart, dense_error
-from eigencontact_verification.extremes.feature import Corner, Feature
+from eigencontact_verification.extremes.feature import Feature, family
 
 __all__ = ["FEATURE"]
 
@@ -31,7 +30,7 @@ def rectangle_in_parts(aspect: float, quantity: str) -> float:
     return apart(ec.rectangle_field(load, (a, b), points, **constants), total)
 
 
-def cuboid_in_parts(edges: tuple[float, float, float]) -> float:
+def cuboid_in_parts(*edges: float) -> float:
     """Stress of a cuboid beside the sum of those of 32 parts of it."""
     import eigencontact as ec
 
@@ -56,52 +55,25 @@ def cuboid_in_parts(edges: tuple[float, float, float]) -> float:
 PARTS = "fields add up, exactly: round-off of the corner sums, 1e-16 times (size/edge)² = 1e6 at the most"
 DENSE = "the same cells by dense linear algebra: the tolerance 1e-9, times the condition of some 100 cells"
 
+RECTANGLES = {
+    (quantity, aspect): (aspect, quantity) for aspect in (1e3, 1e-3) for quantity in ("displacement", "stress")
+}
+CUBOIDS = ((1e3, 1.0, 1.0), (1.0, 1e3, 1.0), (1.0, 1.0, 1e3), (1e3, 1e3, 1.0))
+#: Edges of the cells, and radii of curvature.
+CELLS = {
+    1e3: ((9, 8), (1e-3, 1e-6), 2e-8, (1e6 * RADIUS, RADIUS)),
+    1e-3: ((9, 8), (1e-6, 1e-3), 2e-8, (RADIUS, 1e6 * RADIUS)),
+}
+ELLIPSOIDS = {ratio: ((15, 8), (2e-6, 1e-6), 1e-8, (RADIUS * ratio, RADIUS)) for ratio in (1e3, 1e-3)}
+
 FEATURE = Feature(
     key="aspects",
     title="Aspects from 1e-3 to 1e3",
     reference="sums of parts; dense linear algebra on the same cells",
     corners=(
-        *(
-            Corner(
-                name=f"{quantity} of a rectangle of {aspect:g} : 1",
-                error=partial(rectangle_in_parts, aspect, quantity),
-                bound=1e-10,
-                reason=PARTS,
-                quick=True,
-            )
-            for aspect in (1e3, 1e-3)
-            for quantity in ("displacement", "stress")
-        ),
-        *(
-            Corner(
-                name=f"cuboid of {' : '.join(f'{edge:g}' for edge in edges)}",
-                error=partial(cuboid_in_parts, edges),
-                bound=1e-10,
-                reason=PARTS,
-                quick=True,
-            )
-            for edges in ((1e3, 1.0, 1.0), (1.0, 1e3, 1.0), (1.0, 1.0, 1e3), (1e3, 1e3, 1.0))
-        ),
-        *(
-            Corner(
-                name=f"cells of {edges[0] / edges[1]:g} : 1",
-                error=partial(dense_error, (9, 8), edges, 2e-8, radii=radii),
-                bound=1e-7,
-                reason=DENSE,
-            )
-            for edges, radii in (
-                ((1e-3, 1e-6), (1e6 * RADIUS, RADIUS)),
-                ((1e-6, 1e-3), (RADIUS, 1e6 * RADIUS)),
-            )
-        ),
-        *(
-            Corner(
-                name=f"ellipsoid of radii {ratio:g} : 1",
-                error=partial(dense_error, (15, 8), (2e-6, 1e-6), 1e-8, radii=(RADIUS * ratio, RADIUS)),
-                bound=1e-7,
-                reason=DENSE,
-            )
-            for ratio in (1e3, 1e-3)
-        ),
+        *family("{} of a rectangle of {:g} : 1", rectangle_in_parts, RECTANGLES, bound=1e-10, reason=PARTS, quick=True),
+        *family("cuboid of {:g} : {:g} : {:g}", cuboid_in_parts, CUBOIDS, bound=1e-10, reason=PARTS, quick=True),
+        *family("cells of {:g} : 1", dense_error, CELLS, bound=1e-7, reason=DENSE),
+        *family("ellipsoid of radii {:g} : 1", dense_error, ELLIPSOIDS, bound=1e-7, reason=DENSE),
     ),
 )

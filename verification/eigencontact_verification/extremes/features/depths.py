@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.extremes.common import NU, apart, ball, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature
+from eigencontact_verification.extremes.common import NU, apart, ball, coated, hot_ball, run, steel
+from eigencontact_verification.extremes.feature import Feature, family
 from eigencontact_verification.oracles.boussinesq import rectangle
-from eigencontact_verification.oracles.eshelby import dilatational_ball_displacement, dilatational_ball_stress
 
 __all__ = ["FEATURE"]
 
@@ -34,18 +32,12 @@ def below_a_rectangle(depth: float, load: str) -> float:
     return worst
 
 
-def hot_ball(clearance: float, quantity: str) -> float:
+def dilated_ball(clearance: float, quantity: str) -> float:
     """A hot ball of radius 1 whose top is so deep, in the surface, inside and 1e3 below, beside Davies."""
-    import eigencontact as ec
-
-    centre = (0.0, 0.0, 1.0 + clearance)
-    points = np.array([[0, 0.3, 0], [0.7, -0.2, 0.0], [0.3, 0.1, centre[2]], [0.2, 0.0, centre[2] + 3]], dtype=float)
-    shape = ec.make("sphere", center=centre, radius=1.0)
-    constants: Any = {"young_modulus": 2 * (1 + NU), "poisson_ratio": NU, "quantity": quantity}
-    found = ec.inclusion_field(shape, 1e-3 * np.eye(3), points, **constants)
-    closed = dilatational_ball_displacement if quantity == "displacement" else dilatational_ball_stress
-    expected = closed(points, centre, 1.0, 1e-3, NU)
-    return max(apart(one, right) for one, right in zip(found, expected, strict=True))
+    depth = 1.0 + clearance
+    points = [[0, 0.3, 0], [0.7, -0.2, 0.0], [0.3, 0.1, depth], [0.2, 0.0, depth + 3]]
+    found, expected = hot_ball(depth, points, NU, quantity)
+    return max(apart(value, right) for value, right in zip(found, expected, strict=True))
 
 
 def free_surface(clearance: float) -> float:
@@ -65,62 +57,37 @@ def like_layers(depth: float) -> float:
     cell = 2.6e-5 / 16
     points = [[0.0, 0.0, depth * cell], [7e-6, 2e-6, depth * cell]]
     region = {"name": "at", "shape": "points", "points": points}
-    layers = [{"thickness": h, **steel()} for h in (5e-6, 5e-5)]
-    medium = {"type": "bonded-layers", "layers": layers, "substrate": steel()}
-    cut, bare = (
-        run(ball(body=body, stress=[region], numerics={"tolerance": 1e-9})).dataset
-        for body in ({"medium": medium}, None)
-    )
+    layers = coated(*({"thickness": h, **steel()} for h in (5e-6, 5e-5)))
+    cut, bare = (run(ball(body=body, stress=[region], numerics={"tolerance": 1e-9})).dataset for body in (layers, None))
     return apart(cut["at_stress"].values, bare["at_stress"].values)
 
 
 QUADRATURE = "closed form and quadrature, each to round-off; far below a square its own quadrature keeps the digits"
+
+SQUARES = {(load, depth): (depth, load) for depth in DEPTHS for load in ("p", "q_x", "q_y")}
+CLEARANCES = (0.0, 1e-3, 1e3)
+BALLS = {(quantity, top): (top, quantity) for top in CLEARANCES for quantity in ("displacement", "stress")}
 
 FEATURE = Feature(
     key="depths",
     title="Depths from 1e-3 to 1e3 cells",
     reference="quadrature of point forces, Davies (a hot ball), a free surface, layers that are one body",
     corners=(
-        *(
-            Corner(
-                name=f"below a square under {load}, depth {depth:g} half-widths",
-                error=partial(below_a_rectangle, depth, load),
-                bound=1e-12,
-                reason=QUADRATURE,
-                quick=depth in (1e-3, 1e3) and load == "p",
-            )
-            for depth in DEPTHS
-            for load in ("p", "q_x", "q_y")
+        *family(
+            "below a square under {}, depth {:g} half-widths", below_a_rectangle, SQUARES, bound=1e-12,
+            reason=QUADRATURE, quick={(1e-3, "p"), (1e3, "p")},
         ),
-        *(
-            Corner(
-                name=f"{quantity} of a hot ball, top {clearance:g} radii deep",
-                error=partial(hot_ball, clearance, quantity),
-                bound=1e-11,
-                reason="closed forms on both sides: round-off",
-                quick=True,
-            )
-            for clearance in (0.0, 1e-3, 1e3)
-            for quantity in ("displacement", "stress")
+        *family(
+            "{} of a hot ball, top {:g} radii deep", dilated_ball, BALLS, bound=1e-11, quick=True,
+            reason="closed forms on both sides: round-off",
         ),
-        *(
-            Corner(
-                name=f"free surface over a cuboid {clearance:g} edges deep",
-                error=partial(free_surface, clearance),
-                bound=1e-12,
-                reason="no traction on a free surface: round-off",
-                quick=True,
-            )
-            for clearance in (0.0, 1e-3, 1e3)
+        *family(
+            "free surface over a cuboid {:g} edges deep", free_surface, CLEARANCES, bound=1e-12, quick=True,
+            reason="no traction on a free surface: round-off",
         ),
-        *(
-            Corner(
-                name=f"layers of one material, {depth:g} cells deep",
-                error=partial(like_layers, depth),
-                bound=1e-5,
-                reason="tables of layers are computed until two resolutions agree to 1e-5",
-            )
-            for depth in DEPTHS
+        *family(
+            "layers of one material, {:g} cells deep", like_layers, DEPTHS, bound=1e-5,
+            reason="tables of layers are computed until two resolutions agree to 1e-5",
         ),
     ),
-)
+)  # fmt: skip

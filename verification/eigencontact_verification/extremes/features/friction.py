@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.extremes.common import NU, RADIUS, apart, ball, hertz_load, off, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    NU,
+    RADIUS,
+    apart,
+    ball,
+    coated,
+    hertz_load,
+    off,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Feature, family, refusal
 from eigencontact_verification.oracles import cattaneo
 from eigencontact_verification.oracles.coated_contact import contact_of_radius
 
 __all__ = ["FEATURE"]
 
-CONTACT = 1e-5
-
 
 @cache
 def sheared(friction: float, ratio: float, coupling: str = "none", cells: int = 24) -> Any:
     """Pressed, then pulled to this part of what friction carries."""
-    load = hertz_load(CONTACT)
+    load = hertz_load()
     steps = [{"normal-load": load}, {"normal-load": load, "tangential-load-x": ratio * friction * load}]
     return run(
         ball(
@@ -40,7 +50,7 @@ def shift(friction: float, ratio: float, cells: int = 24) -> float:
     """Shift beside Cattaneo and Mindlin."""
     body = steel()
     compliance = (2.0 - NU) / (body["young-modulus"] / (2 * (1 + NU)))
-    full = cattaneo.shift_of_sliding(friction, hertz_load(CONTACT), CONTACT, compliance)
+    full = cattaneo.shift_of_sliding(friction, hertz_load(), CONTACT, compliance)
     found = float(sheared(friction, ratio, cells=cells)["shift_x"][-1])
     return abs(found / (full * float(cattaneo.shift_of_load(ratio))) - 1.0)
 
@@ -51,7 +61,7 @@ def limits(friction: float, ratio: float) -> float:
     shear = np.hypot(data["shear_x"].values[-1], data["shear_y"].values[-1])
     pressure = data["pressure"].values[-1]
     force = float(data["shear_x"].values[-1].sum()) * (2.6 * CONTACT / 24) ** 2
-    wanted = ratio * friction * hertz_load(CONTACT)
+    wanted = ratio * friction * hertz_load()
     return max(float((shear - friction * pressure).max() / (friction * pressure.max())), off(force, wanted))
 
 
@@ -59,8 +69,7 @@ def plate(contrast: float, coupling: str) -> float:
     """Coulomb's bound and the force on a layer of a tenth of the contact radius, so many times as stiff."""
     young = steel()["young-modulus"]
     load = contact_of_radius(CONTACT, RADIUS, [(CONTACT / 10, contrast * young, NU)], (young, NU)).load
-    layers = [{"thickness": CONTACT / 10, "young-modulus": contrast * young, "poisson-ratio": NU}]
-    body = {"medium": {"type": "bonded-layers", "layers": layers, "substrate": steel()}}
+    body = coated({"thickness": CONTACT / 10, "young-modulus": contrast * young, "poisson-ratio": NU})
     steps = [{"normal-load": load}, {"normal-load": load, "tangential-load-x": 0.1 * load}]
     friction = {"type": "coulomb", "coefficient": 0.2}
     scene = ball(cells=31, size=2.7, body=body, friction=friction, steps=steps, numerics={"coupling": coupling})
@@ -77,46 +86,23 @@ FEATURE = Feature(
     title="Friction coefficients from 1e-6 to 10",
     reference="Cattaneo and Mindlin, proportion to μ, Coulomb's bound and the prescribed force",
     corners=(
-        *(
-            Corner(
-                name=f"shear over μ, μ = {mu:g}, {ratio:g} of sliding",
-                error=partial(in_proportion, mu, ratio),
-                bound=1e-6,
-                reason="scaled equations: a hundred times the tolerance of 1e-8, as edge cells change sides",
-                quick=(mu, ratio) == (1e-6, 0.5),
-            )
-            for mu in (1e-6, 10.0)
-            for ratio in (1e-3, 0.5, 0.999)
+        *family(
+            "shear over μ, μ = {:g}, {:g} of sliding", in_proportion, product((1e-6, 10.0), (1e-3, 0.5, 0.999)),
+            bound=1e-6, quick={(1e-6, 0.5)},
+            reason="scaled equations: a hundred times the tolerance of 1e-8, as edge cells change sides",
         ),
-        *(
-            Corner(
-                name=f"shift, μ = {mu:g}, {ratio:g} of sliding",
-                error=partial(shift, mu, ratio),
-                bound=6e-3,
-                reason=CELLS,
-            )
-            for mu in (1e-6, 10.0)
-            for ratio in (0.5, 0.999)
+        *family(
+            "shift, μ = {:g}, {:g} of sliding", shift, product((1e-6, 10.0), (0.5, 0.999)), bound=6e-3, reason=CELLS
         ),
-        *(
-            Corner(
-                name=f"Coulomb's bound and force, full coupling, μ = {mu:g}, {ratio:g} of sliding",
-                error=partial(limits, mu, ratio),
-                bound=1e-7,
-                reason="certified to the tolerance of 1e-8, tenfold",
-            )
-            for mu, ratio in ((1e-6, 0.5), (1e-6, 0.999), (1e-2, 0.999), (10.0, 0.02))
+        *family(
+            "Coulomb's bound and force, full coupling, μ = {:g}, {:g} of sliding", limits,
+            ((1e-6, 0.5), (1e-6, 0.999), (1e-2, 0.999), (10.0, 0.02)), bound=1e-7,
+            reason="certified to the tolerance of 1e-8, tenfold",
         ),
-        *(
-            Corner(
-                name=f"thin layer, contrast {contrast:g}, coupling {coupling}",
-                error=partial(plate, contrast, coupling),
-                bound=1e-6,
-                reason="certified to the tolerance",
-            )
-            for contrast in (1e3, 1e5)
-            for coupling in ("partial", "full")
+        *family(
+            "thin layer, contrast {:g}, coupling {}", plate, product((1e3, 1e5), ("partial", "full")), bound=1e-6,
+            reason="certified to the tolerance",
         ),
         refusal("force beyond friction", lambda: sheared(0.5, 1.001), "friction", quick=True),
     ),
-)
+)  # fmt: skip

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from eigencontact_verification.extremes.common import apart, ball, dense_error, run
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.feature import Feature, family, refusal
 
 __all__ = ["FEATURE"]
 
 CELL = 1e-6
 
 
-def window(cells: tuple[int, int]) -> float:
+def window(*cells: int) -> float:
     """Pressure on a window of so many cells beside that on 32 x 32 of the same ones; both parities of each axis."""
     fields = []
     for nx, ny in (cells, tuple(32 + n % 2 for n in cells)):
@@ -34,32 +32,20 @@ def window(cells: tuple[int, int]) -> float:
 WINDOW = "the window is no part of the answer: the tolerance 1e-10, times the condition of the contact"
 DENSE = "the same cells by dense linear algebra: the tolerance 1e-9, times their condition"
 
+WINDOWS = ((23, 23), (29, 31), (53, 59), (127, 127), (251, 257))
+SHAPES = ((1, 1), (2, 1), (1, 13), (13, 1), (2, 2), (3, 2), (7, 13))
+
 FEATURE = Feature(
     key="grids",
     title="Odd, prime and one-cell grids",
     reference="a window of 32 x 32 of the same cells; dense linear algebra",
     corners=(
-        *(
-            Corner(
-                name=f"window of {nx} x {ny}",
-                error=partial(window, (nx, ny)),
-                bound=1e-7,
-                reason=WINDOW,
-                quick=nx == 23,
-            )
-            for nx, ny in ((23, 23), (29, 31), (53, 59), (127, 127), (251, 257))
-        ),
-        *(
-            Corner(
-                name=f"{nx} x {ny} cells",
-                error=partial(dense_error, (nx, ny), (CELL, CELL), 1e-8),
-                bound=1e-7,
-                reason=DENSE,
-                quick=True,
-            )
-            for nx, ny in ((1, 1), (2, 1), (1, 13), (13, 1), (2, 2), (3, 2), (7, 13))
+        *family("window of {} x {}", window, WINDOWS, bound=1e-7, reason=WINDOW, quick={(23, 23)}),
+        *family(
+            "{} x {} cells", dense_error, {cells: (cells, (CELL, CELL), 1e-8) for cells in SHAPES}, bound=1e-7,
+            reason=DENSE, quick=True,
         ),
         refusal("1e6 x 1e6 cells", lambda: run(ball(cells=10**6)), "memory", quick=True),
         refusal("no cell", lambda: run(ball(cells=0)), "cells", quick=True),
     ),
-)
+)  # fmt: skip

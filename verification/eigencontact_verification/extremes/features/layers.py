@@ -5,13 +5,24 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from eigencontact_verification.extremes.common import MODULUS, NU, RADIUS, apart, off, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    MODULUS,
+    NU,
+    RADIUS,
+    apart,
+    ball,
+    coated,
+    hertz_load,
+    off,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Corner, Feature, family, refusal
 from eigencontact_verification.oracles.coated_contact import contact_of_radius
 
 __all__ = ["FEATURE"]
 
-CONTACT = 1e-5
 YOUNG = MODULUS * (1 - NU**2)
 #: Thickness over contact radius, modulus over that of the ground.
 CORNERS = (
@@ -20,15 +31,9 @@ CORNERS = (
 )  # fmt: skip
 
 
-def scene(layers: list[dict[str, Any]], load: float, cells: int = 41) -> dict[str, Any]:
+def scene(layers: list[dict[str, Any]], load: float) -> dict[str, Any]:
     """A rigid ball on layers."""
-    return {
-        "body1": {"medium": {"type": "bonded-layers", "layers": layers, "substrate": steel()}},
-        "geometry": {"type": "sphere", "radius": RADIUS},
-        "grid": {"cells": cells, "size": [2.7 * CONTACT] * 2},
-        "steps": {"normal-load": load},
-        "output": {"pictures": False},
-    }
+    return ball(cells=41, size=2.7, body=coated(*layers), steps={"normal-load": load})
 
 
 def approach(thickness: float, ratio: float, nu: float = NU) -> float:
@@ -43,14 +48,14 @@ def approach(thickness: float, ratio: float, nu: float = NU) -> float:
 def in_parts(count: int) -> float:
     """Approach on a layer cut into so many beside the one layer."""
     whole = {"thickness": 5e-6, **steel(modulus=2 * MODULUS)}
-    load = 4.0 * MODULUS * CONTACT**3 / (3.0 * RADIUS)
+    load = hertz_load()
     found = [run(scene([{**whole, "thickness": 5e-6 / n}] * n, load)).summary["approach"] for n in (count, 1)]
     return off(found[0], found[1])
 
 
 def all_but_none(thickness: float) -> float:
     """Pressure on a thin layer of twice the stiffness beside that on none."""
-    load = 4.0 * MODULUS * CONTACT**3 / (3.0 * RADIUS)
+    load = hertz_load()
     layer = {"thickness": thickness * CONTACT, **steel(modulus=2 * MODULUS)}
     bare = {**scene([layer], load), "body1": steel()}
     return apart(run(scene([layer], load)).dataset["pressure"].values, run(bare).dataset["pressure"].values)
@@ -63,46 +68,25 @@ FEATURE = Feature(
     title="Thin, thick, soft and stiff layers",
     reference="the integral equation of the coated contact; a layer cut into parts",
     corners=(
-        *(
-            Corner(
-                name=f"thickness {thickness:g} a, contrast {ratio:g}",
-                error=partial(approach, thickness, ratio),
-                bound=1e-3,
-                reason=CELLS,
-                quick=(thickness, ratio) == (0.1, 1e4),
-            )
-            for thickness, ratio in CORNERS
+        *family(
+            "thickness {:g} a, contrast {:g}", approach, CORNERS, bound=1e-3, reason=CELLS, quick={(0.1, 1e4)}
         ),
-        *(
-            Corner(
-                name=f"incompressible, thickness {thickness:g} a, contrast {ratio:g}",
-                error=partial(approach, thickness, ratio, 0.5),
-                bound=1e-3,
-                reason=CELLS,
-            )
-            for thickness, ratio in ((1.0, 1e-2), (0.1, 1e2))
+        *family(
+            "incompressible, thickness {:g} a, contrast {:g}", approach, ((1.0, 1e-2, 0.5), (0.1, 1e2, 0.5)),
+            bound=1e-3, reason=CELLS,
         ),
-        *(
-            Corner(
-                name=f"thickness {thickness:g} a beside none",
-                error=partial(all_but_none, thickness),
-                bound=20 * thickness,
-                reason="a layer moves the surface by a part h/a, some ten times that in cells",
-            )
-            for thickness in (1e-3, 1e-5)
+        *family(
+            "thickness {:g} a beside none", all_but_none, (1e-3, 1e-5), bound=lambda thickness: 20 * thickness,
+            reason="a layer moves the surface by a part h/a, some ten times that in cells",
         ),
         Corner(
-            name="one layer cut into 30",
-            error=partial(in_parts, 30),
-            bound=2e-5,
+            name="one layer cut into 30", error=partial(in_parts, 30), bound=2e-5,
             reason="tables of layers are computed until two resolutions agree to 1e-5, on both sides",
         ),
         refusal(
-            "thickness of 1e-12 of the window",
-            lambda: run(scene([{"thickness": 1e-17, **steel()}], 1.0)),
-            "thickness",
-            quick=True,
+            "thickness of 1e-12 of the window", lambda: run(scene([{"thickness": 1e-17, **steel()}], 1.0)),
+            "thickness", quick=True,
         ),
         refusal("no thickness", lambda: run(scene([{"thickness": 0.0, **steel()}], 1.0)), "thickness", quick=True),
     ),
-)
+)  # fmt: skip

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from eigencontact_verification.extremes.common import MODULUS, RADIUS, apart, ball, dense_error, hertz_load, off, run
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.feature import Corner, Feature, family, refusal
 from eigencontact_verification.oracles.hertz import hertz_sphere
 
 __all__ = ["FEATURE"]
@@ -71,64 +71,39 @@ def tilted(share: float) -> float:
 
 FULL = ball(steps={"normal-load": 1e3})
 
+CONTACTS = {size: (1e-5, 2 / size, cells) for size, cells in ((0.1, 60), (0.5, 32), (0.96, 64))}
+
 FEATURE = Feature(
     key="loads",
     title="Loads from first touch to a full window",
     reference="no load, one cell by itself, Hertz, equilibrium and symmetry, dense linear algebra",
     corners=(
         Corner(name="no load", error=nothing, bound=1e-300, reason="nothing touches: zero", quick=True),
-        *(
-            Corner(
-                name=f"one cell, {share:g} of what the next would bear",
-                error=partial(one_cell, share),
-                bound=1e-10,
-                reason="one cell is one equation: round-off",
-                quick=share == 1e-9,
-            )
-            for share in (1e-9, 1e-3, 0.5)
+        *family(
+            "one cell, {:g} of what the next would bear", one_cell, (1e-9, 1e-3, 0.5), bound=1e-10, quick={1e-9},
+            reason="one cell is one equation: round-off",
         ),
-        *(
-            Corner(
-                name=f"contact of {size:g} of the window",
-                error=partial(hertz, 1e-5, 2 / size, cells),
-                bound=0.1 * (1 / (0.5 * size * cells)) ** 2 + 1e-6,
-                reason="second order in cells: a tenth of (cell/a)², as the README measures",
-            )
-            for size, cells in ((0.1, 60), (0.5, 32), (0.96, 64))
+        *family(
+            "contact of {:g} of the window", hertz, CONTACTS,
+            bound=lambda _, size, cells: 0.1 * (size / cells) ** 2 + 1e-6,
+            reason="second order in cells: a tenth of (cell/a)², as the README measures",
         ),
-        *(
-            Corner(
-                name=f"full window, {load:g} N",
-                error=partial(balance, load),
-                bound=1e-9,
-                reason="equilibrium is kept to round-off; symmetry is that of the equations",
-                quick=load == 1e3,
-            )
-            for load in (1e1, 1e3, 1e6)
+        *family(
+            "full window, {:g} N", balance, (1e1, 1e3, 1e6), bound=1e-9, quick={1e3},
+            reason="equilibrium is kept to round-off; symmetry is that of the equations",
         ),
         Corner(
-            name="full window by an approach",
-            error=partial(dense_error, (9, 8), (1e-6, 1e-6), 1e-6),
-            bound=1e-7,
-            reason="the same cells by dense linear algebra: the tolerance 1e-9, times their condition",
-            quick=True,
+            name="full window by an approach", error=partial(dense_error, (9, 8), (1e-6, 1e-6), 1e-6), bound=1e-7,
+            reason="the same cells by dense linear algebra: the tolerance 1e-9, times their condition", quick=True,
         ),
-        *(
-            Corner(
-                name=f"moment, {share:.9g} of what the cells bear",
-                error=partial(tilted, share),
-                bound=1e-6,
-                reason="certified to the tolerance",
-                quick=share > 0.5,
-            )
-            for share in (1e-9, 0.5, 1 - 1e-9)
+        *family(
+            "moment, {:.9g} of what the cells bear", tilted, (1e-9, 0.5, 1 - 1e-9), bound=1e-6, quick={1 - 1e-9},
+            reason="certified to the tolerance",
         ),
         refusal("moment of what the cells bear", partial(tilted, 1.0), "must be smaller than", quick=True),
         refusal(
-            "full window, bodies go on",
-            lambda: run({**FULL, "numerics": COARSE}),
-            "must stay inside the window",
+            "full window, bodies go on", lambda: run({**FULL, "numerics": COARSE}), "must stay inside the window",
             quick=True,
         ),
     ),
-)
+)  # fmt: skip

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Any
-
 import numpy as np
 
-from eigencontact_verification.extremes.common import MODULUS, NU, apart, ball, hertz_load, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
-from eigencontact_verification.oracles.eshelby import dilatational_ball_displacement, dilatational_ball_stress
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    MODULUS,
+    NU,
+    apart,
+    ball,
+    hertz_load,
+    hot_ball,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Feature, family, refusal
 from eigencontact_verification.oracles.hertz import axis_stress
 
 __all__ = ["FEATURE"]
 
-CONTACT = 1e-5
 DEPTHS = np.array([0.1, 0.3, 0.6, 1.0, 2.0, 5.0])
 
 
@@ -42,74 +47,42 @@ def shear_of_pressure(nu: float) -> float:
     return float(np.abs(data["shear_x"].values).max() / data["pressure"].values.max())
 
 
-def hot_ball(nu: float, quantity: str) -> float:
+def dilated_ball(nu: float, quantity: str) -> float:
     """Dilatation of a ball below the surface: inside, outside and in the surface, beside Davies's closed form."""
-    import eigencontact as ec
-
-    points = np.array([[0, 0, 0], [0.4, 0.2, 0.9], [1.9, -0.3, 1.2], [0.1, 0.2, 4.0], [3.0, 1.0, 0.0]], dtype=float)
-    shape = ec.make("sphere", center=(0.0, 0.0, 1.2), radius=1.0)
-    constants: Any = {"young_modulus": 2.0 * (1.0 + nu), "poisson_ratio": nu, "quantity": quantity}
-    found = ec.inclusion_field(shape, 1e-3 * np.eye(3), points, **constants)
-    closed = dilatational_ball_displacement if quantity == "displacement" else dilatational_ball_stress
-    return apart(found, closed(points, (0.0, 0.0, 1.2), 1.0, 1e-3, nu))
+    points: list[list[float]] = [[0, 0, 0], [0.4, 0.2, 0.9], [1.9, -0.3, 1.2], [0.1, 0.2, 4.0], [3.0, 1.0, 0.0]]
+    return apart(*hot_ball(1.2, points, nu, quantity))
 
 
 MODULUS_ALONE = "without friction the contact knows ν by E/(1-ν²) alone: the same equations, to round-off"
 CELLS = "second order in cells of a/16: (1/16)² = 4e-3"
 BETA = "β = (1-2ν)/(2(1-ν)) is 0 at ν = 1/2, so that no shear is left but round-off"
 
+CONTACTS = {"-0.999": -0.999, "0": 0.0, "1e-12": 1e-12, "1/2 - 1e-12": 0.5 - 1e-12, "1/2": 0.5}
+BALLS = {
+    (quantity, name): (CONTACTS[name], quantity)
+    for name in ("-0.999", "0", "1/2")
+    for quantity in ("displacement", "stress")
+}
+
 FEATURE = Feature(
     key="poisson",
     title="Poisson's ratio from -1 to 1/2",
     reference="Hertz, Davies (a hot ball), and contacts of the same E/(1-ν²)",
     corners=(
-        *(
-            Corner(
-                name=f"contact, ν = {name}",
-                error=partial(pressure_by_modulus, nu),
-                bound=1e-9,
-                reason=MODULUS_ALONE,
-                quick=nu == 0.5,
-            )
-            for name, nu in (
-                ("-0.999", -0.999),
-                ("0", 0.0),
-                ("1e-12", 1e-12),
-                ("1/2 - 1e-12", 0.5 - 1e-12),
-                ("1/2", 0.5),
-            )
+        *family("contact, ν = {}", pressure_by_modulus, CONTACTS, bound=1e-9, reason=MODULUS_ALONE, quick={0.5}),
+        *family(
+            "stress below a ball, ν = {}", stress_below_a_ball, {"0": 0.0, "1/2": 0.5}, bound=4e-3, reason=CELLS,
+            quick={0.5},
         ),
-        *(
-            Corner(
-                name=f"stress below a ball, ν = {name}",
-                error=partial(stress_below_a_ball, nu),
-                bound=4e-3,
-                reason=CELLS,
-                quick=nu == 0.5,
-            )
-            for name, nu in (("0", 0.0), ("1/2", 0.5))
+        *family(
+            "shear that pressure drives, ν = {}", shear_of_pressure, {"1/2 - 1e-12": 0.5 - 1e-12, "1/2": 0.5},
+            bound=1e-9, reason=BETA,
         ),
-        *(
-            Corner(
-                name=f"shear that pressure drives, ν = {name}",
-                error=partial(shear_of_pressure, nu),
-                bound=1e-9,
-                reason=BETA,
-            )
-            for name, nu in (("1/2 - 1e-12", 0.5 - 1e-12), ("1/2", 0.5))
-        ),
-        *(
-            Corner(
-                name=f"{quantity} of a hot ball, ν = {name}",
-                error=partial(hot_ball, nu, quantity),
-                bound=1e-14 / (1 + nu),
-                reason="closed forms on both sides: round-off, of 1/(1+ν) where volume is all but free",
-                quick=True,
-            )
-            for name, nu in (("-0.999", -0.999), ("0", 0.0), ("1/2", 0.5))
-            for quantity in ("displacement", "stress")
+        *family(
+            "{} of a hot ball, ν = {}", dilated_ball, BALLS, bound=lambda nu, _: 1e-14 / (1 + nu), quick=True,
+            reason="closed forms on both sides: round-off, of 1/(1+ν) where volume is all but free",
         ),
         refusal("ν = 0.5 + 1e-12", lambda: run(ball(body=steel(0.5 + 1e-12))), "poisson-ratio", quick=True),
         refusal("ν = -1", lambda: run(ball(body={"young-modulus": MODULUS, "poisson-ratio": -1.0})), "poisson-ratio"),
     ),
-)
+)  # fmt: skip

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
-from eigencontact_verification.extremes.common import MODULUS, NU, RADIUS, apart, ball, hertz_load, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    MODULUS,
+    NU,
+    RADIUS,
+    apart,
+    ball,
+    coated,
+    hertz_load,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Feature, family, refusal
 from eigencontact_verification.oracles.coated_contact import contact_of_radius
 
 __all__ = ["FEATURE"]
 
-CONTACT = 1e-5
-LOAD = hertz_load(CONTACT)
+LOAD = hertz_load()
 YOUNG = MODULUS * (1 - NU**2)
 FRICTION: dict[str, Any] = {
     "friction": {"type": "coulomb", "coefficient": 0.3},
@@ -25,15 +34,15 @@ GRAIN = {
 
 def medium(thickness: float, ratio: float) -> dict[str, Any]:
     """A layer of so many times the stiffness."""
-    layers = [{"thickness": thickness, **steel(modulus=ratio * MODULUS)}]
-    return {"medium": {"type": "bonded-layers", "layers": layers, "substrate": steel()}}
+    return coated({"thickness": thickness, **steel(modulus=ratio * MODULUS)})
 
 
-def beside_double(cells: int, **more: Any) -> float:
+def beside_double(model: str, cells: int) -> float:
     """Largest pressure and approach of single precision beside double, both at the same tolerance."""
-    given = more.pop("numerics", {})
+    tables = {"cells": cells, **MODELS[model]}
     found = [
-        run(ball(cells=cells, numerics={"precision": name, **given}, **more)).summary for name in ("single", "double")
+        run(ball(**{**tables, "numerics": {"precision": name, **tables.get("numerics", {})}})).summary
+        for name in ("single", "double")
     ]
     if found[0] == found[1]:
         return float("inf")
@@ -61,38 +70,30 @@ def bound(cells: int) -> float:
 
 REASON = "the tolerance 1e-6 in a single cell, (π/2) a/cell of it as pressure, in both"
 
+MODELS: dict[str, dict[str, Any]] = {
+    "contact": {}, "friction": {**FRICTION, "numerics": {"coupling": "none"}}, "grain": GRAIN,
+    "coating": {"body": medium(5e-6, 2.0)},
+}  # fmt: skip
+
 FEATURE = Feature(
     key="precision",
     title="Single precision",
     reference="double precision at the same tolerance",
     corners=(
-        *(
-            Corner(
-                name=f"{name}, {cells} x {cells} cells",
-                error=partial(beside_double, cells, **more),
-                bound=bound(cells),
-                reason=REASON,
-                quick=(name, cells) == ("contact", 16),
-            )
-            for name, cells, more in (
-                ("contact", 16, {}),
-                ("contact", 512, {}),
-                ("friction", 24, {**FRICTION, "numerics": {"coupling": "none"}}),
-                ("grain", 16, GRAIN),
-                ("coating", 16, {"body": medium(5e-6, 2.0)}),
-            )
+        *family(
+            "{}, {} x {} cells", beside_double,
+            {(name, n, n): (name, n) for name, n in
+             (("contact", 16), ("contact", 512), ("friction", 24), ("grain", 16), ("coating", 16))},
+            bound=lambda _, cells: bound(cells), reason=REASON, quick={("contact", 16)},
         ),
         refusal(
-            "tolerance 1e-9",
-            lambda: run(ball(numerics={"precision": "single", "tolerance": 1e-9})),
-            "use double precision",
-            quick=True,
+            "tolerance 1e-9", lambda: run(ball(numerics={"precision": "single", "tolerance": 1e-9})),
+            "use double precision", quick=True,
         ),
         refusal("thin layer, contrast 1e4", thin_and_stiff, "use double precision"),
         refusal(
             "friction, all coupled, tolerance 1e-6",
-            lambda: run(ball(cells=24, numerics={"precision": "single"}, **FRICTION)),
-            "use double precision",
+            lambda: run(ball(cells=24, numerics={"precision": "single"}, **FRICTION)), "use double precision",
         ),
     ),
-)
+)  # fmt: skip

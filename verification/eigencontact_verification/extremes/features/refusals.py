@@ -11,11 +11,11 @@ __all__ = ["FEATURE"]
 
 
 def without(words: str, **changes: Any) -> Corner:
-    """Corner of the ball with these tables replaced; the name says what is wrong."""
+    """Corner of the ball with these tables replaced; the name is the fault."""
     return refusal(words, lambda: run(ball(**changes)), CORNERS[words][0], quick=True)
 
 
-#: What is wrong: words of the message, tables.
+#: Words of the message and tables by fault.
 CORNERS: dict[str, tuple[str, dict[str, Any]]] = {
     "modulus NaN": ("young-modulus", {"body": {"young-modulus": float("nan"), "poisson-ratio": 0.3}}),
     "modulus infinite": ("young-modulus", {"body": {"young-modulus": float("inf"), "poisson-ratio": 0.3}}),

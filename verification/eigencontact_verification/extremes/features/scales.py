@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
-from eigencontact_verification.extremes.common import MODULUS, NU, RADIUS, apart, hertz_load, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    MODULUS,
+    NU,
+    RADIUS,
+    apart,
+    coated,
+    hertz_load,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Feature, family
 
 __all__ = ["FEATURE"]
-
-CONTACT = 1e-5
 
 
 def scene(length: float, stiffness: float, extra: Callable[[float, float], dict[str, Any]]) -> dict[str, Any]:
     """The ball with lengths and moduli times these factors."""
-    load = hertz_load(CONTACT) * length**2 * stiffness
+    load = hertz_load() * length**2 * stiffness
     return {
         "body1": steel(modulus=MODULUS * stiffness),
         "geometry": {"type": "sphere", "radius": RADIUS * length},
@@ -34,19 +41,15 @@ def plain(_length: float, _stiffness: float) -> dict[str, Any]:
 
 def friction(length: float, stiffness: float) -> dict[str, Any]:
     """Pulled to half of what friction carries."""
-    load = hertz_load(CONTACT) * length**2 * stiffness
+    load = hertz_load() * length**2 * stiffness
     steps = [{"normal-load": load}, {"normal-load": load, "tangential-load-x": 0.1 * load}]
     return {"friction": {"type": "coulomb", "coefficient": 0.2}, "steps": steps}
 
 
-def coated(length: float, stiffness: float) -> dict[str, Any]:
+def coating(length: float, stiffness: float) -> dict[str, Any]:
     """A coating of twice the stiffness."""
-    layers = [{"thickness": 5e-6 * length, **steel(modulus=2 * MODULUS * stiffness)}]
-    return {
-        "body1": {
-            "medium": {"type": "bonded-layers", "layers": layers, "substrate": steel(modulus=MODULUS * stiffness)}
-        }
-    }
+    layer = {"thickness": 5e-6 * length, **steel(modulus=2 * MODULUS * stiffness)}
+    return {"body1": coated(layer, substrate=steel(modulus=MODULUS * stiffness))}
 
 
 def grain(length: float, stiffness: float) -> dict[str, Any]:
@@ -66,7 +69,7 @@ def yielding(_length: float, stiffness: float) -> dict[str, Any]:
 
 def wearing(length: float, stiffness: float) -> dict[str, Any]:
     """A body that slides and wears by a tenth of a deflection."""
-    load = hertz_load(CONTACT) * length**2 * stiffness
+    load = hertz_load() * length**2 * stiffness
     return {
         "friction": {"type": "coulomb", "coefficient": 0.25},
         "wear": {"type": "dissipated-energy", "coefficient": 1e-12 / stiffness},
@@ -76,7 +79,7 @@ def wearing(length: float, stiffness: float) -> dict[str, Any]:
 
 
 MODELS = {
-    "contact": plain, "friction": friction, "coating": coated, "grain": grain, "yield": yielding, "wear": wearing,
+    "contact": plain, "friction": friction, "coating": coating, "grain": grain, "yield": yielding, "wear": wearing,
 }  # fmt: skip
 
 
@@ -95,26 +98,13 @@ FEATURE = Feature(
     title="Lengths from nanometres to kilometres, moduli from 1 kPa to 1e20 Pa",
     reference="the same scene in micrometres and gigapascals",
     corners=(
-        *(
-            Corner(
-                name=f"{model}, {words}",
-                error=partial(scaled, model, power, 0),
-                bound=1e-10,
-                reason=SAME,
-                quick=model == "contact",
-            )
-            for model in MODELS
-            for power, words in SIZES
+        *family(
+            "{}, {}", scaled, {(model, words): (model, power, 0) for model in MODELS for power, words in SIZES},
+            bound=1e-10, reason=SAME, quick={("contact", power, 0) for power, _ in SIZES},
         ),
-        *(
-            Corner(
-                name=f"{model}, moduli times 2^{power}",
-                error=partial(scaled, model, 0, power),
-                bound=1e-10,
-                reason=SAME,
-            )
-            for model in MODELS
-            for power in (-27, 30)
+        *family(
+            "{}, moduli times 2^{}", scaled,
+            {(model, power): (model, 0, power) for model in MODELS for power in (-27, 30)}, bound=1e-10, reason=SAME,
         ),
     ),
-)
+)  # fmt: skip

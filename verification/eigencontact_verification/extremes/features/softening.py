@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from eigencontact_verification.extremes.common import apart, run
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.feature import Corner, Feature, family, refusal
 
 __all__ = ["FEATURE"]
 
@@ -74,6 +74,7 @@ def never() -> float:
 LIMIT = 3 * (1 - 2 * (4 - 5 * NU) / (15 * (1 - NU)))
 BRITTLE = {"type": "exponential", "saturation": 0.9, "strain": 0.0035}
 FADING = {"type": "exponential", "saturation": 0.6, "strain": 0.02}
+CERTIFIED = "certificates within the tolerance"
 
 FEATURE = Feature(
     key="softening",
@@ -81,41 +82,22 @@ FEATURE = Feature(
     reference="certified residuals, flow without volume, symmetry, the elastic body",
     corners=(
         Corner(name="yield stress out of reach", error=never, bound=1e-300, reason="an elastic run, bit for bit"),
-        Corner(
-            name="perfectly plastic",
-            error=partial(certified, PERFECT),
-            bound=1e-5,
-            reason="certificates within the tolerance",
-            quick=True,
-        ),
-        *(
-            Corner(
-                name=f"softening of -{part:.3g} G",
-                error=partial(certified, softer(part)),
-                bound=1e-5,
-                reason="certificates within the tolerance",
-            )
-            for part in (0.1, 1.0, 0.98 * LIMIT)
+        *family("perfectly plastic", certified, [(PERFECT,)], bound=1e-5, reason=CERTIFIED, quick=True),
+        *family(
+            "softening of -{:.3g} G", certified, {part: softer(part) for part in (0.1, 1.0, 0.98 * LIMIT)}, bound=1e-5,
+            reason=CERTIFIED,
         ),
         Corner(
-            name="symmetry, softening of -1 G",
-            error=partial(turned, 1.0),
-            bound=1e-3,
+            name="symmetry, softening of -1 G", error=partial(turned, 1.0), bound=1e-3,
             reason="the tolerance 1e-5, a hundred times: softening amplifies a residual",
         ),
-        Corner(
-            name="damage of the effective stress",
-            error=partial(certified, PERFECT, FADING),
-            bound=1e-5,
-            reason="certificates within the tolerance",
-        ),
-        Corner(
-            name="damage that falls like -3.6 G, with a length",
-            error=partial(certified, PERFECT, {**BRITTLE, "length": 9e-8}),
-            bound=1e-5,
-            reason="certificates within the tolerance",
+        *family(
+            "damage {}", certified,
+            {"of the effective stress": (PERFECT, FADING),
+             "that falls like -3.6 G, with a length": (PERFECT, {**BRITTLE, "length": 9e-8})},
+            bound=1e-5, reason=CERTIFIED,
         ),
         refusal(f"softening of -{1.02 * LIMIT:.3g} G", lambda: bone(softer(1.02 * LIMIT)), "no unique answer"),
         refusal("damage that falls like -3.6 G, no length", lambda: bone(PERFECT, damage=BRITTLE), "no unique answer"),
     ),
-)
+)  # fmt: skip

@@ -7,14 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.extremes.common import MODULUS, RADIUS, ball, hertz_load, off, run, steel
-from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.extremes.common import (
+    CONTACT,
+    MODULUS,
+    RADIUS,
+    ball,
+    coated,
+    hertz_load,
+    off,
+    run,
+    steel,
+)
+from eigencontact_verification.extremes.feature import Corner, Feature, family, refusal
 from eigencontact_verification.oracles.wear_springs import sliding_limit
 
 __all__ = ["FEATURE"]
 
-CONTACT = 1e-5
-LOAD = hertz_load(CONTACT)
+LOAD = hertz_load()
 #: Volume of the cap that the ball presses in [m³].
 CAP = np.pi * CONTACT**4 / (4 * RADIUS)
 FRICTION = 0.25
@@ -90,12 +99,7 @@ def through_cells() -> float:
 
 def through_layers() -> object:
     """Layers are uniform in the kernels: a run ends before they differ too much."""
-    medium = {
-        "type": "bonded-layers",
-        "layers": [{"thickness": 1e-7, **steel(modulus=2 * MODULUS)}],
-        "substrate": steel(),
-    }
-    return slid(2.0, size=4.0, body1={"medium": medium})
+    return slid(2.0, size=4.0, body1=coated({"thickness": 1e-7, **steel(modulus=2 * MODULUS)}))
 
 
 ENERGY = (
@@ -103,32 +107,20 @@ ENERGY = (
     "a run states, of which the default allows 1e-2: a tenth of that"
 )
 
+SIZES = {volumes: (volumes, size, cells) for volumes, size, cells in ((1e-3, 2.6, 16), (1.0, 4.0, 16), (1e3, 16.0, 96))}
+
 FEATURE = Feature(
     key="wear",
     title="Wear, through a coating and to absurd depths",
     reference="conservation, proportion, the flat that a worn ball ends in",
     corners=(
         Corner(
-            name="1e-20 of the cap",
-            error=next_to_nothing,
-            bound=1e-6,
-            quick=True,
+            name="1e-20 of the cap", error=next_to_nothing, bound=1e-6, quick=True,
             reason="proportional: the tolerance of the contact",
         ),
-        *(
-            Corner(
-                name=f"{volumes:g} times the cap",
-                error=partial(conserved, volumes, size, cells),
-                bound=1e-3,
-                reason=ENERGY,
-                quick=volumes == 1e-3,
-            )
-            for volumes, size, cells in ((1e-3, 2.6, 16), (1.0, 4.0, 16), (1e3, 16.0, 96))
-        ),
+        *family("{:g} times the cap", conserved, SIZES, bound=1e-3, reason=ENERGY, quick={SIZES[1e-3]}),
         Corner(
-            name="1000 times the cap, flat",
-            error=worn_flat,
-            bound=5e-3,
+            name="1000 times the cap, flat", error=worn_flat, bound=5e-3,
             reason="rings of uniform pressure come within half a percent of it at 100 volumes (case WR-9), and go on",
         ),
         Corner(name="the cap in one increment", error=partial(in_one_step, 1.0), bound=1e-3, reason=ENERGY),
@@ -136,4 +128,4 @@ FEATURE = Feature(
         refusal("through exact layers", through_layers, "layer"),
         refusal("1e12 times the cap", lambda: slid(1e12, increments=1), "must", quick=True),
     ),
-)
+)  # fmt: skip

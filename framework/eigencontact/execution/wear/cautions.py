@@ -1,0 +1,134 @@
+"""Warnings about wear: shifts that should move the contact, slopes, jumps over cycles, layers and regions below."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from eigencontact.core.cautions import Caution
+from eigencontact.core.grid import Box
+from eigencontact.core.units import readable
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import percent
+from eigencontact.model.sources import Inhomogeneity
+from eigencontact.results.records import StepRecord
+from eigencontact.scene.wear import Wear
+
+__all__ = ["shift_by_radius", "shift_that_wears", "wear_cautions", "worn_bodies"]
+
+#: Shift by the radius of the contact from which on it is warned of: the scar then is 9 % too short.
+_SHORT = 0.1
+#: Worn depth by the radius of the contact beyond which slopes count: strains by them are of that order.
+_DEEP = 0.1
+#: Error of the worn volume by jumps whose size was given, and cells to the window's edge by those of the contact.
+_JUMPS, _GROWN = 1e-2, 0.05
+#: Error by layers that are taken as uniform, from which on it is warned of.
+_UNEVEN = 0.01
+#: Difference of the pressure after a slide from that found on the way, from which on it is warned of.
+_LAGS = 0.03
+#: Part of its depth by which a region may stay behind.
+_STAYS = 0.05
+
+
+def shift_by_radius(model: Model) -> float:
+    """Largest shift of the surfaces, by the expected radius of the contact along it; 0 without any.
+
+    Infinite where no contact is expected.
+    """
+    expected = model.window.expected
+    extent = (0.0, 0.0) if expected is None else expected.extent
+    ratios = [0.0]
+    for name, side in zip(("shift_x", "shift_y"), extent, strict=True):
+        largest = max((abs(getattr(ramp, name) or 0.0) for ramp in model.scene.ramps), default=0.0)
+        if largest:
+            ratios.append(2.0 * largest / side if side else float("inf"))
+    return max(ratios)
+
+
+def shift_that_wears(model: Model) -> Iterator[Caution]:
+    """Warning of a shift of worn surfaces, which should move the contact."""
+    ratio = shift_by_radius(model)
+    if _SHORT < ratio < np.inf and model.interface is not None and not model.interface.measured:
+        error = ratio / (1.0 + ratio)
+        words = (
+            f"the shift reaches {percent(ratio)} of the radius of the contact, more than {percent(_SHORT)}, and a "
+            f"shift keeps the contact where it is: the scar is {percent(error)} shorter along the shift than that of a "
+            "moving contact, and too deep in its middle; let travel-x or travel-y move the contact"
+        )
+        yield Caution("shift", words, error)
+
+
+def wear_cautions(
+    table: Wear, model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]
+) -> Iterator[Caution]:
+    """Warnings of worn slopes, of jumps over cycles that are too large, and of a contact near the window's edge."""
+    for row in history:
+        radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
+        if row["max_worn_depth"] > _DEEP * radius > 0:
+            deepest = readable(max(later["max_worn_depth"] for later in history), "m")
+            words = (
+                f"the worn depth reaches {deepest}: from {readable(_DEEP * radius, 'm')} on, in load step "
+                f"{row['step']:.0f}, it is more than {percent(_DEEP)} of the contact's radius {readable(radius, 'm')}, "
+                "and slopes are not small, as half-spaces suppose"
+            )
+            yield Caution("worn-slopes", words)
+            break
+    error, allowed = last.scalars["wear_error"], table.error or _JUMPS
+    if error > allowed:
+        remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
+        late = abs(last.scalars["update_error"])
+        if late > 0.5 * error:
+            remedy = "wear.update = 'increment', or let a cycle wear less"
+        words = (
+            f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
+            f"estimate, more than {percent(allowed)}, {percent(late)} of it by moving once a cycle; set {remedy}"
+        )
+        yield Caution("wear-jumps", words, error)
+    box = Box.around(last.fields["pressure"] > 0)
+    if box is not None and not model.periodic:
+        ny, nx = last.fields["pressure"].shape
+        near = min(box.y0, box.x0, ny - box.y1, nx - box.x1)
+        if 0 < near <= max(1.0, _GROWN * max(box.shape)):
+            words = (
+                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
+                "ends with an error: more wear needs a larger grid.size"
+            )
+            yield Caution("worn-window", words)
+
+
+def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]) -> Iterator[Caution]:
+    """Warnings of layers that have worn unevenly, and of regions that do not rise with what wears off above them."""
+    error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
+    if error >= _UNEVEN:
+        words = (
+            "layers that wear are taken as thick as their mean in the contact: the answer of the most and of the least "
+            f"worn column differs from that by {percent(error)}; describe them by cells to see it"
+        )
+        yield Caution("worn-layers", words, error)
+    lag = last.scalars.get("wear_lag", 0.0)
+    if lag >= _LAGS:
+        words = (
+            f"what lies in the bodies answers when a slide is done: the pressure that wore in the last step differs by "
+            f"{percent(lag)} from that found then; give more increments"
+        )
+        yield Caution("worn-increments", words, lag)
+    yield from _left_behind(model, last)
+
+
+def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
+    """The first region that stays where it was: all but those of linear laws in cells do."""
+    for source in model.sources:
+        worn = last.fields.get(f"worn_depth_{source.body}")
+        rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear
+        if worn is None or rises:
+            continue
+        lost, depth = float(worn.max()), source.shape.bounds[1][2]
+        if lost > _STAYS * depth:
+            words = (
+                f"body {source.body} has lost up to {readable(lost, 'm')}, and {source.name!r}, which reaches down to "
+                f"{readable(depth, 'm')}, stays where it was: eigenstrain, whole inclusions and what laws remember do "
+                "not rise with what wears off above them"
+            )
+            yield Caution("worn-regions", words, lost / depth)
+            return

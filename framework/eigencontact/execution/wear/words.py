@@ -1,0 +1,68 @@
+"""Wear in the words of a plan: law, motion of the surfaces, cycles, and the effects that it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+from eigencontact.core.cautions import LeftOut
+from eigencontact.execution.wear.cautions import shift_by_radius
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import percent
+from eigencontact.model.wear import WearModel
+from eigencontact.model.words import sizes
+from eigencontact.scene.schema import Step
+from eigencontact.scene.wear import Wear
+
+__all__ = ["left_out_of_wear", "wear_lines"]
+
+
+def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
+    """Law and bodies, motion of the surfaces, and the number of cycles that will be solved."""
+    table, law = wear.table, wear.law
+    who = " and ".join(f"body {body}" for body in table.parts)
+    if len(table.parts) > 1:
+        who = " and ".join(f"body {body} by {part:.3g} of the depth" for body, part in table.parts.items())
+    words = ", ".join(text for text in (law.key, sizes(law)) if text)
+    how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", by a small change of it")
+    cycles = any(step.cycle is not None for step in steps)
+    when = "at the end of each cycle" if cycles and table.update == "cycle" else "by each increment"
+    lines = [f"wear        {who}: {words}", f"            the surface moves {when}, {how}"]
+    repeats = [step.repeat for step in steps if step.repeat > 1]
+    return [*lines, *(f"            {repeat} cycles, {_solved(repeat, table)}" for repeat in repeats)]
+
+
+def _solved(repeat: int, table: Wear) -> str:
+    """Number of solved cycles in words."""
+    solved = table.solved_cycles(repeat)
+    if solved == repeat:
+        return "all of them solved"
+    if table.error is None:
+        return f"{solved} of them solved: each stands for {table.cycles_per_update}"
+    return f"about {solved} of them solved: as many as keep the error of the worn volume to {percent(table.error)}"
+
+
+def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
+    """Effects that wear leaves out."""
+    out = [
+        LeftOut("debris, a third body and transfer", "the law takes a depth off, and nothing is put elsewhere"),
+        LeftOut(
+            "slopes of what has worn",
+            "half-spaces stay flat, and the gap grows by the worn depth: true of depths small beside the contact",
+        ),
+    ]
+    ratio = shift_by_radius(model)
+    if ratio:
+        share = "" if ratio == inf else f", up to {percent(ratio)} of its radius"
+        out.append(
+            LeftOut(
+                f"motion of the contact over body 1 by shift-x and shift-y{share}",
+                "a shift makes the surfaces slip and keeps the contact where it is; travel-x and travel-y move it",
+            )
+        )
+    for step in model.scene.steps:
+        skipped = step.repeat - table.solved_cycles(step.repeat)
+        if step.cycle is not None and skipped:
+            most = f"{'' if table.error is None else 'about '}{skipped} of {step.repeat} cycles"
+            out.append(LeftOut(most, "what solved ones wear, and how that changes, stands for them"))
+    return out

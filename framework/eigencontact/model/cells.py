@@ -1,0 +1,108 @@
+"""Sources of a model: regions of the scene and yielding bodies, first whole, then cut into cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from eigencontact.hooks.registry import Registry
+from eigencontact.model.bodies import Bodies
+from eigencontact.model.boxes import with_cells, with_lattices
+from eigencontact.model.close_up import resolved
+from eigencontact.model.initial import InitialState
+from eigencontact.model.interface import Interface, dragged_interface
+from eigencontact.model.resolution import refuse_coarse_regions
+from eigencontact.model.sources import Inhomogeneity, Source, build_patches
+from eigencontact.model.window import Window
+from eigencontact.scene.schema import Scene, StressRequest
+
+__all__ = ["Cells", "Sources", "cut_cells", "place_sources"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sources:
+    """Regions with eigenstrain, not yet cut into cells, below the interface that they drag.
+
+    Attributes
+    ----------
+    prescribed, inhomogeneities : tuple of Source
+        Regions with prescribed eigenstrain, and regions with a law of their own. Yielding bodies come first: where
+        regions overlap the later one counts.
+    interface : Interface or None
+        Interface with kernels along x and y where eigenstrain drags the surfaces; None without a contact.
+    """
+
+    prescribed: tuple[Source, ...]
+    inhomogeneities: tuple[Inhomogeneity, ...]
+    interface: Interface | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cells:
+    """Sources with their cells, and the stress regions that follow from these.
+
+    Attributes
+    ----------
+    prescribed, inhomogeneities : tuple of Source
+        As in `Sources`; regions without a closed form have cells.
+    requests : tuple of StressRequest
+        Stress regions with their limits and depths filled in.
+    """
+
+    prescribed: tuple[Source, ...]
+    inhomogeneities: tuple[Inhomogeneity, ...]
+    requests: tuple[StressRequest, ...]
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """All regions with eigenstrain, prescribed or computed."""
+        return (*self.prescribed, *self.inhomogeneities)
+
+
+def place_sources(
+    scene: Scene,
+    registry: Registry,
+    bodies: Bodies,
+    interface: Interface | None,
+    window: Window,
+    initial: Mapping[int, InitialState],
+) -> Sources:
+    """Regions of a scene, and the parts of bodies with a law that may be more than elastic.
+
+    Raises
+    ------
+    SceneError, PluginError
+        Components that are refused; a plastic zone that is too large.
+    """
+    fills_window = interface is not None or not scene.grid.automatic
+    prescribed = (*bodies.prescribed, *build_patches(scene, registry, window.grid if fills_window else None))
+    inhomogeneities = bodies.inhomogeneities
+    if interface is not None and bodies.laws:
+        from eigencontact.model.yielding import yielding_bodies
+
+        regions = (*prescribed, *inhomogeneities)
+        yielding = yielding_bodies(scene, registry, bodies, interface, window.grid, regions, initial)
+        inhomogeneities = (*yielding, *inhomogeneities)
+    if interface is not None and (prescribed or inhomogeneities):
+        interface = dragged_interface(interface, scene, registry)
+    return Sources(prescribed=prescribed, inhomogeneities=inhomogeneities, interface=interface)
+
+
+def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[int, InitialState]) -> Cells:
+    """Sources with their cells on the columns of the window's grid.
+
+    Raises
+    ------
+    SceneError
+        Too many cells, or cells wider than a region.
+    """
+    grid, inhomogeneities = window.grid, sources.inhomogeneities
+    prescribed = with_lattices(sources.prescribed, scene, grid)
+    if scene.numerics.inclusion_resolution == "cells":
+        heights = {body: state.height for body, state in initial.items()}
+        inhomogeneities = with_cells(inhomogeneities, scene, grid, heights)
+    regions = (*prescribed, *inhomogeneities)
+    if not scene.numerics.allow_coarse:
+        refuse_coarse_regions(regions)
+    requests = tuple(resolved(scene.stress, regions, grid))
+    return Cells(prescribed=prescribed, inhomogeneities=inhomogeneities, requests=requests)

@@ -1,0 +1,74 @@
+"""Sizes in a plan, in units that show a wrong unit in the scene."""
+
+from __future__ import annotations
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.units import readable
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import cells_per_radius
+from eigencontact.model.words import nested_parameters, parameters, sizes, unit_of
+from eigencontact.plugin import ConstitutiveLaw
+from eigencontact.scene.schema import Scene, Step
+from eigencontact.solvers.contact_estimate import ContactEstimate
+
+__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "law_lines"]
+
+#: Sides of a contact that differ by less are those of a circle.
+_ROUND = 0.1
+
+
+def geometry_lines(model: Model) -> list[str]:
+    """Every geometry with its sizes."""
+    geometries = () if model.interface is None else model.interface.geometries
+    words = [f"{geometry.key}, {sizes(geometry)}" for geometry in geometries]
+    return [f"{'' if number else 'geometry':<12}{text}".rstrip(", ") for number, text in enumerate(words)]
+
+
+def law_lines(model: Model) -> list[str]:
+    """Constitutive laws with memory, of bodies and of regions, with hardening, damage and all parameters."""
+    owners: dict[int, tuple[ConstitutiveLaw, list[str]]] = {
+        id(law): (law, [f"body {body}"]) for body, law in model.bodies.laws.items()
+    }
+    for region in model.cells.inhomogeneities:
+        if region.law.variables and not region.guessed:
+            owners.setdefault(id(region.law), (region.law, []))[1].append(region.name)
+    lines = []
+    for law, names in owners.values():
+        owner = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} regions"
+        lines += [f"{owner}: {parameters(law)}", *(f"  {line}" for line in nested_parameters(law))]
+    return [f"{'' if number else 'law':<12}{text}" for number, text in enumerate(lines)]
+
+
+def largest_loads(scene: Scene) -> str:
+    """Largest of each load or motion of the history; empty without any."""
+    texts = []
+    for name, field in Step.model_fields.items():
+        unit = unit_of(field.annotation)
+        values = [abs(value) for step in scene.ramps if unit and (value := getattr(step, name)) is not None]
+        if any(values):
+            texts.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")
+    return f", at most {', '.join(texts)}" if texts else ""
+
+
+def expected_lines(model: Model) -> list[str]:
+    """Estimated contact."""
+    contact = model.window.expected
+    if contact is None:
+        return []
+    wide, high = contact.extent
+    is_round = abs(wide - high) < _ROUND * max(wide, high)
+    sides = " x ".join(readable(side, "m") for side in contact.extent)
+    size = f"radius {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {sides}"
+    cells = cells_per_radius(contact, model.grid)
+    alone = ", without what lies in the bodies" if model.sources else ""
+    words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a radius"
+    return [f"expected    {words} (an estimate{alone})"]
+
+
+def contact_as_data(contact: ContactEstimate, grid: Grid) -> dict[str, object]:
+    """Expected contact as plain data [m, Pa]."""
+    return {
+        "extent": list(contact.extent),
+        "max_pressure": contact.peak,
+        "cells_per_radius": cells_per_radius(contact, grid),
+    }

@@ -1,0 +1,21 @@
+"""Parts of an annotation: the types, units, marks and choices that it is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, get_args
+
+__all__ = ["class_within", "parts_of"]
+
+
+def parts_of(hint: Any) -> Iterator[Any]:
+    """Annotation, its marks and, from left to right, the parts of its arguments."""
+    yield hint
+    yield from getattr(hint, "__metadata__", ())
+    for part in get_args(hint):
+        yield from parts_of(part)
+
+
+def class_within(hint: Any, fits: Callable[[type], bool]) -> Any:
+    """First class in an annotation such as ``list[Step] | None`` that fits; None where there is none."""
+    return next((part for part in parts_of(hint) if isinstance(part, type) and fits(part)), None)

@@ -1,0 +1,81 @@
+"""The table of a body: rigid, elastic, layered, with a law, or with the state of an earlier run."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, model_validator
+
+from eigencontact.core.quantities import FileMark, Stress
+from eigencontact.scene.as_tables import table_of
+from eigencontact.scene.checks import at_least, in_range, positive
+from eigencontact.scene.table import OfKind, Table
+
+__all__ = ["Body", "InitialTable"]
+
+
+class InitialTable(Table):
+    """State of a body after a step of an earlier run: what its cells remember.
+
+    Of that run everything but the state of the body is forgotten. In the same cells the state is what it was, in others
+    the means over them.
+
+    Parameters
+    ----------
+    results : str
+        Folder of that run, or its ``results.nc``.
+    step : int, optional
+        Load step of that run, from 1; the last by default.
+    """
+
+    results: Annotated[str, FileMark()]
+    step: Annotated[int, AfterValidator(at_least(1))] | None = None
+
+
+class Body(Table):
+    """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
+
+    Parameters
+    ----------
+    rigid : bool
+        A body that nothing deforms; it has no constants.
+    young_modulus : float, optional
+        Young's modulus [Pa].
+    poisson_ratio : float, optional
+        Poisson's ratio; 0.5 is incompressible.
+    medium : table or component, optional
+        Layered medium in place of the two constants; ``type`` names the plugin.
+    law : table or component, optional
+        Constitutive law that an elastic body obeys under the contact; its constants are those of the body.
+    initial : InitialTable, optional
+        State of an earlier run that the laws in the body begin with.
+    """
+
+    rigid: bool = False
+    young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
+    poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
+    medium: Annotated[dict[str, Any] | None, BeforeValidator(table_of), OfKind("layered-medium")] = None
+    law: Annotated[dict[str, Any] | None, BeforeValidator(table_of), OfKind("constitutive-law")] = None
+    initial: InitialTable | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Body:
+        if self.rigid and self.law is not None:
+            raise ValueError("rigid without a law, or elastic: leave out rigid or law")
+        if self.medium is not None:
+            alternatives = ("rigid", "young_modulus", "poisson_ratio", "law")
+            beside = [name for name in alternatives if getattr(self, name) not in (None, False)]
+            if beside:
+                way = f"a medium alone: leave out medium or {', '.join(beside)}".replace("_", "-")
+                if self.law is not None:
+                    way += '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
+                raise ValueError(way)
+            return self
+        missing = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
+        if self.rigid and len(missing) < 2:
+            raise ValueError("rigid without elastic constants, or elastic: leave out rigid or young-modulus")
+        if not self.rigid and missing:
+            raise ValueError(
+                f"rigid = true, or elastic with {' and '.join(missing)} given, or layered with medium given"
+            )
+        return self

@@ -1,0 +1,154 @@
+"""How the radius of a contact grows with its load and approach, for increments that are even in the radius.
+
+Of a gap h̄(r), the mean over the directions around the middle of the contact, on a homogeneous half-space:
+
+    approach(a) = a ∫_0^{π/2} h̄'(a sin θ) dθ
+    load(a)     ∝ a² ∫_0^{π/2} h̄'(a sin θ) sin²θ dθ
+
+which is a² and a³ of a sphere, a and a² of a cone. Increments need no more: layers, eigenstrain and yielding make them
+somewhat uneven, not wrong.
+
+References
+----------
+I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.solvers.contact_estimate import ContactEstimate
+from eigencontact.solvers.control import Control
+
+__all__ = ["ContactGrowth", "contact_growth"]
+
+Separation = Callable[[FloatArray, FloatArray], FloatArray]
+
+#: Radii of the table, the smallest by the largest, and directions along which the gap must rise.
+_RADII, _SMALLEST, _DIRECTIONS = 64, 1e-3, 12
+#: Step of a difference quotient by the radius: exact for parabolas, and of equal relative error for any power.
+_STEP = 1e-2
+#: Fall of the gap along a ray, by its rise at the largest radius, that is round-off.
+_FLAT = 1e-9
+#: The lowest place is looked for in places of a square, each square by this part smaller than the last.
+_PLACES, _SQUARES = 17, 7
+
+
+@dataclass(frozen=True, slots=True)
+class ContactGrowth:
+    """Radii of a contact that grows from nothing, and the loads and approaches at them.
+
+    Attributes
+    ----------
+    radius : (n,)
+        Rising [m].
+    normal_load, approach : (n,)
+        At these radii [N], [m].
+    """
+
+    radius: FloatArray
+    normal_load: FloatArray
+    approach: FloatArray
+
+    def parts(
+        self, control: Literal["normal_load", "approach"], begin: float, end: float, count: int
+    ) -> tuple[float, ...]:
+        """Where on a ramp of load or approach `count` increments end that are even in the contact radius.
+
+        Parameters
+        ----------
+        control : {"normal_load", "approach"}
+            What the ramp prescribes.
+        begin, end : float
+            Its values [N] or [m].
+        count : int
+            Number of increments.
+
+        Returns
+        -------
+        tuple of float
+            Rising in (0, 1], the last 1; even in the load itself where the radius does not change.
+
+        Examples
+        --------
+        >>> radius = np.geomspace(1e-3, 1.0, 50)
+        >>> growth = ContactGrowth(radius, 8.0 * radius**3, radius**2)
+        >>> [round(part, 6) for part in growth.parts("normal_load", 0.0, 8.0, 2)]
+        [0.125, 1.0]
+        """
+        known: FloatArray = getattr(self, control)
+        there = known > _FLAT**2 * known[-1]
+        known, radius = np.log(known[there]), np.log(self.radius[there])
+        least = 0.0 if there[0] else float(np.exp(radius[0]))
+
+        def radius_at(value: float) -> float:
+            return least if value <= 0.0 else float(np.exp(np.interp(np.log(value), known, radius)))
+
+        start, stop = radius_at(begin), radius_at(end)
+        radii = start + (stop - start) * np.arange(count + 1) / count
+        values = np.exp(np.interp(np.log(np.maximum(radii, np.exp(radius[0]) * _FLAT)), radius, known))
+        values[radii <= least] = 0.0
+        found = (values - begin) / (end - begin) if start != stop else radii
+        if start == stop or np.any(np.diff(found) <= 0.0):
+            found = np.arange(count + 1) / count
+        return (*found[1:-1].tolist(), 1.0)
+
+
+def contact_growth(separation: Separation, contact: ContactEstimate, control: Control) -> ContactGrowth | None:
+    """Growth of a contact whose gap rises in all directions from the middle; None of others, which have no one radius.
+
+    Parameters
+    ----------
+    separation : callable
+        Gap [m] at points (x, y) [m].
+    contact : ContactEstimate
+        The largest contact of the load history.
+    control : Control
+        Under which it is that large.
+    """
+    wide, high = contact.extent
+    middle = _lowest(separation, contact)
+    end = 0.5 * np.sqrt(wide * high)
+    angles = 2.0 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+
+    def gap(r: FloatArray) -> FloatArray:
+        """Gap above the middle along each direction, ``(directions, *r.shape)``."""
+        turns = np.cos(angles), np.sin(angles)
+        x, y = (at + np.multiply.outer(turn, r) for at, turn in zip(middle, turns, strict=True))
+        return np.asarray(separation(x, y), dtype=float)
+
+    radius = end * np.geomspace(_SMALLEST, 1.0, _RADII)
+    along = gap(np.array([0.0, *radius]))
+    rise = np.diff(along, axis=1)
+    if not np.all(np.isfinite(along)) or np.any(rise < -_FLAT * np.ptp(along)) or np.all(rise <= 0.0):
+        return None
+    nodes, weights = np.polynomial.legendre.leggauss(32)
+    theta, weights = 0.25 * np.pi * (nodes + 1.0), 0.25 * np.pi * weights
+    at = np.multiply.outer(radius, np.sin(theta))
+    slope = np.mean(gap(at * (1.0 + _STEP)) - gap(at * (1.0 - _STEP)), axis=0) / (2.0 * _STEP * at)
+    approach = radius * (slope @ weights)
+    load = radius**2 * (slope @ (weights * np.sin(theta) ** 2))
+    if np.any(np.diff(approach) < 0.0) or np.any(np.diff(load) < 0.0):
+        return None
+    scale = 1.0 if control.normal_load is None else control.normal_load / float(load[-1])
+    return ContactGrowth(radius, scale * load, approach)
+
+
+def _lowest(separation: Separation, contact: ContactEstimate) -> tuple[float, float]:
+    """Place (x, y) [m] of the smallest gap in a contact, the one nearest to its middle where there are several."""
+    x, y = 0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1)
+    wide, high = (0.5 * extent for extent in contact.extent)
+    steps = np.linspace(-1.0, 1.0, _PLACES)
+    distance = np.hypot(steps[:, None], steps)
+    for _ in range(_SQUARES):
+        gap = np.asarray(separation(x + wide * steps, (y + high * steps)[:, None]), dtype=float)
+        lowest = np.where(gap <= np.min(gap), distance, np.inf)
+        j, i = np.unravel_index(int(np.argmin(lowest)), gap.shape)
+        x, y = x + wide * float(steps[i]), y + high * float(steps[j])
+        wide, high = 2.0 * wide / (_PLACES - 1), 2.0 * high / (_PLACES - 1)
+    return x, y

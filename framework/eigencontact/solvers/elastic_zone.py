@@ -1,0 +1,213 @@
+"""Zone of a body in which elastic stress under a contact exceeds the limit of a law.
+
+The search samples boxes around the contact, each twice as large and twice as coarse as the one before. All have equally
+many places, so that the work is bounded however far the stress exceeds the limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Box, Grid
+from eigencontact.core.material import Material
+from eigencontact.core.tensors import COMPONENTS, SQRT2
+
+__all__ = ["ACROSS", "ElasticStress", "Exceeds", "Tractions", "Zone", "elastic_zone", "overload"]
+
+BoolArray = NDArray[np.bool_]
+#: Tractions [Pa] on a window, by name; pressure is ``"p"``.
+Tractions = tuple[Grid, Mapping[str, FloatArray]]
+#: Whether Mandel stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] exceeds the limit of a law.
+Exceeds = Callable[[FloatArray, FloatArray], BoolArray]
+
+#: Coarse cells across a contact.
+ACROSS = 16
+#: Boxes of the search: the first reaches 1.5 contact widths each way, the last 12. Stress falls with the square of the
+#: distance: a zone that leaves the last box has a load several hundred times the elastic limit.
+_BOXES = 4
+#: Points about which a law is asked at once, where a depth does not have more [points].
+_AT_ONCE = 1 << 15
+#: Elastic stress that is kept at most, of all loads together [bytes].
+_KEPT = 100_000_000
+#: Places of the largest stress, more than the cells under a contact and half as deep, of which the ratio of load to
+#: limit is sought; halvings of the stress, and of the interval after that.
+_LARGEST, _HALVINGS, _BISECTIONS = 2500, 60, 5
+
+
+class Influence(Protocol):
+    """Stress in a half-space under a loaded rectangle; see `eigencontact.plugin.SurfaceInfluence.sample`."""
+
+    def sample(
+        self, quantity: str, components: Sequence[str], x: FloatArray, y: FloatArray, z: float,
+        half_widths: tuple[float, float], material: Material,
+    ) -> FloatArray:  # fmt: skip
+        """Components at offsets x, y [m] and depth z [m], under unit traction, ``(n, ny, nx)``."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """Bounds (x, y, z) [m] of a zone; `closed` where none of it lies at the rim of the largest box."""
+
+    low: FloatArray
+    high: FloatArray
+    closed: bool
+
+
+class ElasticStress:
+    """Stress by the tractions of coarse contacts, kept for loads and factors that ask again: it is most of the work."""
+
+    def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
+        self._influences, self._material, self._room = influences, material, _KEPT
+        self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
+
+    def at(self, edges: tuple[float, float], loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
+        """Mandel stress ``(6, count, count)`` [Pa] about loaded cells of edges (dx, dy) [m], at the depth `z` [m]."""
+        stress = np.zeros((6, count, count))
+        for name, field in loaded.items():
+            self._add(stress, name, edges, field, z)
+        stress[3:] *= SQRT2
+        return stress
+
+    def _add(self, stress: FloatArray, name: str, edges: tuple[float, float], field: FloatArray, z: float) -> None:
+        count = stress.shape[1]
+        before = self._known.setdefault((name, *edges, field.shape, count, z), [])
+        for known, caused in before:
+            if np.array_equal(known, field):
+                stress += caused
+                return
+            if np.array_equal(known, -field):
+                stress -= caused
+                return
+        # Offsets from loaded cells to the points: all that a sum over the cells needs.
+        y, x = (
+            (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
+            for loads, edge in zip(field.shape, edges[::-1], strict=True)
+        )
+        half = (0.5 * edges[0], 0.5 * edges[1])
+        tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
+        caused = np.stack([_convolved(table, field) for table in tables])
+        stress += caused
+        if caused.nbytes <= self._room:
+            self._room -= caused.nbytes
+            before.append((field, caused))
+
+
+def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, factor: float) -> Zone | None:
+    """Zone in which `factor` times the elastic stress under tractions exceeds a limit; None where it nowhere does."""
+    place = _loaded(load)
+    if place is None:
+        return None
+    middle, edges, loaded = place
+    count = _places(loaded)
+    zone: Zone | None = None
+    for _ in range(_BOXES):
+        inside = _inside(exceeds, edges, loaded, elastic, count, factor)
+        if not inside.any():
+            return zone
+        closed = not any(np.any(rim) for rim in (inside[-1], inside[:, [0, -1]], inside[:, :, [0, -1]]))
+        low, high = _bounds(inside, middle, edges)
+        if zone is not None:
+            low, high = np.minimum(low, zone.low), np.maximum(high, zone.high)
+        zone = Zone(low, high, closed)
+        if closed:
+            break
+        middle, edges, loaded = _coarser(middle, edges, loaded)
+    return zone
+
+
+def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float:
+    """Ratio of the elastic stress to the largest part of it that a law bears elastically, within a tenth."""
+    place = _loaded(load)
+    if place is None:
+        return 0.0
+    _, edges, loaded = place
+    count = _places(loaded)
+    depths = (np.arange(count // 2) + 0.5) * edges[0]
+    stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in depths], axis=1).reshape(6, -1)
+    largest = np.argsort(np.linalg.norm(stress, axis=0))[-_LARGEST:]
+    stress, z, part = stress[:, largest], np.repeat(depths, count**2)[largest], 1.0
+    for _ in range(_HALVINGS):
+        beyond = exceeds(part * stress, z)
+        if not beyond.any():
+            break
+        # Places that a smaller part does not take to the limit are not asked again: few remain.
+        stress, z, part = stress[:, beyond], z[beyond], 0.5 * part
+    low, high = part, 2.0 * part
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if exceeds(middle * stress, z).any() else (middle, high)
+    return 1.0 / high
+
+
+def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str, FloatArray]] | None:
+    """Middle (x, y) [m] and edges (dx, dy) [m] of the cells under pressure, and the tractions there."""
+    window, fields = load
+    box = Box.around(fields["p"] > 0)
+    if box is None:
+        return None
+    middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
+    loaded = {name: field[box.y0 : box.y1, box.x0 : box.x1] for name, field in fields.items()}
+    return middle, (window.dx, window.dy), loaded
+
+
+def _places(loaded: Mapping[str, FloatArray]) -> int:
+    """Places along one side of a box of the search."""
+    ny, nx = loaded["p"].shape
+    return 3 * max(int(ny), int(nx), ACROSS)
+
+
+def _coarser(
+    middle: FloatArray, edges: tuple[float, float], loaded: Mapping[str, FloatArray]
+) -> tuple[FloatArray, tuple[float, float], dict[str, FloatArray]]:
+    """Loaded cells joined two by two each way: the forces remain, and far away nothing else counts."""
+    odd_y, odd_x = (size % 2 for size in loaded["p"].shape)
+    joined = {}
+    for name, field in loaded.items():
+        even = np.pad(field, ((0, odd_y), (0, odd_x)))
+        joined[name] = 0.25 * (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2])
+    return middle + 0.5 * np.array([odd_x, odd_y]) * edges, (2.0 * edges[0], 2.0 * edges[1]), joined
+
+
+def _inside(
+    exceeds: Exceeds,
+    edges: tuple[float, float],
+    loaded: Mapping[str, FloatArray],
+    elastic: ElasticStress,
+    count: int,
+    factor: float,
+) -> BoolArray:
+    """Whether stress exceeds the limit in coarse cells ``(nz, count, count)`` about the loaded ones."""
+    depths = (np.arange(count // 2) + 0.5) * edges[0]
+    out = np.empty((depths.size, count, count), dtype=bool)
+    # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
+    for first in range(0, depths.size, together := max(1, _AT_ONCE // count**2)):
+        some = depths[first : first + together]
+        stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in some], axis=1)
+        tried = factor * stress.reshape(6, -1)
+        out[first : first + together] = exceeds(tried, np.repeat(some, count**2)).reshape(-1, count, count)
+    return out
+
+
+def _bounds(inside: BoolArray, middle: FloatArray, edges: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Bounds (x, y, z) [m] of the cells inside."""
+    count = inside.shape[1]
+    spans = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
+    sides = np.array([edges[0], edges[1], edges[0]])
+    starts = np.array([middle[0] - 0.5 * count * edges[0], middle[1] - 0.5 * count * edges[1], 0.0])
+    low = starts + sides * np.array([span[0] for span in spans])
+    return low, starts + sides * np.array([span[-1] + 1.0 for span in spans])
+
+
+def _convolved(table: FloatArray, field: FloatArray) -> FloatArray:
+    """Sum over loaded cells where the table covers all of them."""
+    shape = [fft.next_fast_len(size, real=True) for size in table.shape]
+    product = fft.irfft2(fft.rfft2(table, shape) * fft.rfft2(field, shape), shape)
+    return np.asarray(product[field.shape[0] - 1 : table.shape[0], field.shape[1] - 1 : table.shape[1]])
