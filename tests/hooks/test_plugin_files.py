@@ -257,7 +257,7 @@ def test_two_files_with_one_key(bowl, tmp_path):
     with pytest.raises(PluginError, match=r"say 'bowl.py:bowl' or 'dish.py:bowl'$"):
         ec.plan(ec.load_scene(bowl, [both]))
     chosen = ec.plan(ec.load_scene(bowl, [both, "geometry.type=dish.py:bowl"]))
-    assert chosen.geometries[0].separation(1.0, 0.0) == close(1 / (4 * 105e-6), rel=1e-12)
+    assert chosen.model.interface.geometries[0].separation(1.0, 0.0) == close(1 / (4 * 105e-6), rel=1e-12)
     (tmp_path / "sub").mkdir()
     (tmp_path / "dish.py").rename(tmp_path / "sub" / "bowl.py")
     with pytest.raises(PluginError, match=r"geometry 'bowl' is already registered by bowl.py sha256:\w+; choose an"):

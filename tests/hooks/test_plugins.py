@@ -240,7 +240,7 @@ def test_a_scene_names_the_package(install, tmp_path, command):
     assert theirs.summary["scene_hash"] != plain.summary["scene_hash"]
     assert "A. Stranger 2026, eq. (1)" in theirs.summary["references"]
     bundled = ec.plan(ec.load_scene("hertz", ["geometry.type='eigencontact:sphere'", *BOWL[1:]]))
-    assert type(bundled.geometries[0]).__module__ == "eigencontact_plugins.geometries.sphere"
+    assert type(bundled.model.interface.geometries[0]).__module__ == "eigencontact_plugins.geometries.sphere"
     unknown = command("explain", "hertz", "--set", "geometry.type='nobody:sphere'")
     assert unknown.code == 2
     assert (
@@ -253,10 +253,10 @@ def test_an_object_of_a_class_means_that_class(install):
     install(as_sphere(0.0))
     theirs = ec.make("eigencontact-stranger:sphere", radius="105 um")
     tables = ec.load_scene("hertz", BOWL[1:]).resolved()
-    assert ec.plan(ec.load_scene(tables | {"geometry": theirs})).geometries == (theirs,)
+    assert ec.plan(ec.load_scene(tables | {"geometry": theirs})).model.interface.geometries == (theirs,)
     ours = ec.make("sphere", radius="105 um")
     scene = ec.load_scene(tables | {"geometry": [ours]})
-    assert ec.plan(scene).geometries == (ours,)
+    assert ec.plan(scene).model.interface.geometries == (ours,)
     assert scene.geometry[0]["type"] == "sphere"
 
 
@@ -277,7 +277,10 @@ def test_two_strangers_with_one_key(install, command):
             action()
     assert ec.make("a-first:bowl", bend=1.0).lift == 0.0
     assert ec.make("B_Second:bowl", bend=1.0).lift == 1.0
-    assert ec.plan(ec.load_scene("hertz", [BOWL[0].replace("bowl", "a-first:bowl")])).geometries[0].lift == 0.0
+    assert (
+        ec.plan(ec.load_scene("hertz", [BOWL[0].replace("bowl", "a-first:bowl")])).model.interface.geometries[0].lift
+        == 0.0
+    )
     listed = command("plugins")
     assert listed.code == 0
     assert "  a-first:bowl" in listed.out
