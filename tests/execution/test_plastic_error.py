@@ -45,7 +45,7 @@ def test_one_step_is_halved_until_its_error_is_small_enough(coarse, fine, within
     assert 0.0 < told[0] <= error
     assert cut[0] == (2 if error == 0.03 else 6)  # where little flows halves suffice
     assert (told[1], cut[1]) == (0.0, 1.0)  # unloading is elastic: nothing to halve
-    off = [float(abs(data["max_sink"][-1] - fine["max_sink"][-1])) for data in (found, coarse)]
+    off = [float(abs(data["print_depth"][-1] - fine["print_depth"][-1])) for data in (found, coarse)]
     assert off[0] < (0.7 if error == 0.03 else 0.2) * off[1]
     size = np.linalg.norm(strain(fine))
     left = np.linalg.norm(strain(found) - strain(fine)) / size

@@ -181,8 +181,12 @@ class Cells(Responding):
         if self._prescribed is not None:
             total += self._prescribed.at(self._time)
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
-            total += self._joint.stress(loads(self.body, self._tractions, tractions))
+            total += self.at_centres(self._joint.stress(loads(self.body, self._tractions, tractions)))
         return total
+
+    def at_centres(self, means: FloatArray) -> FloatArray:
+        """Values at the centres of cells from means ``(..., nz, ny, nx)``; cells of linear laws keep the means."""
+        return means
 
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
         """See `Responding.solve`."""
@@ -194,7 +198,7 @@ class Cells(Responding):
     def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
         """See `Responding.mean_displacement`."""
         assert self._joint is not None
-        return self._joint.displacement(eigenstrain)
+        return self._joint.displacement(self.at_centres(eigenstrain))
 
 
 class _OfCells:

@@ -28,11 +28,13 @@ from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.initial import moved_state
 from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
+from eigencontact.execution.interiors.linked_cells import linked_cells
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.growth import enlarged, lattice_of
 from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings
 from eigencontact.results.records import HistoryRecord
+from eigencontact.solvers.second_order import centre_values
 
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
@@ -77,11 +79,16 @@ class SweptCells(Cells):
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
         self._rim = self._content.rim(self._averages.width).ravel()
         matrix = self._half_space.material
+        self._faces = linked_cells(self._content, self._laws, self._places, matrix)
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
         self._cells = cells = LawCells(
             matrix, self._system.alone, self._laws, around, self._content.shape, self._numerics.threads
         )
         self._sweeps = CellSweeps(self._system, cells)
+
+    def at_centres(self, means: FloatArray) -> FloatArray:
+        """See `Cells.at_centres`."""
+        return means if self._faces is None else centre_values(means, self._faces)
 
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
+from eigencontact.core.peaks import peak_of_means
 from eigencontact.errors import NotConverged
 from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
@@ -62,8 +63,17 @@ _OF_COUPLING = (
     ),
 )  # fmt: skip
 _OF_LAWS = (
-    Number(name="print_depth", unit="m", meaning="depth of the residual imprint in the surfaces", headline=True),
-    Number(name="pile_up", unit="m", meaning="height of the wall around the residual imprint"),
+    Number(
+        name="print_depth",
+        unit="m",
+        headline=True,
+        meaning="depth of the residual imprint in the surfaces, by a parabola through the cell means",
+    ),
+    Number(
+        name="pile_up",
+        unit="m",
+        meaning="height of the wall around the residual imprint, by a parabola through the cell means",
+    ),
 )
 _PLASTIC_ERROR = Number(
     name="plastic_error", unit="1", role="error",
@@ -223,8 +233,9 @@ class RunningMechanics:
         if self._of_laws:
             states = (state for interior in self._interiors for state in interior.states())
             step.scalars |= dict.fromkeys(self._of_laws, 0.0) | measured(states)
-            step.scalars["print_depth"] = step.scalars.get("max_sink", 0.0)
-            step.scalars["pile_up"] = step.scalars.get("max_uplift", 0.0)
+            imprint = last.displacement.get("z")
+            step.scalars["print_depth"] = 0.0 if imprint is None else max(0.0, peak_of_means(imprint))
+            step.scalars["pile_up"] = 0.0 if imprint is None else max(0.0, peak_of_means(-imprint))
 
     def pressed(
         self,
