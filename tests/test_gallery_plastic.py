@@ -202,13 +202,13 @@ def test_impacts_leave_compression_below_the_surface(finished):
 
 
 #: As they are bundled: largest depth [nm], print [nm], largest pressure [MPa], as finite elements found them, and how
-#: far from them each may be. The print grows with refinement, by some 5 % from twelve cells a radius on.
+#: far from them each may be. The print grows with refinement, and by some tenths of a per cent with load steps.
 FOUND = {
-    "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.07), (14485, 1e-2)),
-    "fretting-mode-2-plastic": ((1995.8, 1e-3), (102.7, 0.06), (13777, 1e-2)),
+    "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.02), (14485, 1e-2)),
+    "fretting-mode-2-plastic": ((1995.8, 1e-3), (102.7, 0.025), (13777, 1e-2)),
     "hard-inclusion-in-plastic-matrix": ((1997.1, 1e-3), None, (13704, 1e-2)),
-    "plastic-hertz": ((2009.7, 1e-3), (77.5, 0.04), (13310, 1e-2)),
-    "plastic-indentation": ((372.15, 2e-3), (81.6, 0.04), (5517, 2e-2)),
+    "plastic-hertz": ((2009.7, 1e-3), (77.5, 0.012), (13310, 1e-2)),
+    "plastic-indentation": ((372.15, 2e-3), (81.6, 0.02), (5517, 2e-2)),
 }
 
 
@@ -218,16 +218,16 @@ def test_as_they_are_bundled(name, finished):
     """Those without a value to meet are run whole by the gallery of the documentation."""
     data = finished(name, coarser=False).dataset
     for field, reference, unit in zip(
-        ("approach", "max_sink", "max_pressure"), FOUND[name], (1e-9, 1e-9, 1e6), strict=True
+        ("approach", "print_depth", "max_pressure"), FOUND[name], (1e-9, 1e-9, 1e6), strict=True
     ):
         if reference is not None:
-            values = data[field][-1:] if field == "max_sink" else data[field]
+            values = data[field][-1:] if field == "print_depth" else data[field]
             assert float(values.max()) == close(reference[0] * unit, rel=reference[1])
     if name == "fretting-mode-2-plastic":
         peak = int(data["normal_load"].values.argmax())
         assert float(data["stick_radius_ratio"][peak]) == close(0.895, rel=0.035)
         assert float(data["plastic_zone_max_strain"][-1]) == close(0.01244, rel=0.03)
-        assert float(data["max_uplift"][-1]) == close(4.24e-9, rel=0.08)
+        assert float(data["pile_up"][-1]) == close(4.24e-9, rel=0.04)
 
 
 @pytest.mark.slow
@@ -243,7 +243,7 @@ def test_yield_begins_where_it_should():
 
 @pytest.mark.slow
 def test_refined_it_meets_the_finite_elements():
-    """EP-2: depth to 0.1 %, and the print to 2 % where cells are fine; both come nearer from cells to cells."""
+    """EP-2: depth to 0.1 %, and the print to 1.2 % where cells are fine; both come nearer from cells to cells."""
     from eigencontact_verification.fem.yielding import Indentation, solve_indentation
     from eigencontact_verification.fem.yielding_law import YieldingLaw, perfect
 
@@ -264,11 +264,11 @@ def test_refined_it_meets_the_finite_elements():
             "steps.0.increments=1", "steps.2.increments=1",
         ]  # fmt: skip
         data = ec.run(ec.load_scene("plastic-hertz", changes)).dataset
-        errors.append((abs(float(data["approach"].max()) / depth - 1), abs(float(data["approach"][-1]) / left - 1)))
+        errors.append((abs(float(data["approach"].max()) / depth - 1), abs(float(data["print_depth"][-1]) / left - 1)))
     (coarse, coarse_print), (fine, fine_print) = errors
     assert fine < 1e-3
     assert fine < 0.5 * coarse
-    assert fine_print < 0.02
+    assert fine_print < 0.012
     assert fine_print < coarse_print
 
 
