@@ -207,7 +207,7 @@ FOUND = {
     "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.02), (14485, 1e-2)),
     "fretting-mode-2-plastic": ((1995.8, 1e-3), (102.7, 0.025), (13777, 1e-2)),
     "hard-inclusion-in-plastic-matrix": ((1997.1, 1e-3), None, (13704, 1e-2)),
-    "plastic-hertz": ((2009.7, 1e-3), (77.5, 0.012), (13310, 1e-2)),
+    "plastic-hertz": ((2009.7, 1e-3), (77.8, 0.015), (13310, 1e-2)),
     "plastic-indentation": ((372.15, 2e-3), (81.6, 0.02), (5517, 2e-2)),
 }
 
