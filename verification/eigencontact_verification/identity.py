@@ -116,12 +116,15 @@ def _allowed(name: str, variable: str) -> tuple[float, str]:
 def main(arguments: list[str] | None = None) -> int:
     """Compare, or write; returns the exit status."""
     parser = argparse.ArgumentParser(prog="identity", description=__doc__)
-    parser.add_argument("--write", metavar="COMMIT", help="store what this commit gives")
+    parser.add_argument("--write", metavar="COMMIT", help="store the numbers of this commit, of all scenes or those named")
     parser.add_argument("names", nargs="*", help="scenes; all by default")
     options = parser.parse_args(arguments)
     chosen = [(n, c) for n, c in scenes() if not options.names or n.split(" ", 1)[0] in options.names]
     if options.write:
         stored: dict[str, Any] = {"commit": options.write, "scenes": {}}
+        if options.names:  # the other scenes keep their numbers
+            stored = json.loads(REFERENCE.read_text(encoding="utf-8"))
+            stored.setdefault("younger", {}).update(dict.fromkeys(options.names, options.write))
         for name, changes in chosen:
             stored["scenes"][name] = measured(name, changes)
             print(f"{name}: {len(stored['scenes'][name])} variables", flush=True)
