@@ -2,9 +2,9 @@
 
 A change of the house must not change a result. ``identity.json`` was written by this module running on the commit that
 it names (the module uses nothing but the public calls, so that it runs there too); the same scenes are run again
-and every scalar and field is compared in three numbers of its own. The numbers of ``prestressed-concrete`` are younger:
-its bars and loads have changed since. Scenes in which contact and interior are iterated
-on are also run to a tolerance of 1e-10: another way to the same answer differs by the tolerance of the scene.
+and every scalar and field is compared in three numbers of its own. Scenes whose results were changed with intent since
+are named under ``younger`` with the commit of their numbers. Scenes in which contact and interior are iterated on are
+also run to a tolerance of 1e-10: another way to the same answer differs by the tolerance of the scene.
 
 ``python -m eigencontact_verification.identity`` compares and exits with 1 where something differs that
 `EXCEPTIONS` does not explain; ``--write COMMIT`` stores what this commit gives.
@@ -116,7 +116,7 @@ def _allowed(name: str, variable: str) -> tuple[float, str]:
 def main(arguments: list[str] | None = None) -> int:
     """Compare, or write; returns the exit status."""
     parser = argparse.ArgumentParser(prog="identity", description=__doc__)
-    parser.add_argument("--write", metavar="COMMIT", help="store the numbers of this commit, of all scenes or those named")
+    parser.add_argument("--write", metavar="COMMIT", help="store what this commit gives, for the scenes named or all")
     parser.add_argument("names", nargs="*", help="scenes; all by default")
     options = parser.parse_args(arguments)
     chosen = [(n, c) for n, c in scenes() if not options.names or n.split(" ", 1)[0] in options.names]
