@@ -84,9 +84,7 @@ def read_by_own_laws(
     eigenstrain : (6, nz, ny, nx)
         ε* of the cells, prestrain ε_p included [-].
     """
-    stiffnesses = {
-        n: stiffness for n, source in enumerate(sources, 1) if (stiffness := _softer(source, matrix)) is not None
-    }
+    stiffnesses = {n: tensor for n, source in enumerate(sources, 1) if (tensor := _softer(source, matrix)) is not None}
     if not stiffnesses:
         return
     where, number, smooth = within.inside(eigenstrain)
