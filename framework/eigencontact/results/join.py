@@ -107,8 +107,8 @@ def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Data
             missing = {"_FillValue": column.dtype.type(np.nan)} if column.missing else {}
             read = values.astype(str) if values.dtype.kind == "O" else values
             variables[name] = xr.Variable(column.dims, read, _attributes(column.attrs) | missing)
-            for part in parts if column.stepped else ():
-                part.pop(name, None)
+            for arrays in parts if column.stepped else ():
+                arrays.pop(name, None)
     in_order = {name: variables[name] for name in sorted(variables)}  # as a file lists them
     return xr.decode_cf(xr.Dataset(in_order, attrs=_attributes(attrs))).load()
 
@@ -126,10 +126,10 @@ def _columns(
     regions: set[str] = set()
     attrs: dict[str, Any] = {}
     for step in steps:
-        with _opened(step) as part, _damage_named(step):
-            attrs = dict(part.attrs)
+        with _opened(step) as arrays, _damage_named(step):
+            attrs = dict(arrays.attrs)
             regions.add(attrs.get("regions", ""))
-            for name, variable in part.items():
+            for name, variable in arrays.items():
                 column = columns.setdefault(name, _column(variable, len(steps)))
                 if column.shape != variable.shape:
                     regions.add(f"{name} {variable.shape}")
@@ -141,12 +141,12 @@ def _columns(
         )
     remembered: dict[str, Column] = {}
     for history in histories[-1:]:  # the cells of a body only grow
-        with _opened(history) as part, _damage_named(history):
-            remembered = {name: _column(variable, len(histories)) for name, variable in part.items()}
+        with _opened(history) as arrays, _damage_named(history):
+            remembered = {name: _column(variable, len(histories)) for name, variable in arrays.items()}
             for name, column in remembered.items():
                 column.count = len(histories)
                 if column.dims == (name,):
-                    column.values = part[name][...]
+                    column.values = arrays[name][...]
     return columns, remembered, attrs
 
 
@@ -161,32 +161,32 @@ def _values(sources: Sequence[Path | Part], columns: Mapping[str, Column]) -> It
     with ExitStack() as stack:
         parts = [(source, stack.enter_context(_opened(source))) for source in sources]
         for name, column in columns.items():
-            holders = [(source, part) for source, part in parts if name in part]
+            holders = [(source, arrays) for source, arrays in parts if name in arrays]
             if not column.stepped or (len(parts) == 1 and holders and holders[0][1][name].shape == column.shape):
-                for source, part in holders[-1:]:
+                for source, arrays in holders[-1:]:
                     with _damage_named(source):
-                        values = part[name][...]
+                        values = arrays[name][...]
                     yield name, values
                 continue
             values = np.full((len(parts), *column.shape[1:]), np.nan if column.missing else 0, column.dtype)
-            for at, (source, part) in enumerate(parts):
-                if name in part:
+            for at, (source, arrays) in enumerate(parts):
+                if name in arrays:
                     with _damage_named(source):
-                        values[(at, *_place(part, part[name], column, columns))] = part[name][0]
+                        values[(at, *_place(arrays, arrays[name], column, columns))] = arrays[name][0]
             yield name, values
 
 
-def _place(part: Any, variable: Any, column: Column, columns: Mapping[str, Column]) -> tuple[Any, ...]:
+def _place(arrays: Any, variable: Any, column: Column, columns: Mapping[str, Column]) -> tuple[Any, ...]:
     """Position of the cells of an earlier, smaller box in the box of the last step."""
     if variable.shape[1:] == column.shape[1:]:
         return ()
     places = []
     for dim in column.dims[1:]:
-        if dim not in part or part[dim].dtype.kind == "O":
+        if dim not in arrays or arrays[dim].dtype.kind == "O":
             places.append(slice(None))
             continue
-        start = int(np.argmin(np.abs(columns[dim].values - part[dim][0])))
-        places.append(slice(start, start + len(part[dim])))
+        start = int(np.argmin(np.abs(columns[dim].values - arrays[dim][0])))
+        places.append(slice(start, start + len(arrays[dim])))
     return tuple(places)
 
 
@@ -198,8 +198,8 @@ def _opened(source: Path | Part) -> Iterator[Any]:
         return
     with ExitStack() as stack:
         with _damage_named(source):
-            part = stack.enter_context(open_part(source))
-        yield part
+            arrays = stack.enter_context(open_part(source))
+        yield arrays
 
 
 @contextmanager

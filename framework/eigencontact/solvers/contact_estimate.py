@@ -27,12 +27,12 @@ class ContactEstimate:
         x, y = by
         return ContactEstimate(self.x0 + x, self.x1 + x, self.y0 + y, self.y1 + y, self.peak)
 
-    def join(self, other: ContactEstimate) -> ContactEstimate:
+    def join(self, estimate: ContactEstimate) -> ContactEstimate:
         """Smallest estimate that holds both."""
         return ContactEstimate(
-            min(self.x0, other.x0),
-            max(self.x1, other.x1),
-            min(self.y0, other.y0),
-            max(self.y1, other.y1),
-            max(self.peak, other.peak),
+            min(self.x0, estimate.x0),
+            max(self.x1, estimate.x1),
+            min(self.y0, estimate.y0),
+            max(self.y1, estimate.y1),
+            max(self.peak, estimate.peak),
         )

@@ -58,7 +58,7 @@ class ContactGrowth:
     def parts(
         self, control: Literal["normal_load", "approach"], begin: float, end: float, count: int
     ) -> tuple[float, ...]:
-        """Where on a ramp of load or approach `count` increments end that are even in the contact radius.
+        """Ends of `count` increments of a ramp of load or approach that are even in the contact radius.
 
         Parameters
         ----------
@@ -81,22 +81,22 @@ class ContactGrowth:
         >>> [round(part, 6) for part in growth.parts("normal_load", 0.0, 8.0, 2)]
         [0.125, 1.0]
         """
-        known: FloatArray = getattr(self, control)
-        there = known > _FLAT**2 * known[-1]
-        known, radius = np.log(known[there]), np.log(self.radius[there])
+        samples: FloatArray = getattr(self, control)
+        there = samples > _FLAT**2 * samples[-1]
+        samples, radius = np.log(samples[there]), np.log(self.radius[there])
         least = 0.0 if there[0] else float(np.exp(radius[0]))
 
         def radius_at(value: float) -> float:
-            return least if value <= 0.0 else float(np.exp(np.interp(np.log(value), known, radius)))
+            return least if value <= 0.0 else float(np.exp(np.interp(np.log(value), samples, radius)))
 
         start, stop = radius_at(begin), radius_at(end)
         radii = start + (stop - start) * np.arange(count + 1) / count
-        values = np.exp(np.interp(np.log(np.maximum(radii, np.exp(radius[0]) * _FLAT)), radius, known))
+        values = np.exp(np.interp(np.log(np.maximum(radii, np.exp(radius[0]) * _FLAT)), radius, samples))
         values[radii <= least] = 0.0
-        found = (values - begin) / (end - begin) if start != stop else radii
-        if start == stop or np.any(np.diff(found) <= 0.0):
-            found = np.arange(count + 1) / count
-        return (*found[1:-1].tolist(), 1.0)
+        ends = (values - begin) / (end - begin) if start != stop else radii
+        if start == stop or np.any(np.diff(ends) <= 0.0):
+            ends = np.arange(count + 1) / count
+        return (*ends[1:-1].tolist(), 1.0)
 
 
 def contact_growth(separation: Separation, contact: ContactEstimate, control: Control) -> ContactGrowth | None:

@@ -37,7 +37,7 @@ class PrescribedModes:
                 require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
 
     @property
-    def given(self) -> list[str]:
+    def prescribed_names(self) -> list[str]:
         """Names of the forces and displacements that are prescribed."""
         return [name for mode in self.modes for name in mode if getattr(self, name) is not None]
 

@@ -79,11 +79,11 @@ class ElasticStress:
     def _add(self, stress: FloatArray, name: str, edges: tuple[float, float], field: FloatArray, z: float) -> None:
         count = stress.shape[1]
         before = self._known.setdefault((name, *edges, field.shape, count, z), [])
-        for known, caused in before:
-            if np.array_equal(known, field):
+        for earlier_field, caused in before:
+            if np.array_equal(earlier_field, field):
                 stress += caused
                 return
-            if np.array_equal(known, -field):
+            if np.array_equal(earlier_field, -field):
                 stress -= caused
                 return
         # Offsets from loaded cells to the points: all that a sum over the cells needs.
@@ -124,7 +124,7 @@ def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, fact
 
 
 def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float:
-    """Ratio of the elastic stress to the largest part of it that a law bears elastically, within a tenth."""
+    """Ratio of the elastic stress to the largest multiple of it that a law bears elastically, within a tenth."""
     place = _loaded(load)
     if place is None:
         return 0.0
@@ -133,14 +133,14 @@ def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float
     depths = (np.arange(count // 2) + 0.5) * edges[0]
     stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in depths], axis=1).reshape(6, -1)
     largest = np.argsort(np.linalg.norm(stress, axis=0))[-_LARGEST:]
-    stress, z, part = stress[:, largest], np.repeat(depths, count**2)[largest], 1.0
+    stress, z, fraction = stress[:, largest], np.repeat(depths, count**2)[largest], 1.0
     for _ in range(_HALVINGS):
-        beyond = exceeds(part * stress, z)
-        if not beyond.any():
+        violations = exceeds(fraction * stress, z)
+        if not violations.any():
             break
         # Places that a smaller part does not take to the limit are not asked again: few remain.
-        stress, z, part = stress[:, beyond], z[beyond], 0.5 * part
-    low, high = part, 2.0 * part
+        stress, z, fraction = stress[:, violations], z[violations], 0.5 * fraction
+    low, high = fraction, 2.0 * fraction
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if exceeds(middle * stress, z).any() else (middle, high)

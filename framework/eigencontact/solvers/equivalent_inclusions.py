@@ -107,13 +107,13 @@ class InhomogeneousCells(InclusionSystem):
         if self._cells.size == 0:
             return
         for cells, (stress, strain, prestrain) in Conditions(matrix, materials).of(self._cells, flat, shares):
-            condition = stress @ self.alone + strain
+            condition = stress @ self.self_stress + strain
             self._parts.append((cells, _by_component(np.linalg.solve(condition, stress))))
             if prestrain is not strain:  # cut cells, one run at the end
                 self._offset = _by_component(np.linalg.solve(condition, prestrain - strain))
 
     @cached_property
-    def alone(self) -> FloatArray:
+    def self_stress(self) -> FloatArray:
         """Stress in a cell by its own eigenstrain, ``(6, 6)`` [Pa]."""
         k, j, i = (n // 2 for n in self.shape)
         out = np.empty((6, 6))
@@ -142,7 +142,7 @@ class InhomogeneousCells(InclusionSystem):
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
         """Residual of each cell's condition, as the eigenstrain that removes it in this cell."""
-        foreign = stress - self.alone @ x
+        foreign = stress - self.self_stress @ x
         out = np.empty_like(x)
         for cells, matrix in self._parts:
             out[:, cells] = _product(matrix, foreign[:, cells])

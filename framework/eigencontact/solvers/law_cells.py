@@ -63,7 +63,7 @@ class LawCells:
     ----------
     matrix : Material
         The material around.
-    alone : (6, 6)
+    self_stress : (6, 6)
         Stress in a cell by its own eigenstrain [Pa].
     groups : sequence of (law, cells)
         Flat indices of the cells of each law.
@@ -78,14 +78,14 @@ class LawCells:
     def __init__(
         self,
         matrix: Material,
-        alone: FloatArray,
+        self_stress: FloatArray,
         groups: Sequence[tuple[Law, NDArray[np.intp]]],
         around: Around | None = None,
         shape: tuple[int, int, int] | None = None,
         threads: int | None = None,
     ) -> None:
         self._around, self._shape, self._threads = around, shape, threads or available_threads()
-        self.alone, self.compliance, self.modulus = alone, compliance(matrix), 2.0 * matrix.shear_modulus
+        self.self_stress, self.compliance, self.modulus = self_stress, compliance(matrix), 2.0 * matrix.shear_modulus
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
         self.groups = [
@@ -123,7 +123,7 @@ class LawCells:
                 if self._around is not None and isinstance(law, AnsweringLaw):
                     remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
-                foreign = s - product(self.alone, e)
+                foreign = s - product(self.self_stress, e)
                 solution = _solved(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
                 remembered.append(solution.answer.variables)
@@ -232,7 +232,7 @@ class _Question:
 
     def at(self, eigenstrain: FloatArray) -> _State:
         """The law at the strain under an eigenstrain."""
-        stress = self.foreign + product(self.body.alone, eigenstrain)
+        stress = self.foreign + product(self.body.self_stress, eigenstrain)
         strain = product(self.body.compliance, stress) + eigenstrain - self.prestrain
         answer = answer_of(self.law, strain, self.before, self.step)
         residual = answer.stress - stress
@@ -268,7 +268,7 @@ def _solved(question: _Question, start: FloatArray) -> _State:
     body, state = question.body, question.at(start.copy())
     for _ in range(_STEPS):
         refuse(question.law, state.strain, state.answer, question.step)
-        jacobian = state.answer.tangent @ (body.compliance @ body.alone + np.eye(6)) - body.alone
+        jacobian = state.answer.tangent @ (body.compliance @ body.self_stress + np.eye(6)) - body.self_stress
         if np.all(state.error <= question.limit(state)):
             # A determinant that has changed its sign has been zero on the way: there another answer branches off.
             several = np.flatnonzero(np.linalg.slogdet(jacobian)[0] <= 0.0)

@@ -171,5 +171,5 @@ def normal_options(numerics: Numerics) -> NormalOptions:
 
 def scaled_forces(control: _Control, factor: float) -> _Control:
     """Control with its forces and moments multiplied; displacements stay."""
-    given = {name: getattr(control, name, None) for name in _FORCES}
-    return replace(control, **{name: factor * value for name, value in given.items() if value is not None})
+    forces = {name: getattr(control, name, None) for name in _FORCES}
+    return replace(control, **{name: factor * value for name, value in forces.items() if value is not None})

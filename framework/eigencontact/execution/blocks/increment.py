@@ -61,14 +61,16 @@ class Increment:
         return replace(self, times=(self.times[0], self.times[0]))
 
     def halves(self) -> tuple[Increment, Increment]:
-        """The first half, and the rest."""
+        """Split the increment at its middle into two increments."""
         start, end = self.times
         middle = 0.5 * (start + end)
-        control, told = _middle(self.control, NORMAL_MODES, self.begin)
-        tangential, along = _middle(self.tangential, MODES, self.begin)
+        control, normal_values = _middle(self.control, NORMAL_MODES, self.begin)
+        tangential, tangential_values = _middle(self.tangential, MODES, self.begin)
         early, late = self.surface.halves()
         first = replace(self, times=(start, middle), control=control, tangential=tangential, surface=early)
-        return first, replace(self, times=(middle, end), begin={**self.begin, **told, **along}, surface=late)
+        return first, replace(
+            self, times=(middle, end), begin={**self.begin, **normal_values, **tangential_values}, surface=late
+        )
 
 
 def _middle(

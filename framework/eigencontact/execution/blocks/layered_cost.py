@@ -80,12 +80,16 @@ def layered_surface_cost(
 
 
 def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: bool = False) -> Cost:
-    """Tables of stress, whatever their size; their points are counted with those of homogeneous bodies.
+    """Predicted cost of the stress tables of a layered body, without that of their points.
 
-    `anew` is for tables that are sampled at every step.
+    The cost of the points is that of homogeneous bodies. `anew` is for tables that are sampled at every step.
     """
     if not isinstance(body, LayeredMedium) or numerics.boundary == "periodic":
         return Cost()
-    found = _FIELD + tables * _depth_seconds(body)
-    sampled = tables * _TABLE / (0.75 * min(numerics.threads or available_threads(), max(1, tables)))
-    return Cost(seconds_once=found, seconds_per_step=sampled) if anew else Cost(seconds_once=found + sampled)
+    field_seconds = _FIELD + tables * _depth_seconds(body)
+    table_seconds = tables * _TABLE / (0.75 * min(numerics.threads or available_threads(), max(1, tables)))
+    return (
+        Cost(seconds_once=field_seconds, seconds_per_step=table_seconds)
+        if anew
+        else Cost(seconds_once=field_seconds + table_seconds)
+    )

@@ -59,11 +59,11 @@ class EigenstrainField(Cause):
                 self._solved[quantity] = route
                 self._add(route)
 
-    def _add(self, part: PrescribedField | Route) -> None:
-        """Add price, precisions and the first note."""
-        self.cost += part.cost
-        self.precisions += part.precisions
-        self.note = self.note or part.note
+    def _add(self, contribution: PrescribedField | Route) -> None:
+        """Add the cost and precisions of a contribution; keep the first note."""
+        self.cost += contribution.cost
+        self.precisions += contribution.precisions
+        self.note = self.note or contribution.note
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""

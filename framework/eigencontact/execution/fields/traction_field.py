@@ -129,7 +129,7 @@ class TractionField(Cause):
         if self._periodic:
             return Layout(shape, shape, periodic=True)
         box = self._window.box
-        if self._moves:  # an operator for a contact that moves has a margin; see `_kept`
+        if self._moves:  # an operator for a contact that moves has a margin; see `_cached_operator`
             box = tuple(min(n, b + 2 * max(2, b // 6)) for n, b in zip(shape, box, strict=True))  # type: ignore[assignment]
         first = [(n - b) // 2 for n, b in zip(shape, box, strict=True)]
         target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
@@ -162,9 +162,9 @@ class TractionField(Cause):
         assert points is not None
         values = np.empty((len(kernels[0].components), len(points)))
         threads = self._numerics.threads
-        for part, evaluate in ((near, means_at_points), (~near, stress_at_points)):
-            if part.any():
-                values[:, part] = evaluate(self._grid, kernels, tractions, points[part], threads=threads)
+        for mask, evaluate in ((near, means_at_points), (~near, stress_at_points)):
+            if mask.any():
+                values[:, mask] = evaluate(self._grid, kernels, tractions, points[mask], threads=threads)
         return values
 
     def _on_lattice(self, quantity: str, tractions: list[FloatArray]) -> FloatArray:
@@ -173,15 +173,15 @@ class TractionField(Cause):
         if box is None:
             return values
         if near.any():
-            values[:, near] = self._kept(quantity, box, near=True).apply(tractions)
+            values[:, near] = self._cached_operator(quantity, box, near=True).apply(tractions)
         if self._lattice.finer != (1, 1):
             self._close_up(quantity, tractions, box, values)
         elif not near.all():
-            values[:, ~near] = self._kept(quantity, box, near=False).apply(tractions)
+            values[:, ~near] = self._cached_operator(quantity, box, near=False).apply(tractions)
         return values
 
-    def _kept(self, quantity: str, box: Box, *, near: bool) -> Any:
-        """Operator of the points next to the surface, or below; with a margin where the contact has left its box."""
+    def _cached_operator(self, quantity: str, box: Box, *, near: bool) -> Any:
+        """Return the operator of points near the surface, or deeper; replace it when the contact leaves its box."""
         operator = self._operators.pop((quantity, near), None)
         if operator is None or not operator.covers(box):
             margin = 0 if operator is None else max(2, max(box.shape) // 6)
@@ -194,11 +194,11 @@ class TractionField(Cause):
         return operator
 
     def _key(self, quantity: str, source: Box, *, near: bool) -> Hashable:
-        """All that determines an operator: variants of a sweep that agree in it share one (`core.kept`)."""
+        """Return all that determines an operator; sweep variants with equal keys share the operator (`core.kept`)."""
         lattice, numerics = self._lattice, self._numerics
-        points = tuple(one.tobytes() for one in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
+        points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
-        kernels = tuple((type(one), one.key, one.traction) for one in influences)
+        kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
         how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin))
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 

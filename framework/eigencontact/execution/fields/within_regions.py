@@ -43,10 +43,10 @@ def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, poin
         if not _near(source, points, 2.0 * max(source.lattice.edges)).size:
             continue
         share = fractions_in(source, source.shape, grid)
-        part = out[place_in(box, source.lattice)]
-        part[share > _LEAST] = 0
+        cells = out[place_in(box, source.lattice)]
+        cells[share > _LEAST] = 0
         if source.uniform_law is not None:
-            part[share > 1.0 - _LEAST] = number
+            cells[share > 1.0 - _LEAST] = number
     return out
 
 
@@ -72,7 +72,7 @@ def read_by_own_laws(
     matrix: Material,
     time: float,
 ) -> None:
-    """Put the stress in softer regions as their own law has it from the strain, C_i (M σ + ε* - ε_p).
+    """Replace the stress in softer regions by the stress of their own law, C_i (M σ + ε* - ε_p).
 
     What cells leave of an error of the stress then counts by the ratio of the stiffnesses. In stiffer regions it would
     grow by that: they are left.
@@ -84,15 +84,15 @@ def read_by_own_laws(
     eigenstrain : (6, nz, ny, nx)
         ε* of the cells, prestrain ε_p included [-].
     """
-    stiffnesses = {n: own for n, source in enumerate(sources, 1) if (own := _softer(source, matrix)) is not None}
+    stiffnesses = {n: tensor for n, source in enumerate(sources, 1) if (tensor := _softer(source, matrix)) is not None}
     if not stiffnesses:
         return
     where, number, smooth = within.inside(eigenstrain)
     strain = compliance(matrix) @ stress[:, where] + smooth
     for region, stiffness in stiffnesses.items():
-        own = number == region
+        mask = number == region
         prestrain = sources[region - 1].uniform_eigenstrain(time)
-        stress[:, where[own]] = stiffness @ (strain[:, own] - prestrain[:, None])
+        stress[:, where[mask]] = stiffness @ (strain[:, mask] - prestrain[:, None])
 
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:

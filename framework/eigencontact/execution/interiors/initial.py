@@ -60,7 +60,7 @@ def moved_state(
     coords: Mapping[str, FloatArray],
     edges: tuple[float, float, float],
 ) -> dict[str, HistoryRecord]:
-    """State in the cells of a lattice: as it was in the same cells, means over others.
+    """Transfer a state to the cells of a lattice: unchanged in equal cells, as means in others.
 
     Parameters
     ----------
@@ -77,11 +77,11 @@ def moved_state(
     SceneError
         Something was remembered that no law of the new scene remembers, or in cells without such a law.
     """
-    parts = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
-    same = all(np.array_equal(part, part.astype(bool)) for part in parts)
+    weights = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
+    same = all(np.array_equal(weight, weight.astype(bool)) for weight in weights)
     shape, moved = tuple(len(coords[axis]) for axis in "zyx"), {}
     for name, record in state.records.items():
-        values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *parts, optimize=True)
+        values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *weights, optimize=True)
         if name == f"equivalent_eigenstrain_{record.body}":
             if same:  # where the iteration begins; from other cells it begins anew
                 moved[name] = replace(record, values=values, coords=dict(coords))

@@ -99,8 +99,8 @@ class Interior(Part):
         """Whether cells remember, after an increment, other than before it."""
         return False
 
-    def distance(self, one: Remembered, other: Remembered) -> float:  # noqa: ARG002
-        """How far the strains of two states under the present load are apart, in parts of that load's strain."""
+    def distance(self, state: Remembered, reference: Remembered) -> float:  # noqa: ARG002
+        """Difference of the strains of two states under the present load, relative to the strain by that load."""
         return 0.0
 
     @property

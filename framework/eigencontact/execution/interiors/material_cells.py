@@ -149,15 +149,17 @@ class MaterialCells:
         out = np.zeros(self.shape, dtype=bool)
         for source in self._sources:
             if source.guessed and source.lattice is not None:
-                part, (k, j, i) = out[place_in(self._box, source.lattice)], width
-                part[-k:] = part[:, :j] = part[:, -j:] = part[:, :, :i] = part[:, :, -i:] = True
+                cells, (k, j, i) = out[place_in(self._box, source.lattice)], width
+                cells[-k:] = cells[:, :j] = cells[:, -j:] = cells[:, :, :i] = cells[:, :, -i:] = True
         return out
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:
-        """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
+        """Place of an inhomogeneity in the box, and its volume fractions there, less those of later inhomogeneities."""
         source = self._sources[member]
         assert source.lattice is not None
-        later = [other.shape for other in self._sources[member + 1 :] if bounds_meet(source, other)]
+        later = [
+            inhomogeneity.shape for inhomogeneity in self._sources[member + 1 :] if bounds_meet(source, inhomogeneity)
+        ]
         # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
         region = _filled(source.lattice, self._grid) if source.guessed else source.shape
         fractions = fractions_in(source, _Without(region, later) if later else region, self._grid)
@@ -220,8 +222,8 @@ class _Without:
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the region and in none of the others."""
         inside = self.region.contains(x, y, z)
-        for other in self.later:
-            inside = inside & ~other.contains(x, y, z)
+        for region in self.later:
+            inside = inside & ~region.contains(x, y, z)
         return inside
 
 
@@ -250,11 +252,11 @@ def risen(values: FloatArray, by: FloatArray) -> FloatArray:
     """
     nz = values.shape[-3]
     whole = np.floor(by).astype(int)
-    part = by - whole
+    fraction = by - whole
     levels = np.arange(nz)[:, None, None] + whole
     padded = np.concatenate([values, np.zeros((*values.shape[:-3], 1, *values.shape[-2:]))], axis=-3)
     upper, lower = (
         np.take_along_axis(padded, np.broadcast_to(np.minimum(level, nz), (*values.shape[:-3], *levels.shape)), axis=-3)
         for level in (levels, levels + 1)
     )
-    return np.asarray((1.0 - part) * upper + part * lower)
+    return np.asarray((1.0 - fraction) * upper + fraction * lower)

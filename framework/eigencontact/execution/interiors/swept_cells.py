@@ -82,7 +82,7 @@ class SweptCells(Cells):
         self._faces = linked_cells(self._content, self._laws, self._places, matrix)
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
         self._cells = cells = LawCells(
-            matrix, self._system.alone, self._laws, around, self._content.shape, self._numerics.threads
+            matrix, self._system.self_stress, self._laws, around, self._content.shape, self._numerics.threads
         )
         self._sweeps = CellSweeps(self._system, cells)
 
@@ -167,15 +167,17 @@ class SweptCells(Cells):
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
         """See `Interior.flowed`."""
-        names = {f"{n}_{self.body}" for law, _ in self._laws for n, kept in law.variables.items() if not kept.elastic}
+        names = {
+            f"{n}_{self.body}" for law, _ in self._laws for n, variable in law.variables.items() if not variable.elastic
+        }
         return any(
             not np.array_equal(after[name].values, before[name].values) if name in before else after[name].values.any()
             for name in names & after.keys()
         )
 
-    def distance(self, one: Remembered, other: Remembered) -> float:
-        """See `Interior.distance`; where more has flowed than the load strains, in parts of that."""
-        first, second = (state[eigenstrain_name(self.body)].values for state in (one, other))
+    def distance(self, state: Remembered, reference: Remembered) -> float:
+        """See `Interior.distance`; relative to the strain of the reference where that is larger than the load's."""
+        first, second = (records[eigenstrain_name(self.body)].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
     def trouble(self) -> str:

@@ -107,7 +107,7 @@ class Coupled:
             return Solved(contact=None, displacement={}, remembered=adopted)
         for interior in self._interiors:
             interior.begin(increment.at_start(), adopted)
-        return self._alone()
+        return self._solve_interiors()
 
     def solve(self, increment: Increment, memory: Any, before: Solved) -> Solved:
         """Solve one increment.
@@ -129,7 +129,7 @@ class Coupled:
         for interior in self._interiors:
             interior.begin(increment, before.remembered)
         if self._contact is None:
-            return self._alone()
+            return self._solve_interiors()
         if not self._responding:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
@@ -144,8 +144,8 @@ class Coupled:
             interior.begin(increment, before.remembered)
         return self._iterated(self._contact, increment, memory)
 
-    def _alone(self) -> Solved:
-        """Interiors without tractions; bodies do not see each other then."""
+    def _solve_interiors(self) -> Solved:
+        """Solve the interiors without tractions; the bodies do not interact then."""
         for interior in self._responding:
             mixer = Anderson(_DEPTH)
             for number in range(1, _ROUNDS + 1):
@@ -171,16 +171,20 @@ class Coupled:
 
     def _displaced(self, directions: str) -> dict[str, FloatArray]:
         """Displacement of the surfaces by all interiors, by direction."""
-        parts = [interior.displacement(directions) for interior in self._interiors]
-        return {name: np.sum([part[name] for part in parts], axis=0) for name in directions} if parts else {}
+        displacements = [interior.displacement(directions) for interior in self._interiors]
+        return (
+            {name: np.sum([displacement[name] for displacement in displacements], axis=0) for name in directions}
+            if displacements
+            else {}
+        )
 
     def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
-        """Rounds until what goes in comes out."""
+        """Iterate contact and interiors until the residual meets the tolerance."""
         names, mixer, seen, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
-        loosest, part = (_LOOSEST, _SHARE) if answering else (_LOOSEST_SWEPT, _SHARE_SWEPT)
+        loosest, tolerance_ratio = (_LOOSEST, _SHARE) if answering else (_LOOSEST_SWEPT, _SHARE_SWEPT)
         if swept and all(interior.tries_elastic for interior in swept):
             loosest = self._least
         # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
@@ -189,7 +193,7 @@ class Coupled:
         answer: ContactAnswer | None = None
         number, residual = 0, np.inf
         for number in range(1, (_ROUNDS if answering else _ROUNDS_SWEPT) + 1):
-            inner = float(np.clip(part * best, self._least, loosest))
+            inner = float(np.clip(tolerance_ratio * best, self._least, loosest))
             fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
             spent.update(answer.spent)
@@ -238,10 +242,10 @@ class Coupled:
 
     def _stacked(self, interiors: Sequence[Interior], names: str) -> FloatArray:
         """Displacement of the surfaces by some interiors, ``(len(names), ny, nx)``."""
-        parts = [interior.displacement(names) for interior in interiors]
-        if not parts:
+        displacements = [interior.displacement(names) for interior in interiors]
+        if not displacements:
             return np.zeros((len(names), *self._shape))
-        return np.asarray(np.sum([[part[name] for name in names] for part in parts], axis=0))
+        return np.asarray(np.sum([[displacement[name] for name in names] for displacement in displacements], axis=0))
 
 
 class _Mixer:
@@ -259,7 +263,7 @@ class _Mixer:
     def next(
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
     ) -> list[FloatArray]:
-        """Next guess; `sizes` are those of the arrays, or of rows of them, as they are."""
+        """Return the next guess; `sizes` are the scales of the arrays, or of their rows."""
         has_unit = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
         if any(size.any() and not before for size, before in zip(sizes, has_unit, strict=True)):
             self._anderson = Anderson(_DEPTH)
@@ -267,11 +271,11 @@ class _Mixer:
                 unit if before else size
                 for unit, size, before in zip(self._units or sizes, sizes, has_unit, strict=True)
             ]
-        weights = [np.sqrt(one.size) if len(guess) > 1 else 1.0 for one in guess]
+        weights = [np.sqrt(array.size) if len(guess) > 1 else 1.0 for array in guess]
         scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
 
         def packed(arrays: Sequence[FloatArray]) -> FloatArray:
-            return np.concatenate([(one / unit).ravel() for one, unit in zip(arrays, scaled, strict=True)])
+            return np.concatenate([(array / unit).ravel() for array, unit in zip(arrays, scaled, strict=True)])
 
         before, after = packed(guess), packed(answers)
         fresh = (before != 0.0) | (after != 0.0)
@@ -279,9 +283,9 @@ class _Mixer:
         self._moving = np.concatenate([self._moving, np.flatnonzero(fresh)])
         vector, out, begin = np.zeros_like(after), list[FloatArray](), 0
         vector[self._moving] = self._anderson.next(before[self._moving], after[self._moving])
-        for one, unit in zip(guess, scaled, strict=True):
-            out.append(vector[begin : begin + one.size].reshape(one.shape) * unit)
-            begin += one.size
+        for array, unit in zip(guess, scaled, strict=True):
+            out.append(vector[begin : begin + array.size].reshape(array.shape) * unit)
+            begin += array.size
         return out
 
 

@@ -186,8 +186,8 @@ class ContactWithFriction(Contact):
 
         dragged = self._rows(offset) if offset else 0.0
         if last is None:
-            rest = Sliding.at_rest(self._grid, self._components)
-            return replace(rest, position=rest.position + dragged)
+            initial_state = Sliding.at_rest(self._grid, self._components)
+            return replace(initial_state, position=initial_state.position + dragged)
         rigid = np.array([last.scalars[displacement] for displacement, _ in MODES])
         position = self._vector(last.fields, "displacement")
         position -= np.einsum("m,mkij->kij", rigid, mode_fields(self._grid, self._components))
@@ -383,7 +383,7 @@ def _pressed(ramps: Sequence[Step]) -> float:
 def friction_cost(
     shape: tuple[int, int], box: tuple[int, int], coupling: Coupling, numerics: Numerics, pressed: float = 1.0
 ) -> Cost:
-    """Normal and tangential contact together, by the directions of displacement and traction that have a kernel.
+    """Predicted cost of normal and tangential contact, from the pairs of displacement and traction with a kernel.
 
     The counts are those of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their rough
     inverse per round, and `_ROUNDS` rounds where the pressure feels the shear. `pressed` is the part of the steps in
@@ -396,15 +396,17 @@ def friction_cost(
     count, cross = len(coupling.components), sum((i == "z") != (j == "z") for i, j in pairs)
     coupled = any(i == "z" and j != "z" for i, j in pairs)
     rounds = _ROUNDS if coupled else 1
-    one = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
-    one += 1.4e-8 * count * by * bx + 1.5e-4  # the vectors of the iteration, cell by cell
+    iteration_seconds = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
+    iteration_seconds += 1.4e-8 * count * by * bx + 1.5e-4  # the vectors of the iteration, cell by cell
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
     once = len(pairs) * 3e-7 * (ny + by) * (nx + bx) / 4  # coefficients of the cross terms cost more than those of p
-    solve = rounds * (_APPLICATIONS * one + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
+    solve = (
+        rounds * (_APPLICATIONS * iteration_seconds + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
+    )
     real = 8 if numerics.precision == "double" else 4
     padded = real * (ny + by) * (nx + bx)
-    kept = 3 if coupled else 1  # the contact changes from round to round, and each box has spectra of its own
+    boxes = 3 if coupled else 1  # the contact changes from round to round, and each box has spectra of its own
     held = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
-    held += padded * (kept * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
+    held += padded * (boxes * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
     solve += (1.0 if coupled else pressed) * normal.seconds_per_step
     return Cost(memory=normal.memory + held, seconds_once=once, seconds_per_step=solve)

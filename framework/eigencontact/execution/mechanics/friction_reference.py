@@ -49,8 +49,8 @@ class ShearBound(Stateless):
         pressure = step.fields["pressure"]
         slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
         facts = self._facts(step.surface.exposed)
-        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **facts)
-        step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
+        state = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **facts)
+        step.fields["shear_bound"] = checked_shear_bound(self._law, state)
 
 
 class ReferenceShear(Stateless):
@@ -95,8 +95,10 @@ class ReferenceShear(Stateless):
         shear, along = np.zeros(self._grid.shape), np.zeros(2)
         if size > _SAME * capacity:
             along = load / size
-            whole, part = (self._pressure(scalars["normal_load"] * (1 - f)) for f in (0.0, size / capacity))
-            shear = coefficient * (whole - part)
+            full_pressure, stick_pressure = (
+                self._pressure(scalars["normal_load"] * (1 - f)) for f in (0.0, size / capacity)
+            )
+            shear = coefficient * (full_pressure - stick_pressure)
         for axis, direction in zip("xy", along, strict=True):
             step.fields[f"reference_shear_{axis}"] = direction * shear
 

@@ -119,8 +119,8 @@ class Mechanics(Block):
         self.numbers = tuple(self._numbers(contact, interiors))
         self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
         self.name, self.why = self._parts[0].name, self._parts[0].why
-        self.kernels = [kernel for part in self._parts for kernel in part.kernels]
-        self.cost = sum((part.cost for part in self._parts), Cost())
+        self.kernels = [kernel for member in self._parts for kernel in member.kernels]
+        self.cost = sum((member.cost for member in self._parts), Cost())
         self.requires = frozenset() if contact is None else contact.requires
         self.accumulated = frozenset() if contact is None else contact.accumulated
         lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in directions if interiors}
@@ -156,9 +156,9 @@ class Mechanics(Block):
     def start(self, run: Run) -> RunningMechanics:  # noqa: ARG002
         """See `Block.start`."""
         contact, interiors = self._make()
-        for part in (contact, *interiors):
-            if part is not None:
-                part.start()
+        for member in (contact, *interiors):
+            if member is not None:
+                member.start()
         return RunningMechanics(self, contact, interiors)
 
     def contact_for(self, solids: Solids) -> Contact:
@@ -218,7 +218,7 @@ class RunningMechanics:
         for increment in self._tried:
             efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
             accumulate(self._declared, spent, efforts)
-        answers = [one.contact for one in increments if one.contact is not None]
+        answers = [increment.contact for increment in increments if increment.contact is not None]
         if self._contact is not None:
             self._store(step, self._contact, answers)
             spent["solve_seconds"] = perf_counter() - began
@@ -312,26 +312,26 @@ class RunningMechanics:
     def _accurate(
         self, increment: Increment, memory: Any, before: Solved, whole: list[Solved] | None, depth: int
     ) -> list[Solved]:
-        """The increments that one is solved in so that the strain of cells that flow is known well enough.
+        """Solve an increment, halved as often as the allowed error of the plastic strain requires.
 
         `whole` is the increment in one, where it is known. Those that are tried and not taken cost as much as others.
         """
         limit = self._numerics.plastic_error
         assert limit is not None
         whole = whole or self._solved(increment, memory, before, depth)
-        flowed = any(one.flowed(before.remembered, whole[-1].remembered) for one in self._interiors)
+        flowed = any(interior.flowed(before.remembered, whole[-1].remembered) for interior in self._interiors)
         if depth == _HALVINGS or not flowed:
             return whole
         first, second = increment.halves()
-        half = self._solved(first, memory, before, depth + 1)
-        rest = self._solved(second, _memory(half), half[-1], depth + 1)
-        error = max(one.distance(whole[-1].remembered, rest[-1].remembered) for one in self._interiors)
+        first_half = self._solved(first, memory, before, depth + 1)
+        second_half = self._solved(second, _memory(first_half), first_half[-1], depth + 1)
+        error = max(interior.distance(whole[-1].remembered, second_half[-1].remembered) for interior in self._interiors)
         self._tried += whole
         if error <= limit or depth + 1 == _HALVINGS:
             self._error = max(self._error, error)
-            return half + rest
-        self._tried += rest
-        increments = self._accurate(first, memory, before, half, depth + 1)
+            return first_half + second_half
+        self._tried += second_half
+        increments = self._accurate(first, memory, before, first_half, depth + 1)
         return increments + self._accurate(second, _memory(increments), increments[-1], None, depth + 1)
 
 

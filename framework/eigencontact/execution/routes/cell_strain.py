@@ -33,8 +33,8 @@ class CellStrain:
         total = np.zeros((6, *self._box.lattice.shape))
         z, y, x = self._box.lattice.axes(self._grid)
         for source, (place, fractions) in zip(self._box.sources, self._fractions, strict=True):
-            part = total[:, *place]
-            part += fractions * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
+            cells = total[:, *place]
+            cells += fractions * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
         return total
 
     @cached_property

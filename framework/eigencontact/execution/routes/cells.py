@@ -189,7 +189,9 @@ class Columns(Planes):
         depths = -(-len(self._points) // count)
         some = self._columns[:: -(-count // _PRICED)]
         # A place in the middle of the cells sees them symmetric, and holds a quarter of the spectra.
-        prices = [self.pace.planes(self.box.lattice, (1, 1), self._offset(one), depths, len(self.rows)) for one in some]
+        prices = [
+            self.pace.planes(self.box.lattice, (1, 1), self._offset(column), depths, len(self.rows)) for column in some
+        ]
         return reduce(add, prices).times(count / len(some))
 
     @property
@@ -310,8 +312,8 @@ class CloseUp(Planes):
     def cost(self) -> Cost:
         """See `Route.cost`."""
         count = self.lattice.finer[0] * self.lattice.finer[1]
-        one = self.pace.volume(self.box.lattice, self.lattice.target, (0.5, 0.5), self.lattice.depths.size)
-        return Cost(one.memory, 0.0, one.seconds_once + count * one.seconds_per_step)
+        transform = self.pace.volume(self.box.lattice, self.lattice.target, (0.5, 0.5), self.lattice.depths.size)
+        return Cost(transform.memory, 0.0, transform.seconds_once + count * transform.seconds_per_step)
 
     def field(self, eigenstrain: FloatArray) -> FloatArray:
         """See `Route.field`."""
@@ -333,11 +335,11 @@ class CloseUp(Planes):
         return np.asarray(values[list(self.rows)], dtype=float)
 
     def _shifted(self, eigenstrain: FloatArray) -> FloatArray:
-        """Field on depths that do not follow the cells: lattices of the cells' pitch, one after the other."""
+        """Return the field at depths other than those of the cells, on lattices of the cells' pitch one by one."""
         out, first = np.empty(self.shape), self.box.lattice.first
-        for (rows, columns), part in self.lattice.shifted:
-            origin = (part.origin[0] - first[1], part.origin[1] - first[2])
-            out[:, :, rows, columns] = self.planes(part.target, origin, part.depths).apply(eigenstrain)
+        for (rows, columns), sublattice in self.lattice.shifted:
+            origin = (sublattice.origin[0] - first[1], sublattice.origin[1] - first[2])
+            out[:, :, rows, columns] = self.planes(sublattice.target, origin, sublattice.depths).apply(eigenstrain)
         return out
 
 

@@ -116,19 +116,19 @@ class ImagePressureField:
 
     @property
     def cost(self) -> Cost:
-        """Loaded cells at points one by one, or a convolution for each plane and component, beside the full space."""
+        """Price of the image pressure, summed at points or convolved on planes, and of the full-space fields."""
         grid, lattice, numerics = self.half_space.grid, self.lattice, self.half_space.numerics
         count, workers = 3 if self.quantity == "displacement" else 6, working_threads(self.half_space.threads)
         cells = grid.nx * grid.ny
         if lattice.points is not None:
             seconds = len(lattice.points) * cells * count * _CELL / workers
-            own = Cost(memory=8.0 * cells * count, seconds_per_step=seconds)
+            pressure_cost = Cost(memory=8.0 * cells * count, seconds_per_step=seconds)
         else:
             ny, nx = lattice.target[0] + grid.ny, lattice.target[1] + grid.nx
-            one = speed("double", numerics.threads).convolution(ny, nx)
-            seconds = lattice.depths.size * count * (2.0 * one + _CELL * ny * nx)
-            own = Cost(memory=8.0 * count * ny * nx * 3, seconds_per_step=seconds)
-        return own + self._real.cost + self._image.cost + self._surface.cost
+            convolution_seconds = speed("double", numerics.threads).convolution(ny, nx)
+            seconds = lattice.depths.size * count * (2.0 * convolution_seconds + _CELL * ny * nx)
+            pressure_cost = Cost(memory=8.0 * count * ny * nx * 3, seconds_per_step=seconds)
+        return pressure_cost + self._real.cost + self._image.cost + self._surface.cost
 
     @cached_property
     def _scheme(self) -> ImagePressure:

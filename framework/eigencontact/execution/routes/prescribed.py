@@ -44,7 +44,7 @@ class PrescribedField:
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._regions = [region for term in (*self._still, *self._moving) for region in term.regions()]
         #: See `Part`.
-        self.precisions = [one for term in (*self._still, *self._moving) for one in term.precisions]
+        self.precisions = [precision for term in (*self._still, *self._moving) for precision in term.precisions]
         #: What must be known of its values, in words, or nothing.
         self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")
         self._once: FloatArray | None = None

@@ -105,9 +105,9 @@ def drive(
             raise
         last, before = step.record(), point
         yield last
-        told = getattr(watcher, "step_took", None)
-        if told is not None:
-            told(spent)
+        report_times = getattr(watcher, "step_took", None)
+        if report_times is not None:
+            report_times(spent)
         if watcher is not None:
             watcher.step_finished(last, total)
 
@@ -149,9 +149,9 @@ class _Course:
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
         """Note what a ramp starts from where a point begins one; `last` is the step before."""
         if last is not None and self.history.begins_ramp(point):
-            self._ramp_start = start_of_ramp(last.scalars, self._told(point))
+            self._ramp_start = start_of_ramp(last.scalars, self._previous_ramp(point))
 
-    def _told(self, point: LoadPoint) -> Ramp | None:
+    def _previous_ramp(self, point: LoadPoint) -> Ramp | None:
         return self.history.ramp_before(point) if self._friction else None
 
     def step(self, point: LoadPoint, before: LoadPoint | None, last: StepRecord | None) -> Step:

@@ -88,14 +88,14 @@ class LoadHistory:
         self._ends = _ends_of_increments(growth, self._ramps, graded[0])
         # What a cycle does not mention is, from the second on, as its own end left it.
         self._again: dict[int, tuple[Step, tuple[float, float], Ends]] = {}
-        for part in self._segments:
-            cycle = ramps[part.first : part.first + part.ramps]
-            if part.repeat > 1:
-                twice = [*ramps[: part.first], *cycle, *cycle]
+        for segment in self._segments:
+            cycle = ramps[segment.first : segment.first + segment.ramps]
+            if segment.repeat > 1:
+                twice = [*ramps[: segment.first], *cycle, *cycle]
                 held, places = held_steps(twice) if friction else twice, held_travel(twice)
                 ends = _ends_of_increments(growth, held, {place + len(cycle) for place in graded[1]})
                 self._again |= {
-                    part.first + k: (held[k - len(cycle)], places[k - len(cycle)], ends[k - len(cycle)])
+                    segment.first + k: (held[k - len(cycle)], places[k - len(cycle)], ends[k - len(cycle)])
                     for k in range(len(cycle))
                 }
 
@@ -103,27 +103,27 @@ class LoadHistory:
         """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
         if point is None:
             return self._at(1, self._segments[0], 1, self._segments[0].first, 1, 0)
-        part = point.segment
+        segment = point.segment
         if point.number < self._ramps[point.ramp].increments:
-            return self._at(point.index + 1, part, point.cycle, point.ramp, point.number + 1, 0)
+            return self._at(point.index + 1, segment, point.cycle, point.ramp, point.number + 1, 0)
         if not point.ends_cycle:
-            return self._at(point.index + 1, part, point.cycle, point.ramp + 1, 1, 0)
-        if point.cycle < part.repeat:
-            cycle = min(point.cycle + max(1, cycles), part.repeat)
-            return self._at(point.index + 1, part, cycle, part.first, 1, cycle - point.cycle - 1)
-        place = self._segments.index(part) + 1
+            return self._at(point.index + 1, segment, point.cycle, point.ramp + 1, 1, 0)
+        if point.cycle < segment.repeat:
+            cycle = min(point.cycle + max(1, cycles), segment.repeat)
+            return self._at(point.index + 1, segment, cycle, segment.first, 1, cycle - point.cycle - 1)
+        place = self._segments.index(segment) + 1
         if place == len(self._segments):
             return None
-        part = self._segments[place]
-        return self._at(point.index + 1, part, 1, part.first, 1, 0)
+        segment = self._segments[place]
+        return self._at(point.index + 1, segment, 1, segment.first, 1, 0)
 
-    def _at(self, index: int, part: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
+    def _at(self, index: int, segment: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
         count = self._ramps[ramp].increments
         ends = self._ends[ramp] if cycle == 1 else self._again[ramp][2]
         before, fraction = ((number - more) / count if ends is None else ends[number - more] for more in (1, 0))
-        begin = sum(one.ramps * one.repeat for one in self._segments[: self._segments.index(part)])
-        time = begin + (cycle - 1) * part.ramps + (ramp - part.first) + fraction
-        return LoadPoint(index, float(time), ramp, number, before, fraction, part, cycle, skipped)
+        begin = sum(previous.ramps * previous.repeat for previous in self._segments[: self._segments.index(segment)])
+        time = begin + (cycle - 1) * segment.ramps + (ramp - segment.first) + fraction
+        return LoadPoint(index, float(time), ramp, number, before, fraction, segment, cycle, skipped)
 
     def ends_of_cycle_before(self, point: LoadPoint) -> list[LoadPoint]:
         """Ends of the ramps of the cycle before that of a point, each reached in one increment.
@@ -131,13 +131,13 @@ class LoadHistory:
         The first of them has those cycles skipped before it that have been skipped before the point, and itself.
         Empty where every ramp slides all over the contact: what happened before is then forgotten.
         """
-        part, ends = point.segment, list[LoadPoint]()
-        places = range(part.first, part.first + part.ramps)
+        segment, ends = point.segment, list[LoadPoint]()
+        places = range(segment.first, segment.first + segment.ramps)
         if all(self._ramps[place].slides for place in places):
             return []
         for place in places:
-            last = self._at(point.index, part, point.cycle - 1, place, self._ramps[place].increments, 0)
-            ends.append(replace(last, skipped=point.skipped if place == part.first else 0))
+            last = self._at(point.index, segment, point.cycle - 1, place, self._ramps[place].increments, 0)
+            ends.append(replace(last, skipped=point.skipped if place == segment.first else 0))
         return ends
 
     def begins_ramp(self, point: LoadPoint) -> bool:
@@ -150,22 +150,22 @@ class LoadHistory:
 
     def ramp_before(self, point: LoadPoint) -> Step | None:
         """Ramp that ended where that of a point begins; None at the start."""
-        part = point.segment
-        if point.ramp > part.first:
+        segment = point.segment
+        if point.ramp > segment.first:
             return self._ramps[point.ramp - 1] if point.cycle == 1 else self._again[point.ramp - 1][0]
         if point.cycle == 1:
             return self._ramps[point.ramp - 1] if point.ramp else None
-        last = part.first + part.ramps - 1
+        last = segment.first + segment.ramps - 1
         return self._again[last][0]
 
     def cycle(self, point: LoadPoint) -> CyclePlace | None:
         """Place of a point in its cycle; None in a plain step."""
-        part = point.segment
-        if not part.cycle:
+        segment = point.segment
+        if not segment.cycle:
             return None
-        begins = point.ramp == part.first and (self.begins_ramp(point) or point.skipped > 0)
+        begins = point.ramp == segment.first and (self.begins_ramp(point) or point.skipped > 0)
         return CyclePlace(
-            number=point.cycle, skipped=point.skipped, left=part.repeat - point.cycle, begins=begins,
+            number=point.cycle, skipped=point.skipped, left=segment.repeat - point.cycle, begins=begins,
             ends=point.ends_cycle,
         )  # fmt: skip
 
@@ -175,8 +175,8 @@ class LoadHistory:
         if ramp.sliding_distance is not None:
             along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
             even = (self._ends[point.ramp] if point.cycle == 1 else self._again[point.ramp][2]) is None
-            part = 1.0 / ramp.increments if even else point.fraction - point.before
-            return Slide(distance=ramp.sliding_distance * part, direction=along)
+            share = 1.0 / ramp.increments if even else point.fraction - point.before
+            return Slide(distance=ramp.sliding_distance * share, direction=along)
         if before is None:
             return None
         (x0, y0), (x1, y1) = self.travel(before), self.travel(point)
@@ -188,9 +188,9 @@ class LoadHistory:
         end = self._places[point.ramp] if point.cycle == 1 else self._again[point.ramp][1]
         if point.fraction == 1.0:
             return end
-        part = point.segment
+        segment = point.segment
         if point.cycle > 1:
-            before = point.ramp - 1 if point.ramp > part.first else part.first + part.ramps - 1
+            before = point.ramp - 1 if point.ramp > segment.first else segment.first + segment.ramps - 1
             start = self._again[before][1]
         else:
             start = self._places[point.ramp - 1] if point.ramp else (0.0, 0.0)

@@ -150,19 +150,19 @@ class WornLayers:
         first, second = (thin.get(number, body) for number, body in enumerate(self._interface.solids, 1))
         return first, second
 
-    def _change(self, one: Mapping[int, float], other: Mapping[int, float]) -> float:
-        """Largest relative difference of the answers to waves, of pressure and of shear along them."""
-        if one == other:
+    def _change(self, losses: Mapping[int, float], new_losses: Mapping[int, float]) -> float:
+        """Largest relative change of the surface displacement by waves of pressure, and of shear along them."""
+        if losses == new_losses:
             return 0.0
         k, still = self._waves, np.zeros_like(self._waves)
         worst = 0.0
         for name, along in (("p", "z"), ("q_x", "x")):
             if name in self._interface.influences:
                 first, second = (
-                    PairCoefficients(self._interface.influences[name], self._thinned(lost), along)
+                    PairCoefficients(self._interface.influences[name], self._thinned(depths), along)
                     .response(k, still)
                     .real
-                    for lost in (one, other)
+                    for depths in (losses, new_losses)
                 )
                 worst = max(worst, float(np.abs(second / first - 1.0).max()))
         return worst

@@ -106,11 +106,11 @@ def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
     """
     for axis, distance in ((1, cells[0]), (0, cells[1])):
         whole = int(np.floor(distance))
-        part = distance - whole
+        fraction = distance - whole
         if whole:
             values = np.roll(values, whole, axis)
-        if part:
-            values = (1.0 - part) * values + part * np.roll(values, 1, axis)
+        if fraction:
+            values = (1.0 - fraction) * values + fraction * np.roll(values, 1, axis)
     return values
 
 

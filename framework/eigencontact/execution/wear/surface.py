@@ -180,7 +180,7 @@ class WornSurface:
         if self._travels and not self._state.memory["rate"].any():
             self._repeat(cycles)
             return
-        modes = {name: last.scalars[name] for name in step.control.given}
+        modes = {name: last.scalars[name] for name in step.control.prescribed_names}
         pressure, memory = last.fields["pressure"], self._state.memory
         depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
         rate = ahead(memory, 0.5 * (cycles + 1))
@@ -216,7 +216,7 @@ class WornSurface:
             shear = checked_shear_bound(self._friction, state)
         slip, still = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
-        if halvings and self._beyond(rate.depth(pressure)) > self._opening:
+        if halvings and self._overshoot(rate.depth(pressure)) > self._opening:
             for _ in range(2):
                 self._slide(step, 0.5 * distance, halvings - 1)
             return
@@ -267,15 +267,15 @@ class WornSurface:
         self._jumps.decide(
             state, cycle, rate, energy, pressure, float(peak.max()), in_its_end=not (within or self._at_once)
         )
-        while state.jump > 1 and self._beyond(state.jump * rate.depth(pressure)) > self._opening:
+        while state.jump > 1 and self._overshoot(state.jump * rate.depth(pressure)) > self._opening:
             state.jump //= 2
         if cycle.left == 0:  # the last jump has its error too, and no other follows
             state.memory, state.jump = updated(memory), 1
         elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
 
-    def _beyond(self, depth: FloatArray) -> float:
-        """Part of a depth [m] that would be worn off another material than the one exposed now, where laws differ."""
+    def _overshoot(self, depth: FloatArray) -> float:
+        """Share of a depth [m] that lies below the exposed material, by volume; 0 where materials share a law."""
         exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0

@@ -22,7 +22,7 @@ def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
     table, law = wear.table, wear.law
     who = " and ".join(f"body {body}" for body in table.parts)
     if len(table.parts) > 1:
-        who = " and ".join(f"body {body} by {part:.3g} of the depth" for body, part in table.parts.items())
+        who = " and ".join(f"body {body} by {share:.3g} of the depth" for body, share in table.parts.items())
     words = ", ".join(text for text in (law.key, sizes(law)) if text)
     how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", by a small change of it")
     cycles = any(step.cycle is not None for step in steps)
