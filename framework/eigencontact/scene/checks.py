@@ -113,17 +113,19 @@ def only_numbers(hint: Any, value: Any) -> None:
     ValueError
         The rule.
     """
-    parts = list(parts_of(hint))
-    if not any(part in (int, float) or (isinstance(part, int) and not isinstance(part, bool)) for part in parts):
+    elements = list(parts_of(hint))
+    if not any(
+        element in (int, float) or (isinstance(element, int) and not isinstance(element, bool)) for element in elements
+    ):
         return
-    choices = [part for part in parts if isinstance(part, str)]
-    text_read = str in parts or any(isinstance(part, Unit) for part in parts)
+    choices = [element for element in elements if isinstance(element, str)]
+    text_read = str in elements or any(isinstance(element, Unit) for element in elements)
     for item in _items(value):
         kind = getattr(getattr(item, "dtype", None), "kind", "")
         if isinstance(item, str):
             good = text_read or item in choices or bool(NUMBER.fullmatch(item.strip()))
         elif isinstance(item, bool) or kind == "b":
-            good = bool in parts
+            good = bool in elements
         else:
             good = not (isinstance(item, complex) or kind == "c" or np.ma.is_masked(item))
         if not good:

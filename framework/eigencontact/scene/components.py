@@ -103,9 +103,9 @@ def kind_within(hint: Any) -> type[Component] | None:
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
     """Component, or several, of the tables of a field, in a row or by name; components themselves stay."""
     if get_origin(hint) is dict and isinstance(value, Mapping):
-        return {name: _parts(registry, kind, kind, one, f"{where}.{name}") for name, one in value.items()}
+        return {name: _parts(registry, kind, kind, table, f"{where}.{name}") for name, table in value.items()}
     if isinstance(value, list | tuple):
-        return tuple(_parts(registry, kind, kind, one, f"{where}.{number}") for number, one in enumerate(value))
+        return tuple(_parts(registry, kind, kind, table, f"{where}.{number}") for number, table in enumerate(value))
     if get_origin(hint) in (list, tuple):
         return (_parts(registry, kind, kind, value, where),)
     if not isinstance(value, Mapping):
@@ -172,8 +172,8 @@ def _with_field_names(hint: Any, value: Any, where: str) -> Any:
     refuse_unknown(value, [item.name for item in fields(cls)], where)
     hints = _hints(cls)
     table = {
-        field: _with_field_names(hints[field], part, f"{where}.{name.replace('_', '-')}")
-        for name, part in value.items()
+        field: _with_field_names(hints[field], entry, f"{where}.{name.replace('_', '-')}")
+        for name, entry in value.items()
         for field in [name.replace("-", "_")]
     }
     return [table] if get_origin(hint) in (list, tuple) else table

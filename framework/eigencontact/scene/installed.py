@@ -28,5 +28,5 @@ def add_plugin_files(files: Iterable[str | Path]) -> None:
     PluginError
         See `eigencontact.hooks.files.with_files`; then none is added.
     """
-    known = installed_plugins()
-    known.take(with_files(known, map(Path, files)))
+    registry = installed_plugins()
+    registry.take(with_files(registry, map(Path, files)))

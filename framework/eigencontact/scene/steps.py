@@ -168,8 +168,8 @@ class Step(Table):
             away = Step(normal_load=0.0, travel_x=x, travel_y=y)
             if self.increments > 1:  # the ramp to the load would be one to the place as well
                 out.append(away)
-            own = {"normal_load": self.normal_load, "increments": self.increments, "spacing": self.spacing}
-            pressed = away.model_copy(update=own)
+            loading = {"normal_load": self.normal_load, "increments": self.increments, "spacing": self.spacing}
+            pressed = away.model_copy(update=loading)
             out += [pressed, away]
         return out
 
@@ -177,10 +177,10 @@ class Step(Table):
     def _controlled(self) -> Step:
         if self.cycle is not None:
             defaults = {name: field.default for name, field in type(self).model_fields.items()}
-            own = sorted(name for name in defaults if getattr(self, name) != defaults[name])
-            own = [name for name in own if name not in ("cycle", "repeat")]
-            if own:
-                raise ValueError(f"a cycle and nothing else but repeat: leave out {own[0].replace('_', '-')}")
+            settings = sorted(name for name in defaults if getattr(self, name) != defaults[name])
+            settings = [name for name in settings if name not in ("cycle", "repeat")]
+            if settings:
+                raise ValueError(f"a cycle and nothing else but repeat: leave out {settings[0].replace('_', '-')}")
             if any(step.cycle is not None for step in self.cycle):
                 raise ValueError("a cycle of plain steps: a cycle inside another must be written out")
         elif self.repeat != 1:
@@ -362,10 +362,10 @@ def start_of_normal(before: Step | None, control: Literal["normal_load", "approa
 
     A step that ends without contact, by the other control, is a start at 0.
     """
-    if before is None or (other := normal_control(before)) is None:
+    if before is None or (previous_control := normal_control(before)) is None:
         return 0.0
-    value: float = getattr(before, other)
-    return value if other == control else 0.0 if value <= 0.0 else None
+    value: float = getattr(before, previous_control)
+    return value if previous_control == control else 0.0 if value <= 0.0 else None
 
 
 def expected_points(steps: Sequence[Step], solved_cycles: Callable[[int], int] | None = None) -> int:
