@@ -78,11 +78,13 @@ class CellBox:
 def with_lattices(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[Source, ...]:
     """Regions with prescribed eigenstrain, those without a closed form with their cells; patches rounded to cells."""
     fitted = []
-    for given in sources:
-        shape = _whole_cells(given.shape, grid) if isinstance(given.shape, Patch) else given.shape
-        source = replace(given, shape=shape)
-        whole = source.exact and scene.numerics.half_space != "periodic"
-        fitted.append(source if whole else replace(source, lattice=_cells_of_source(source, scene, grid)))
+    for region in sources:
+        shape = _whole_cells(region.shape, grid) if isinstance(region.shape, Patch) else region.shape
+        fitted_region = replace(region, shape=shape)
+        whole = fitted_region.exact and scene.numerics.half_space != "periodic"
+        fitted.append(
+            fitted_region if whole else replace(fitted_region, lattice=_cells_of_source(fitted_region, scene, grid))
+        )
     return tuple(fitted)
 
 

@@ -90,11 +90,11 @@ def _components(scene: Scene) -> str:
     if scene.output.tangential_displacement:
         return "xy"
     names = {"x": ("tangential_load_x", "shift_x", "travel_x"), "y": ("tangential_load_y", "shift_y", "travel_y")}
-    turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
+    turned = any(_prescribes(scene, name) for name in ("torsion_moment", "twist"))
     slides = {"y" if ramp.sliding_direction == "y" else "x" for ramp in scene.ramps if ramp.sliding_distance}
-    directions = "".join(c for c in "xy" if turned or c in slides or any(_given(scene, name) for name in names[c]))
+    directions = "".join(c for c in "xy" if turned or c in slides or any(_prescribes(scene, name) for name in names[c]))
     return directions or "x"
 
 
-def _given(scene: Scene, name: str) -> bool:
+def _prescribes(scene: Scene, name: str) -> bool:
     return any(getattr(step, name) is not None for step in scene.ramps)

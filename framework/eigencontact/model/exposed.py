@@ -60,7 +60,7 @@ class Exposed:
             out[np.asarray(shape.contains(x, y, depth))] = number
         return out
 
-    def beyond(self, lost: FloatArray, added: FloatArray) -> float:
+    def share_below(self, lost: FloatArray, added: FloatArray) -> float:
         """Share, by volume, of a further depth that lies below the exposed material; both ``(ny, nx)`` [m]."""
         now = self.at(lost)
         crossed = self.at(lost + added) != now

@@ -54,9 +54,9 @@ class InitialState:
         return np.asarray(low - half), np.asarray(high + half)
 
 
-def _edge(centres: FloatArray, alone: float) -> float:
-    """Edge of cells by their centres; `alone` where there is one."""
-    return float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else alone
+def _edge(centres: FloatArray, single_edge: float) -> float:
+    """Edge of cells by their centres; `single_edge` where there is one."""
+    return float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else single_edge
 
 
 def overlaps(stored: FloatArray, centres: FloatArray, edge: float) -> FloatArray:

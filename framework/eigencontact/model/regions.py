@@ -46,13 +46,13 @@ class RegionLattice:
     def shifted(self) -> Iterator[tuple[tuple[slice, slice], RegionLattice]]:
         """Lattices of the grid's own pitch that make up this one, and the part (y, x) of its points that each is."""
         for j, i in np.ndindex(*self.finer):
-            part = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
-            x, y = self.x[part[1]], self.y[part[0]]
+            slices = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
+            x, y = self.x[slices[1]], self.y[slices[0]]
             if not (x.size and y.size):
                 continue
             first = [_whole(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
             origin = (first[0], first[1])
-            yield part, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
+            yield slices, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
 
     @property
     def on_cells(self) -> bool:
@@ -128,14 +128,14 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
     ]
 
 
-def _span(begin: float, part: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
+def _span(begin: float, pitch: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
     """First and last of the parts of cells whose middles lie between limits, which may lie beyond the window."""
     low, high = limits
-    first = int(np.ceil((low - begin) / part - 0.5 - 1e-6)) if np.isfinite(low) else 0
-    stop = int(np.floor((high - begin) / part - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
+    first = int(np.ceil((low - begin) / pitch - 0.5 - 1e-6)) if np.isfinite(low) else 0
+    stop = int(np.floor((high - begin) / pitch - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
     if stop < first:
         raise SceneError(
-            f"stress region must hold points (got none between {low:g} m and {high:g} m, {part:g} m apart); "
+            f"stress region must hold points (got none between {low:g} m and {high:g} m, {pitch:g} m apart); "
             "give start and end of a larger box, or a finer refinement"
         )
     return first, stop

@@ -105,7 +105,7 @@ class _Trial:
     material: Material
     where: str
 
-    def beyond(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    def yields(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] gives another stress by the law.
 
         Raises
@@ -119,8 +119,8 @@ class _Trial:
     def _require_constants(self, depths: FloatArray) -> None:
         stress = self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
         z = np.repeat(depths, stress.shape[1])
-        for part in _SMALL:
-            differs = self._differs(np.tile(part * stress, depths.size), z)
+        for scale in _SMALL:
+            differs = self._differs(np.tile(scale * stress, depths.size), z)
             if not differs.any():
                 return
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
@@ -176,7 +176,7 @@ def _box_where(
     def bounds(factor: float, *, closed: bool) -> _Bounds | None:
         zones = []
         for load in loads:
-            zone = elastic_zone(trial.beyond, load, elastic, factor)
+            zone = elastic_zone(trial.yields, load, elastic, factor)
             if zone is not None:
                 if closed and not zone.closed:
                     got, advice = _pressed(trial, load, elastic, scene)
@@ -208,7 +208,7 @@ def _box_where(
 
 def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scene) -> tuple[str, str]:
     """Ratio of a load to the elastic limit of a law, in words, and advice to check units."""
-    ratio = overload(trial.beyond, load, elastic)
+    ratio = overload(trial.yields, load, elastic)
     table = getattr(scene, trial.where.split(".")[0]).law
     limits = ", ".join(f"{name} = {value!r}" for name, value in _limits(table)) or "the limits of the law"
     return (
