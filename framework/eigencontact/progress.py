@@ -171,4 +171,4 @@ class VerboseLines(ProgressLines):
         times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
         parts = [", ".join([*reached, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
-        self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))
+        self._say(f"load step {record.index} of {total}: " + "; ".join(phrase for phrase in parts if phrase))

@@ -119,9 +119,9 @@ class Registry:
         """Return a registry with the same entries, to try an addition on."""
         return Registry(self.kinds, list(self.broken), dict(self._entries))
 
-    def take(self, other: Registry) -> None:
+    def take(self, registry: Registry) -> None:
         """Hold the entries of another registry from now on."""
-        self._entries = dict(other._entries)
+        self._entries = dict(registry._entries)
 
     def __iter__(self) -> Iterator[Entry]:
         return iter(sorted(self._entries.values(), key=lambda entry: (entry.kind, entry.key, entry.package)))

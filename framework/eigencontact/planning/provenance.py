@@ -114,8 +114,8 @@ def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
         y, x = plan.grid.axes()
         # Another surface is another scene.
         digest.update(plan.model.interface.separation(x, y).tobytes())
-    for given in plan.model.files:
-        path = given / RESULTS if given.is_dir() else given  # of an earlier run
+    for source_file in plan.model.files:
+        path = source_file / RESULTS if source_file.is_dir() else source_file  # of an earlier run
         if path.is_file():
             with path.open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())

@@ -75,10 +75,12 @@ def load_that_fits(model: Model, step: Step) -> float | None:
     assert interface is not None
     x0, y0 = step.travel
 
-    def inside(part: float) -> bool:
-        forces = {"normal_load": part * value} if control.normal_load is not None else {"approach": part * value}
+    def inside(fraction: float) -> bool:
+        forces = (
+            {"normal_load": fraction * value} if control.normal_load is not None else {"approach": fraction * value}
+        )
         names = ("moment_x", "moment_y")
-        forces |= {name: part * given for name in names if (given := getattr(control, name)) is not None}
+        forces |= {name: fraction * moment for name in names if (moment := getattr(control, name)) is not None}
         contact = estimate_contact(
             model.grid,
             lambda x, y: interface.separation(x - x0, y - y0),

@@ -141,13 +141,13 @@ def region(
 
     if not isinstance(table, str | Mapping):
         raise SceneError(f"region must be a table like those of [[stress]], or its text (got {shown(table)})")
-    wanted = region_table(table) if isinstance(table, str) else table
-    info, record = revisit(results_file(results), wanted, installed_plugins(), step)
-    part = step_part(info, record, copied=False)
+    request = region_table(table) if isinstance(table, str) else table
+    info, record = revisit(results_file(results), request, installed_plugins(), step)
+    step_data = step_part(info, record, copied=False)
     if folder is None:
-        return dataset_of([part])
+        return dataset_of([step_data])
     target = Path(folder) / _region_file(next(iter(record.regions)))
     refuse_foreign_file(target)
     writable_folder(target.parent)
-    join_steps(target, [part])
+    join_steps(target, [step_data])
     return open_results(target)

@@ -131,7 +131,7 @@ def outcomes(
 class _Held:
     """Shared data of the variants of one process: spectra of stress in regions, and the threads."""
 
-    kept: Kept
+    cache: Kept
     threads: int | None
 
     @classmethod
@@ -152,7 +152,7 @@ def _outcome(task: _Task, state: _Held) -> Outcome:
     failed, problem = variant.refused, ""
     try:
         if not failed:
-            with state.kept.offered():
+            with state.cache.offered():
                 summary, fields, problem = _computed(task, state.threads)
     except (EigencontactError, MemoryError) as refusal:
         failed = " ".join(str(refusal).split()) or type(refusal).__name__

@@ -60,7 +60,7 @@ class Frame:
     """
 
     film: Film
-    part: SubFigure | None = None
+    subfigure: SubFigure | None = None
 
 
 def draw_way(

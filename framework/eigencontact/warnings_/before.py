@@ -100,11 +100,11 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     measured = [geometry for geometry in interface.geometries if isinstance(geometry, HasNativeGrid)]
     native = [(geometry.key, geometry.native_grid()) for geometry in measured]
     for key, points in native:
-        wide, given = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
-        if wide > 1.001 * given:
+        pitch, native_pitch = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
+        if pitch > 1.001 * native_pitch:
             words = (
-                f"cells of {readable(wide, 'm')} are wider than the {readable(given, 'm')} of the geometry {key!r}: "
-                "roughness between them is not seen"
+                f"cells of {readable(pitch, 'm')} are wider than the {readable(native_pitch, 'm')} of the geometry "
+                f"{key!r}: roughness between them is not seen"
             )
             yield Caution("surface-cells", words)
     if not (native and model.periodic and min(grid.shape) > 3):
