@@ -39,7 +39,7 @@ class Box:
         return (self.y1 - self.y0) * (self.x1 - self.x0)
 
     def covers(self, box: Box) -> bool:
-        """Whether `box` lies within this box."""
+        """Whether another box lies within this box."""
         return self.y0 <= box.y0 and box.y1 <= self.y1 and self.x0 <= box.x0 and box.x1 <= self.x1
 
     def union(self, box: Box) -> Box:

@@ -20,7 +20,7 @@ _SNAP = 1e-6
 
 
 def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid: Grid) -> list[StressRequest]:
-    """Requests with the limits and depths that they stand for.
+    """Replace close-ups and depth limits of the requests by coordinates.
 
     Those around an inclusion have its box; those down to a depth in a body that remembers the middles of its cells,
     where the scene does not say how many steps of depth it wants.
@@ -115,7 +115,7 @@ def _named(request: StressRequest, sources: Sequence[Source]) -> Source:
 
 
 def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
-    """Height of the cells that are solved for in this body, or of those of the inclusion; else the finer pitch [m]."""
+    """Height [m] of the solved cells of this body, else of the cells of the inclusion, else the finer grid pitch."""
     solved = [region for region in sources if region.body == source.body and isinstance(region, Inhomogeneity)]
     for region in (*solved, source):
         if region.lattice is not None:

@@ -74,7 +74,7 @@ def _controls(scene: Scene) -> list[Control]:
 
 
 def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
-    """Grid that is given, brought by a geometry, or fitted to the largest contact, and its origin in words."""
+    """Grid of the scene, of a geometry, or fitted to the largest contact; and its origin in words."""
     spec, geometries, normal = scene.grid, interface.geometries, interface.normal
     scene_grid = given_grid(spec)
     if scene_grid is not None:
@@ -172,7 +172,7 @@ def _automatic_grid(
 
 
 def _refuse_many(cells: int, spec: GridSpec) -> None:
-    """Refuse more cells than fit: by the margin where the contact alone would have fewer, else by its cells."""
+    """Refuse too many cells; name the margin if the usual margin would fit, otherwise the cells per radius."""
     usual = GridSpec.model_fields["margin"].default
     wide = spec.margin > usual and cells * (usual / spec.margin) ** 2 <= most()
     name = "margin" if wide else "cells_per_contact_radius"

@@ -1,4 +1,4 @@
-"""Exposed material: the topmost one of each column of a body under the depth that it has lost."""
+"""Exposed material: topmost material of each column of a worn body."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Exposed:
         return out
 
     def share_below(self, lost: FloatArray, added: FloatArray) -> float:
-        """Share, by volume, of a further depth that lies below the exposed material; both ``(ny, nx)`` [m]."""
+        """Volume share of additional wear ``(ny, nx)`` [m] that lies below the exposed material."""
         now = self.at(lost)
         crossed = self.at(lost + added) != now
         if not crossed.any():

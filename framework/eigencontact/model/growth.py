@@ -50,7 +50,7 @@ def lattice_of(coords: Mapping[str, FloatArray], edges: tuple[float, float, floa
 
 
 def filling(sources: Sequence[Inhomogeneity], lattice: Lattice, *, beside: bool = False) -> tuple[Inhomogeneity, ...]:
-    """Inhomogeneities of a body whose yielding cells fill a lattice; `beside` keeps their present cells too."""
+    """Inhomogeneities of a body whose yielding cells fill a lattice; `beside` also keeps their present cells."""
     return tuple(
         replace(source, lattice=_joined(source.lattice, lattice) if beside else lattice)
         if source.guessed and source.lattice is not None

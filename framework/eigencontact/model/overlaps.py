@@ -1,4 +1,4 @@
-"""Regions of one body that share ground, and what counts there."""
+"""Overlaps of regions of one body, and the rule for the overlap."""
 
 from __future__ import annotations
 

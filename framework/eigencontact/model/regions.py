@@ -44,7 +44,7 @@ class RegionLattice:
 
     @property
     def shifted(self) -> Iterator[tuple[tuple[slice, slice], RegionLattice]]:
-        """Lattices of the grid's own pitch that make up this one, and the part (y, x) of its points that each is."""
+        """Split this lattice into lattices of the grid's pitch, each with its slices (y, x) of the points."""
         for j, i in np.ndindex(*self.finer):
             slices = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
             x, y = self.x[slices[1]], self.y[slices[0]]
@@ -129,7 +129,7 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
 
 
 def _span(begin: float, pitch: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
-    """First and last of the parts of cells whose middles lie between limits, which may lie beyond the window."""
+    """Numbers of the first and last refined cell with centres between the limits, which may lie outside the window."""
     low, high = limits
     first = int(np.ceil((low - begin) / pitch - 0.5 - 1e-6)) if np.isfinite(low) else 0
     stop = int(np.floor((high - begin) / pitch - 0.5 + 1e-6)) if np.isfinite(high) else count - 1

@@ -99,14 +99,14 @@ def yielding_bodies(
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """Law of a body at rest, tried where it is elastic; `where` is its table, for messages."""
+    """Elastic range of the law of an undeformed body; `where` is the table of the law, for messages."""
 
     law: ConstitutiveLaw
     material: Material
     where: str
 
     def yields(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] gives another stress by the law.
+        """Whether the stress of the law differs from elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m].
 
         Raises
         ------
@@ -146,7 +146,7 @@ class _Trial:
         return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
 
     def _by_depth(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points that the law refuses together differ: each depth alone; a refused one is more than elastic."""
+        """Test each depth separately if the law refuses all points together; a refused depth counts as inelastic."""
         depths = np.unique(z)
         out = np.asarray(np.linalg.norm(stress, axis=0) > 0.0)
         if depths.size > 1:
@@ -164,7 +164,7 @@ def _box_where(
     scene: Scene,
     grid: Grid,
 ) -> Patch | None:
-    """Box around all places where a law is more than elastic under a load; None where it never is.
+    """Box around all points where a load exceeds the elastic range of a law; None if there are none.
 
     Raises
     ------

@@ -51,7 +51,7 @@ def largest_loads(scene: Scene) -> str:
 
 
 def expected_lines(model: Model) -> list[str]:
-    """Estimated contact."""
+    """Estimated size, peak pressure and resolution of the contact, as lines."""
     contact = model.window.expected
     if contact is None:
         return []

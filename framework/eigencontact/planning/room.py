@@ -57,7 +57,7 @@ def _wider(model: Model) -> str:
 
 
 def _driven(control: Control) -> tuple[str, float, str]:
-    """Name, value and unit of what presses the bodies together."""
+    """Name, value and unit of the normal control: load or approach."""
     if control.normal_load is not None:
         return "normal load", control.normal_load, "N"
     return "approach", control.approach or 0.0, "m"

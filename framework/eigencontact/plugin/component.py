@@ -55,7 +55,7 @@ class Component:
 
     @property
     def parts(self) -> list[Component]:
-        """Components that the fields of this one hold, and theirs."""
+        """Components in the fields of this component, and their components in turn."""
         values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
         members = [member for value in values for member in _members(value)]
         return [

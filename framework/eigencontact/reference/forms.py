@@ -147,7 +147,7 @@ def _toml(value: Any) -> str:
 
 
 def kinds_within(form: Form) -> list[str]:
-    """Kinds of plugin in a form and in what it is made of, each once."""
+    """Kinds of plugin in a form and its inner forms, without repetitions."""
     inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
     inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
     below = [kind for inner_form in inner for kind in kinds_within(inner_form)]

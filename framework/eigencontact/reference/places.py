@@ -48,7 +48,7 @@ def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | N
 
 
 def _classes(registry: Registry, key: Key, value: Any) -> list[type]:
-    """Classes whose fields are the keys of what a key holds."""
+    """Classes whose fields are the keys of the table under a key."""
     kind = next(iter(kinds_within(key.form)), None)
     classes = [] if key.table is None else [key.table]
     if key.table is not None and issubclass(key.table, ComponentTable):

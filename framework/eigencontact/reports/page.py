@@ -50,7 +50,7 @@ def _environment() -> Environment:
 
 
 def _template_markup(name: str) -> Markup:
-    """A part of the page that is ours: markup as it stands."""
+    """Read a file of the templates as markup, without escaping."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))  # noqa: S704
 
 

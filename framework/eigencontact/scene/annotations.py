@@ -1,4 +1,4 @@
-"""Parts of an annotation: the types, units, marks and choices that it is made of."""
+"""Elements of an annotation: types, units, marks and choices."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["class_within", "parts_of"]
 
 
 def parts_of(hint: Any) -> Iterator[Any]:
-    """Annotation, its marks and, from left to right, the parts of its arguments."""
+    """Yield the annotation, its marks and, from left to right, the elements of its arguments."""
     yield hint
     yield from getattr(hint, "__metadata__", ())
     for argument in get_args(hint):

@@ -97,7 +97,7 @@ def printable(value: str) -> str:
 
 
 def only_numbers(hint: Any, value: Any) -> None:
-    """Refuse what pydantic would turn into a number although it is none: booleans, complex numbers, texts.
+    """Refuse booleans, complex numbers and texts, which pydantic would convert to numbers.
 
     Text is a number only where it is written as one, or where the field has a unit, which then reads it.
 
@@ -146,7 +146,7 @@ _DEEPEST = 32
 
 
 def refuse_deep(data: Any) -> None:
-    """Refuse tables nested so deep that nothing could read them, before anything tries to.
+    """Refuse tables that are nested too deep to be read.
 
     Raises
     ------

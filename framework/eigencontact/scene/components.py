@@ -101,7 +101,7 @@ def kind_within(hint: Any) -> type[Component] | None:
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
-    """Component, or several, of the tables of a field, in a row or by name; components themselves stay."""
+    """Build the components of a field from one table, an array or named tables; keep components as they are."""
     if get_origin(hint) is dict and isinstance(value, Mapping):
         return {name: _parts(registry, kind, kind, table, f"{where}.{name}") for name, table in value.items()}
     if isinstance(value, list | tuple):
@@ -135,7 +135,7 @@ def _adapters(cls: type) -> dict[str, Any]:
 
 
 def _as_instances(hint: Any) -> Any:
-    """Annotation in which components are taken as they are: a kind with fields of its own is a dataclass."""
+    """Annotation that accepts components unchanged, because a component kind with fields is a dataclass."""
     from pydantic import InstanceOf
 
     mark: Any = InstanceOf
@@ -154,7 +154,7 @@ def _table_class(hint: Any) -> type | None:
 
 
 def _with_field_names(hint: Any, value: Any, where: str) -> Any:
-    """Value of a field with the tables in it under the names of their class; names that it does not know are refused.
+    """Rename the keys of tables in a field to the names of the class fields; refuse unknown keys.
 
     A single table stands for an array of one.
     """

@@ -44,7 +44,7 @@ def check_contents(scene: Scene) -> None:
 
 
 def _check_names(scene: Scene) -> None:
-    """Files and variables of a region have its name; case is no difference to some systems of files."""
+    """Require different region names, because they name files and variables; some file systems ignore case."""
     for group in ("inclusions", "eigenstrain"):
         names = [item.name or f"{item.type} {number + 1}" for number, item in enumerate(getattr(scene, group))]
         twice = next((number for number, name in enumerate(names) if name in names[:number]), None)
@@ -105,7 +105,7 @@ def _check_steps(scene: Scene) -> None:
 
 
 def _check_spacing(scene: Scene) -> None:
-    """Increments even in the radius need the same control in the step before, in a cycle from its end on as well."""
+    """Require the same control in the previous step for increments even in the radius, also where a cycle repeats."""
     previous_control: str | None = ""
     for where, step in named_ramps(scene.steps, again=True):
         control = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)

@@ -55,7 +55,7 @@ def anchored(scene: Scene, registry: Registry) -> tuple[Scene, tuple[Path, ...]]
 
 
 def _in_model(model: Any, registry: Registry, place: Place) -> Any:
-    """Copy of a table of a scene with the files in it placed."""
+    """Copy a table of a scene with its file paths placed."""
     changes: dict[str, Any] = {}
     for name, item in type(model).model_fields.items():
         value = getattr(model, name)
@@ -77,7 +77,7 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
 
 
 def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> Any:
-    """Tables of a component, or of several; what is no table of an installed one is left for its own refusal."""
+    """Place the files in tables of components; tables of unknown components stay for a later check."""
     if isinstance(value, list | tuple):
         return [_in_component(item, kind, registry, place) for item in value]
     key = value.get("type") if isinstance(value, Mapping) else None
@@ -102,7 +102,7 @@ def _in_table(cls: type, table: Mapping[str, Any], registry: Registry, place: Pl
 
 
 def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
-    """Value of a field with its annotation; an array of tables or files item by item."""
+    """Place the files in the value of a field, in arrays item by item."""
     if any(isinstance(mark, FileMark) for mark in getattr(hint, "__metadata__", ())):
         return place(str(value)) if isinstance(value, str | Path) else value
     kind = kind_within(hint)

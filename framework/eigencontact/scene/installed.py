@@ -21,7 +21,7 @@ def installed_plugins() -> Registry:
 
 
 def add_plugin_files(files: Iterable[str | Path]) -> None:
-    """Let this process know the plugins of files as if they were installed: for a command that has no scene.
+    """Register the plugins of files in this process as installed, for commands without a scene.
 
     Raises
     ------

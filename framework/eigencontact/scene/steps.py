@@ -158,7 +158,7 @@ class Step(Table):
     repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
 
     def written_out(self) -> list[Step]:
-        """The step itself, or those of its impacts; of a cycle with those of its steps."""
+        """Replace impacts by their single steps, also within a cycle; return other steps unchanged."""
         if self.cycle is not None:
             return [self.model_copy(update={"cycle": each_impact(self.cycle)})]
         if self.impacts is None:
@@ -331,7 +331,7 @@ def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
 
 
 def _grows_alone(before: Step | None, ramp: Step) -> bool:
-    """Whether the normal load or approach rises from one held step to the next, and all other motions rest."""
+    """Whether the normal load or approach rises between held steps while all other motions rest."""
     control = normal_control(ramp)
     start = None if control is None else start_of_normal(before, control)
     if control is None or start is None or getattr(ramp, control) <= start:
@@ -340,7 +340,7 @@ def _grows_alone(before: Step | None, ramp: Step) -> bool:
 
 
 def _rests(before: Step | None, ramp: Step, mode: RigidMode) -> bool:
-    """Whether a ramp leaves a load or motion as it is; what no step has given yet is a motion of 0."""
+    """Whether a ramp leaves a load or motion unchanged; a motion without an earlier value is 0."""
     force, motion = (getattr(ramp, name) for name in (mode.force, mode.displacement))
     if before is None:  # nothing is loaded, nothing has moved
         return not force and not motion

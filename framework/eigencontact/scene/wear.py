@@ -1,4 +1,4 @@
-"""The table of wear: which law, which body loses how much, and how many cycles one update of the surface stands for."""
+"""Wear table of a scene: law, shares of the bodies, and number of cycles per update of the surfaces."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Wear(ComponentTable):
 
     @property
     def parts(self) -> dict[int, float]:
-        """Part of the depth that each body loses, of those that lose any."""
+        """Share of the worn depth of each body that wears."""
         if self.shares is None:
             return {self.body or 1: 1.0}
         return {body: share for body, share in ((1, self.shares.body1), (2, self.shares.body2)) if share > 0.0}
