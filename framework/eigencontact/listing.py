@@ -1,4 +1,4 @@
-"""What is installed, what is bundled and what is kept on disk, as data and as text."""
+"""Installed plugins, bundled scenes and the disk cache, as data and as text."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
 
 
 def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
-    """A plugin file may have been written anew since the run: its fields would not be those of the run."""
+    """Refuse plugin files that changed since the run, because their fields would differ from those of the run."""
     for name, origin in now.items():
         if f" {OF_FILE}" in origin and before.get(name) != origin:
             raise ResultsError(

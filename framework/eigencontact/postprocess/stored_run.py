@@ -1,4 +1,4 @@
-"""What is done with stored results: open them, draw them, look at another region; nothing is solved again."""
+"""Postprocessing of stored results: open, draw, evaluate another region; nothing is solved again."""
 
 from __future__ import annotations
 

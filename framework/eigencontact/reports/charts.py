@@ -51,7 +51,7 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
 
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
-    """Content of a chart in words: first and last value, and the largest where it is neither."""
+    """Chart in words: first and last value, and the largest if it is neither."""
     points = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
     (first, begun), (last, ended) = points[0], points[-1]
     ends = column.with_unit(begun), column.with_unit(ended)
@@ -71,7 +71,7 @@ def _ticks(low: float, high: float) -> list[float]:
 
 
 def _thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """At most some `_POINTS` points: of each stretch the lowest and the highest, in order."""
+    """Reduce a curve to about `_POINTS` points: the lowest and highest point of each interval, in order."""
     if len(points) <= _POINTS:
         return points
     size = math.ceil(2 * len(points) / _POINTS)

@@ -1,4 +1,4 @@
-"""Pictures of a run inside the page: those that the run drew, or drawn anew where they are not there."""
+"""Pictures of a run for the page: the stored pictures, or new pictures if there are none."""
 
 from __future__ import annotations
 

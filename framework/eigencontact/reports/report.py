@@ -1,4 +1,4 @@
-"""A report: one self-contained HTML page about a run or a sweep, from what they stored; nothing is solved again."""
+"""Report of a run or a sweep: one self-contained HTML page from stored results, without another solution."""
 
 from __future__ import annotations
 

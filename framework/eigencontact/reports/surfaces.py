@@ -117,7 +117,7 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
 
 
 def _range(values: NDArray[Any]) -> tuple[float, float]:
-    """Lowest and highest value, and zero; what a tolerance leaves on its other side is no part of it."""
+    """Range of the values and zero; values of the opposite sign within the tolerance do not extend it."""
     low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
     slack = _SLACK * max(-low, high)
     return (low if low < -slack else 0.0), (high if high > slack else 0.0)

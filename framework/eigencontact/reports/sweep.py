@@ -1,4 +1,4 @@
-"""What a report of a sweep shows: what was varied, what came of every variant, figures."""
+"""Content of the report of a sweep: varied parameters, results of each variant, figures."""
 
 from __future__ import annotations
 

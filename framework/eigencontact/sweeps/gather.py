@@ -1,4 +1,4 @@
-"""All numbers of a sweep in one dataset, with what was varied as coordinates; and as a table of text."""
+"""Dataset of all numbers of a sweep, with the varied parameters as coordinates; and a table of text."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def _warm_up() -> None:
 
 
 def _on_all_cores(draw: Any) -> tuple[dict[str, str], float]:
-    """Draw part (k, n) in each of n processes; what one could not draw is drawn, or refused, here.
+    """Draw share (k, n) in each of n processes; this process draws or refuses the shares that fail.
 
     Also the memory that the others have taken beyond what they share with this one [bytes].
     """
