@@ -57,7 +57,7 @@ def _in_cells(request: StressRequest, sources: Sequence[Source]) -> StressReques
 
 
 def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> StressRequest:
-    source = _named(request, sources)
+    source = _source_around(request, sources)
     finer = request.refinement or _REFINEMENT
     pitch = (grid.dx, grid.dy, _height(source, sources, grid))
     bounds = _in_window(source, grid)
@@ -102,7 +102,7 @@ def _place(request: StressRequest, source: Source, middle: float, box: tuple[flo
     return at
 
 
-def _named(request: StressRequest, sources: Sequence[Source]) -> Source:
+def _source_around(request: StressRequest, sources: Sequence[Source]) -> Source:
     names = [source.name for source in sources if source.body == request.body]
     for source in sources:
         if source.body == request.body and source.name == request.around:

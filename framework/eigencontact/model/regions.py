@@ -50,7 +50,7 @@ class RegionLattice:
             x, y = self.x[slices[1]], self.y[slices[0]]
             if not (x.size and y.size):
                 continue
-            first = [_whole(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
+            first = [_snap(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
             origin = (first[0], first[1])
             yield slices, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
 
@@ -104,10 +104,10 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
         )
     if request.shape == "plane" and request.normal == "x":
         x, finer[1] = np.array([request.at]), 1
-        origin[1] = _whole((request.at - grid.x[0]) / grid.dx)
+        origin[1] = _snap((request.at - grid.x[0]) / grid.dx)
     if request.shape == "plane" and request.normal == "y":
         y, finer[0] = np.array([request.at]), 1
-        origin[0] = _whole((request.at - grid.y[0]) / grid.dy)
+        origin[0] = _snap((request.at - grid.y[0]) / grid.dy)
     return RegionLattice(
         target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths, finer=(finer[0], finer[1])
     )
@@ -147,7 +147,7 @@ def _between(axis: FloatArray, pitch: float, finer: int, span: tuple[int, int]) 
     They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
     """
     numbers = np.arange(span[0], span[1] + 1) + 0.5
-    return np.asarray(axis[0] - 0.5 * pitch + numbers * (pitch / finer)), _whole(numbers[0] / finer - 0.5)
+    return np.asarray(axis[0] - 0.5 * pitch + numbers * (pitch / finer)), _snap(numbers[0] / finer - 0.5)
 
 
 def _refuse_many(request: StressRequest, grid: Grid) -> None:
@@ -176,7 +176,7 @@ def surface_lattice(grid: Grid) -> RegionLattice:
     return RegionLattice(target=grid.shape, origin=(0.0, 0.0), x=grid.x, y=grid.y, depths=np.zeros(1))
 
 
-def _whole(value: float) -> float:
+def _snap(value: float) -> float:
     """Snap a position in cells to a whole number where it is one up to round-off."""
     return float(round(value)) if abs(value - round(value)) < 1e-9 else float(value)
 

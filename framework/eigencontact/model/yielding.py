@@ -191,7 +191,7 @@ def _box_where(
         return None
     if beside:
         far = bounds(_BESIDE[-1], closed=False) or box
-        box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
+        box = _around([box, *(clipped for shape in beside if (clipped := _clipped_bounds(shape, far)))]) or box
     low, high = box
     margin = scene.numerics.law_room * (high - low)
     margin += max(trial.law.averaged.values(), default=0.0)
@@ -232,11 +232,11 @@ def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
                 yield from _limits(item)
 
 
-def _with(patch: Patch | None, held: _Bounds) -> Patch:
+def _with(patch: Patch | None, zone: _Bounds) -> Patch:
     """Patch enlarged to hold other bounds."""
     bounds = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
-    both = np.array([*bounds, held])
-    low, high = both[:, 0].min(axis=0), both[:, 1].max(axis=0)
+    corners = np.array([*bounds, zone])
+    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     return Patch(((float(low[0]), float(low[1]), 0.0), (float(high[0]), float(high[1]), float(high[2]))))
 
 
@@ -247,7 +247,7 @@ def _around(zones: Sequence[_Bounds]) -> _Bounds | None:
     return np.min([low for low, _ in zones], axis=0), np.max([high for _, high in zones], axis=0)
 
 
-def _held(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
+def _clipped_bounds(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
     """Bounds of a region, cut off at those of a zone; None outside. A layer that is wider disturbs at its edges."""
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
     low, high = np.maximum(low, far[0]), np.minimum(high, far[1])

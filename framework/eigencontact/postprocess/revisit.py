@@ -110,10 +110,12 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
             "; it is kept after the last step alone, unless output.history = 'all'"
         )  # fmt: skip
         raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){remedy}")
-    seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
-    Run().started(block.start).advance(seen)
-    scalars = {**record.scalars, **seen.scalars}
-    return replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
+    evaluated_step = Step(
+        index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history)
+    )
+    Run().started(block.start).advance(evaluated_step)
+    scalars = {**record.scalars, **evaluated_step.scalars}
+    return replace(record, scalars=scalars, fields={}, regions=evaluated_step.regions, observed={}, history={})
 
 
 def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:

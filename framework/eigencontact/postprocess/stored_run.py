@@ -65,14 +65,14 @@ def draw(
         writable_folder(target)
         chosen = None if step is None or table is not None else place_of(dataset, step)
         with of_this_version(source):
-            named = {}
+            captions = {}
             if animation:  # refused before anything is drawn
                 from eigencontact.viz.animation import animate
 
-                named = animate(dataset, target, animation)
+                captions = animate(dataset, target, animation)
             with figure_look(look):
-                named |= draw_all(dataset, target, chosen, solid=vtk, kind=kind, dpi=dpi)
-            files = {target / name: text for name, text in named.items()}
+                captions |= draw_all(dataset, target, chosen, solid=vtk, kind=kind, dpi=dpi)
+            files = {target / name: text for name, text in captions.items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 

@@ -41,10 +41,10 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
         y = place(first, tick)[1]
         parts.append(f'<path class="{"zero" if tick == 0 else "grid"}" d="M{_LEFT} {y:.1f}H{_RIGHT}"/>')
         parts.append(_text(_LEFT - 5, y + 3.5, f"{tick:.6g}", "end"))
-    drawn = [place(x, y) for x, y in _thinned(points)]
-    parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in drawn)}"/>')
-    if len(drawn) <= _MARKED:
-        parts += [f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="2.4"/>' for x, y in drawn]
+    vertices = [place(x, y) for x, y in _thinned(points)]
+    parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in vertices)}"/>')
+    if len(vertices) <= _MARKED:
+        parts += [f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="2.4"/>' for x, y in vertices]
     title = escape(f"{column.label} over the steps: {in_words(column, steps)}")
     inside = "".join(parts)
     return Markup(f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img"><title>{title}</title>{inside}</svg>')  # noqa: S704

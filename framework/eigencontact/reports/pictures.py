@@ -48,8 +48,8 @@ def pictures_of(source: Source) -> tuple[list[Picture], bool]:
     from eigencontact.viz.figures import draw_all
 
     with TemporaryDirectory(prefix="eigencontact-report-") as beside:
-        drawn = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
-        return read_pictures(Path(beside), drawn), True
+        new_captions = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
+        return read_pictures(Path(beside), new_captions), True
 
 
 def animation_of(source: Source) -> Picture | None:

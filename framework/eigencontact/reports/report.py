@@ -116,7 +116,7 @@ def _content(source: Source) -> dict[str, Any]:
 
     every = columns(source.dataset)
     numbers = telling(every)
-    drawn, anew = pictures_of(source)
+    pictures, anew = pictures_of(source)
     cited = citations(source.references)
     last = len(source.steps) - 1
     # Positions of steps that the table keeps on paper, and of all that it shows.
@@ -137,7 +137,7 @@ def _content(source: Source) -> dict[str, Any]:
         "charts": [
             (column, chart(column, source.steps), in_words(column, source.steps)) for column in numbers if column.varies
         ],
-        "pictures": drawn,
+        "pictures": pictures,
         "drawn_anew": anew,
         "animation": animation_of(source),
         "surfaces": surfaces(source.dataset),

@@ -47,11 +47,11 @@ def _check_names(scene: Scene) -> None:
     """Require different region names, because they name files and variables; some file systems ignore case."""
     for group in ("inclusions", "eigenstrain"):
         names = [item.name or f"{item.type} {number + 1}" for number, item in enumerate(getattr(scene, group))]
-        twice = next((number for number, name in enumerate(names) if name in names[:number]), None)
-        if twice is not None:
-            places = f"{ordinal(names.index(names[twice]))} and {ordinal(twice)}"
+        duplicate = next((number for number, name in enumerate(names) if name in names[:number]), None)
+        if duplicate is not None:
+            places = f"{ordinal(names.index(names[duplicate]))} and {ordinal(duplicate)}"
             raise ValueError(
-                f"!{group} must have different names (got {names[twice]!r} twice, the {places}); rename one"
+                f"!{group} must have different names (got {names[duplicate]!r} twice, the {places}); rename one"
                 + (", or give one table centers" if group == "inclusions" else "")
             )
     labels = [request.label for request in scene.stress]

@@ -59,10 +59,13 @@ class Impacts(Table):
     @property
     def places(self) -> list[tuple[float, float]]:
         """Places (x, y) [m]."""
-        drawn = Random(self.seed)  # noqa: S311
+        generator = Random(self.seed)  # noqa: S311
         spans = tuple(zip(self.center, self.size, strict=True))
         return [
-            (spans[0][0] + (drawn.random() - 0.5) * spans[0][1], spans[1][0] + (drawn.random() - 0.5) * spans[1][1])
+            (
+                spans[0][0] + (generator.random() - 0.5) * spans[0][1],
+                spans[1][0] + (generator.random() - 0.5) * spans[1][1],
+            )
             for _ in range(self.count)
         ]
 
@@ -260,8 +263,8 @@ def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str
         if step.cycle is None:
             out.append((name, step))
             continue
-        named = [(f"{name}.cycle.{place}", ramp) for place, ramp in enumerate(step.cycle)]
-        out += named * (2 if again and step.repeat > 1 else 1)
+        cycle_ramps = [(f"{name}.cycle.{place}", ramp) for place, ramp in enumerate(step.cycle)]
+        out += cycle_ramps * (2 if again and step.repeat > 1 else 1)
     return out
 
 
@@ -312,7 +315,7 @@ def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozense
 
 
 def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
-    held, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
+    held_ramps, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
     return {
         number
         for number, ramp in enumerate(ramps)
@@ -324,7 +327,7 @@ def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
                 friction
                 and ramp.sliding_distance is None
                 and places[number] == places[number + 1]
-                and _grows_alone(held[number - 1] if number else None, held[number])
+                and _grows_alone(held_ramps[number - 1] if number else None, held_ramps[number])
             )
         )
     }

@@ -143,7 +143,7 @@ def refuse_different_cells(variants: Sequence[Variant]) -> None:
     planned, grids = _planned(variants)
     able = [item for item in planned if not item.refused]
     for variant, grid in zip(able, grids, strict=True):
-        if not _same(grid, grids[0]):
+        if not _equal_cells(grid, grids[0]):
             raise PlanError(
                 f"fields must lie on the same cells in all variants (got {_cells_of(grids[0])} in {able[0].label!r} "
                 f'and {_cells_of(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells '
@@ -174,7 +174,7 @@ def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
     return out, grids
 
 
-def _same(first: Grid, second: Grid) -> bool:
+def _equal_cells(first: Grid, second: Grid) -> bool:
     """Whether cells are the same but for round-off."""
     moved = max(abs(a - b) for a, b in zip(first.center, second.center, strict=True))
     alike = isclose(first.dx, second.dx, rel_tol=1e-9) and isclose(first.dy, second.dy, rel_tol=1e-9)
