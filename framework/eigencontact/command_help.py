@@ -61,14 +61,14 @@ class _Helpful:
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments; where an option is unknown and no other resembles it, name all of them."""
         try:
-            rest: list[str] = super().parse_args(ctx, args)  # type: ignore[misc]
+            remaining_args: list[str] = super().parse_args(ctx, args)  # type: ignore[misc]
         except Exception as problem:
             unknown = str(getattr(problem, "option_name", ""))
             if unknown.startswith("-") and hasattr(problem, "possibilities"):
                 every = [name for param in self.get_params(ctx) for name in param.opts if name.startswith("--")]
                 problem.possibilities = _resembling(unknown, every) or every
             raise
-        return rest
+        return remaining_args
 
 
 def _resembling(unknown: str, options: list[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What is installed, what is bundled and what is kept on disk, as data and as text."""
+"""Installed plugins, bundled scenes and the disk cache, as data and as text."""
 
 from __future__ import annotations
 
@@ -118,7 +118,9 @@ def _entry(entry: Entry, spelling: str) -> dict[str, Any]:
         "summary": (cls.__doc__ or "").strip().split("\n")[0],
         "doc": cls.__doc__ or "",
         "parameters": [key.to_dict() for key in keys],
-        "tables": {key.name: [part.to_dict() for part in keys_of(key.table)] for key in keys if key.table is not None},
+        "tables": {
+            key.name: [table_key.to_dict() for table_key in keys_of(key.table)] for key in keys if key.table is not None
+        },
         "references": [str(source) for source in getattr(cls, "references", ())],
     }
 

@@ -1,4 +1,4 @@
-"""Progress of a run: bars on a terminal; elsewhere, or where it is asked for, a line for each load step."""
+"""Progress of a run: bars on a terminal; elsewhere, or on request, a line for each load step."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ class ProgressLines:
             self._say(f"{self._now}: {text}, residual {residual:.1e}, to fall to {tolerance:.1e}")
 
     def step_finished(self, record: StepRecord, total: int) -> None:
-        """Say how many load steps are done, after how long, and how long the others will take."""
+        """Write the number of finished load steps, the elapsed time and the estimated remaining time."""
         self._ends.append(self._clock())
         least = _LINES if record.index < total or not self._spoke else 0.0
         if self._ends[-1] - self._said < least:
@@ -155,7 +155,7 @@ class VerboseLines(ProgressLines):
         self._spent = seconds
 
     def step_finished(self, record: StepRecord, total: int) -> None:
-        """Say all that is known of the step."""
+        """Write the numbers, residuals and times of the step."""
         numbers = record.scalars
         reached = [
             f"{text} {readable(numbers[name], unit)}"
@@ -171,4 +171,4 @@ class VerboseLines(ProgressLines):
         times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
         parts = [", ".join([*reached, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
-        self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))
+        self._say(f"load step {record.index} of {total}: " + "; ".join(phrase for phrase in parts if phrase))

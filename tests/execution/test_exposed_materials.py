@@ -168,5 +168,5 @@ def test_what_lies_below_what_is_exposed():
     ).model.exposed
     worn = np.full(exposed.grid.shape, 17e-6)
     worn[:, ::2] = 10e-6
-    found = exposed.beyond(worn, np.full(worn.shape, 4e-6))
+    found = exposed.share_below(worn, np.full(worn.shape, 4e-6))
     assert 0.125 <= found < 0.125 + 2.0**-10  # ten halvings

@@ -48,14 +48,14 @@ FAR_ABOVE = {
 def places(monkeypatch):
     """Number of places about which laws are asked; more than `MOST_PLACES` end the test."""
     asked = []
-    beyond = yielding._Trial.beyond
+    yields = yielding._Trial.yields
 
     def counted(trial, stress, z):
         asked.append(z.size)
         assert sum(asked) < MOST_PLACES
-        return beyond(trial, stress, z)
+        return yields(trial, stress, z)
 
-    monkeypatch.setattr(yielding._Trial, "beyond", counted)
+    monkeypatch.setattr(yielding._Trial, "yields", counted)
     return asked
 
 

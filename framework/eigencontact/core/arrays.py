@@ -1,4 +1,4 @@
-"""Arrays that callers give: real numbers of one shape, or one clear refusal."""
+"""Checks of array arguments: real numbers of one shape."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def is_whole(value: object) -> bool:
 
 
 def real_array(value: Any, where: str, field: str, rule: str, unit: str = "") -> FloatArray:
-    """Array of real numbers, which may be infinite or NaN; what has no such array is refused, never cut to fit.
+    """Convert to an array of real numbers, which may be infinite or NaN; refuse all other values.
 
     Parameters
     ----------

@@ -68,11 +68,11 @@ def factors_of_stiffness(stiffness: ArrayLike, shear_modulus: float) -> tuple[Fl
     >>> bool(np.all(soft == np.eye(6))), bool(np.any(stiff))
     (True, False)
     """
-    matrices, twice = np.asarray(stiffness, dtype=float), 2.0 * shear_modulus
+    matrices, double_shear = np.asarray(stiffness, dtype=float), 2.0 * shear_modulus
     values, axes = np.linalg.eigh(0.5 * (matrices + matrices.swapaxes(-1, -2)))
     values = np.maximum(values, 0.0)[..., None, :]
     turned = axes.swapaxes(-1, -2)
-    return (axes / (values + twice)) @ turned, (axes * (values / (values + twice))) @ turned
+    return (axes / (values + double_shear)) @ turned, (axes * (values / (values + double_shear))) @ turned
 
 
 def factors_of_compliance(compliance: ArrayLike, shear_modulus: float) -> tuple[FloatArray, FloatArray]:

@@ -38,13 +38,13 @@ class Box:
         """Number of cells."""
         return (self.y1 - self.y0) * (self.x1 - self.x0)
 
-    def covers(self, other: Box) -> bool:
-        """Whether `other` lies within this box."""
-        return self.y0 <= other.y0 and other.y1 <= self.y1 and self.x0 <= other.x0 and other.x1 <= self.x1
+    def covers(self, box: Box) -> bool:
+        """Whether another box lies within this box."""
+        return self.y0 <= box.y0 and box.y1 <= self.y1 and self.x0 <= box.x0 and box.x1 <= self.x1
 
-    def union(self, other: Box) -> Box:
+    def union(self, box: Box) -> Box:
         """Smallest box that holds both."""
-        return Box(min(self.y0, other.y0), max(self.y1, other.y1), min(self.x0, other.x0), max(self.x1, other.x1))
+        return Box(min(self.y0, box.y0), max(self.y1, box.y1), min(self.x0, box.x0), max(self.x1, box.x1))
 
     def grown(self, margin_y: int, margin_x: int, shape: tuple[int, int]) -> Box:
         """Return the box enlarged on all sides, clipped to a grid of `shape`."""

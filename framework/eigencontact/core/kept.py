@@ -1,4 +1,4 @@
-"""Costly objects that runs of one process share while somebody lets them: the variants of a sweep, one after the other.
+"""Cache of costly objects that successive runs of one process share, such as the variants of a sweep.
 
 Outside of `Kept.offered` nothing is kept: a run by itself gives up its memory.
 """
@@ -26,7 +26,7 @@ Made = TypeVar("Made", bound=Sized)
 
 
 class Kept:
-    """Objects by what determines them; those used longest ago go first.
+    """Objects by their keys; the least recently used objects are removed first.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Kept:
 
     @contextmanager
     def offered(self) -> Iterator[None]:
-        """While this lasts, `kept_or_made` finds what is here."""
+        """Context in which `kept_or_made` uses this cache."""
         token = _OFFERED.set(self)
         try:
             yield
@@ -63,7 +63,7 @@ class Kept:
         return item
 
     def put(self, key: Hashable, item: Sized) -> None:
-        """Hold an object, unless it alone passes the limit."""
+        """Store an object unless it alone exceeds the limit."""
         if item.nbytes > self.limit:
             return
         self._held[key] = item
@@ -75,7 +75,7 @@ _OFFERED: ContextVar[Kept | None] = ContextVar("eigencontact_kept", default=None
 
 
 def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
-    """Object of a key that an earlier run of a sweep left, else one made now.
+    """Object of a key from an earlier run of a sweep, or a new object.
 
     Parameters
     ----------

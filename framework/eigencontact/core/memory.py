@@ -14,7 +14,7 @@ _UNIT = 1 if sys.platform == "darwin" else 1024
 
 
 def resident_bytes() -> float:
-    """Memory of this process now; what the interpreter and its libraries take before the work begins."""
+    """Present memory of this process; at the start, that of the interpreter and its libraries."""
     try:
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
         return float(pages) * resource.getpagesize()

@@ -1,4 +1,4 @@
-"""Wall time by what it was spent on."""
+"""Wall time by task."""
 
 from __future__ import annotations
 

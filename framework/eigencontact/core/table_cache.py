@@ -101,7 +101,7 @@ class TableCache:
         return arrays if arrays.keys() >= set(names) else None
 
     def keep(self, key: str, arrays: Mapping[str, FloatArray]) -> None:
-        """Keep arrays under a key; where the disk refuses, they are not kept."""
+        """Store arrays under a key; a disk error skips the storage."""
         with contextlib.suppress(OSError):
             path = self._path(key)
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -144,7 +144,7 @@ class TableCache:
         return sorted((entry for entry in self._files() if entry.path.suffix == _TABLE), key=lambda entry: entry.used)
 
     def clear(self) -> None:
-        """Remove all tables, and what was left unfinished."""
+        """Remove all tables and unfinished files."""
         for entry in self._files():
             with contextlib.suppress(OSError):
                 entry.path.unlink(missing_ok=True)
@@ -186,7 +186,7 @@ class TableCache:
 
 
 def table_cache() -> TableCache | None:
-    """Cache of this user in the folder of the platform; None where the user turned it off."""
+    """Cache of this user in the platform's folder; None if the user turned it off."""
     setting = os.environ.get(VARIABLE)
     if setting is not None:
         return None if setting.strip().lower() in ("", "off") else _of_folder(Path(setting).expanduser())

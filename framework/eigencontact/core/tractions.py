@@ -48,7 +48,7 @@ ALONG = {item.direction: item for item in TRACTIONS.values()}
 
 
 def side(body: int, direction: str) -> float:
-    """Sign of a body's share in what the surfaces do to each other.
+    """Sign of a body's contribution to a relative quantity of the surfaces.
 
     Pressure loads both bodies alike, and their normal displacements add up. Shear acts on body 2 in the opposite
     direction, and its displacement along the surface counts negative.

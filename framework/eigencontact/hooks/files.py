@@ -1,4 +1,4 @@
-"""Plugins of a single file, which a scene or a command names: no package, and the same hook."""
+"""Plugins in single files that a scene or a command names; they use the same hook as packages."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def texts_of(files: Iterable[Path]) -> dict[str, str]:
 
 
 def hold_texts(texts: Mapping[str, str]) -> None:
-    """Take these texts for the files of these paths, and for no others, from now on: of `texts_of`, in a worker."""
+    """Replace plugin files by texts of `texts_of` in a worker from now on, by path."""
     _SENT.clear()
     _SENT.update(texts)
 

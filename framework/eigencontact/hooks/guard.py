@@ -1,4 +1,4 @@
-"""The guard round the code of plugins: whatever it raises is one error with the name of the plugin.
+"""Guard for plugin code: every exception becomes one error that names the plugin.
 
 It stands where plugin code is entered: round each import, each call of a hook, and each public method of a plugin class
 (`guard_methods`, which the base class of all plugins calls).

@@ -47,12 +47,12 @@ class Entry:
 
     @property
     def bundled(self) -> bool:
-        """Whether it is one of ours, which keeps its plain key."""
+        """Whether this project provides the plugin; bundled plugins keep their plain keys."""
         return _normal(self.package) == BUNDLED
 
     @property
     def of_file(self) -> bool:
-        """Whether it comes from a single file, which somebody named: see `eigencontact.hooks.files`."""
+        """Whether the plugin comes from a single file; see `eigencontact.hooks.files`."""
         return self.version.startswith(OF_FILE)
 
 
@@ -119,9 +119,9 @@ class Registry:
         """Return a registry with the same entries, to try an addition on."""
         return Registry(self.kinds, list(self.broken), dict(self._entries))
 
-    def take(self, other: Registry) -> None:
-        """Hold the entries of another registry from now on."""
-        self._entries = dict(other._entries)
+    def take(self, registry: Registry) -> None:
+        """Replace the entries by those of another registry."""
+        self._entries = dict(registry._entries)
 
     def __iter__(self) -> Iterator[Entry]:
         return iter(sorted(self._entries.values(), key=lambda entry: (entry.kind, entry.key, entry.package)))
@@ -188,5 +188,5 @@ class Registry:
 
 
 def _normal(package: str) -> str:
-    """Name of a package as its index knows it: case and the kind of hyphen are no difference."""
+    """Normalised name of a package; case and kind of hyphen do not matter."""
     return re.sub(r"[-_.]+", "-", package).lower()

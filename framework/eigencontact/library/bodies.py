@@ -284,7 +284,7 @@ class Layered(Body):
 
 
 def material_of(young_modulus: float | str, poisson_ratio: float, where: str) -> Material:
-    """Elastic constants, refused by the name of what they are given to."""
+    """Elastic constants; errors name the function or class that receives them."""
     modulus = plain(young_modulus, f"{where}.young_modulus")
     try:
         E = parse_quantity(modulus, "Pa", "a stress")

@@ -66,21 +66,23 @@ def _only_fitting(registry: Registry, key: str, entries: list[Entry], parameters
     """Component of the one kind that accepts the parameters; a sphere's centre has two or three coordinates."""
     from eigencontact.scene.components import converted, instantiate
 
-    made, refused, of_right_form = {}, {}, []
+    components, refusals, of_right_form = {}, {}, []
     for entry in entries:
         try:
             converted(registry, entry, parameters, key)
             of_right_form.append(entry)
-            made[entry.kind] = instantiate(registry, entry, parameters, key)
+            components[entry.kind] = instantiate(registry, entry, parameters, key)
         except EigencontactError as problem:
-            refused[entry.kind] = str(problem)
-    if len(made) == 1:
-        return next(iter(made.values()))
-    if made:
-        raise PluginError(f"{key!r} must be told apart by kind (it may be {', '.join(map(repr, made))}); give kind=")
+            refusals[entry.kind] = str(problem)
+    if len(components) == 1:
+        return next(iter(components.values()))
+    if components:
+        raise PluginError(
+            f"{key!r} must be told apart by kind (it may be {', '.join(map(repr, components))}); give kind="
+        )
     if len(of_right_form) == 1:  # its own rules refuse the values, and say so best
         return instantiate(registry, of_right_form[0], parameters, key)
-    reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refused.items())
+    reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refusals.items())
     raise SceneError(f"{key} must be given parameters that one kind accepts ({reasons})")
 
 
@@ -150,8 +152,8 @@ def rectangle_field(
     good = widths.shape == (2,) and np.all(widths >= SMALLEST) and np.all(widths <= LARGEST)
     require(good, here, "half_widths", half_widths, rule)
     at = field_points(points, here, half_space=True)
-    known = isinstance(quantity, str) and quantity in ("displacement", "stress")
-    require(known, here, "quantity", quantity, "'displacement' or 'stress'")
+    supported = isinstance(quantity, str) and quantity in ("displacement", "stress")
+    require(supported, here, "quantity", quantity, "'displacement' or 'stress'")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
     total, registry = np.zeros((len(names), len(at))), installed_plugins()

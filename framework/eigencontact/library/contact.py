@@ -1,4 +1,4 @@
-"""A contact from numbers that one has: a gap, two bodies, a load."""
+"""Contact from a gap, two bodies and a load."""
 
 from __future__ import annotations
 

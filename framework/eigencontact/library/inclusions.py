@@ -100,8 +100,8 @@ def inclusion_field(
     require(allowed, _HERE, "eigenstrain", strain.shape, rule)
     require(np.all(np.abs(strain) <= LARGEST), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
     require(np.array_equal(strain, strain.swapaxes(-1, -2)), _HERE, "eigenstrain", strain.tolist(), "symmetric")
-    known = isinstance(quantity, str) and quantity in QUANTITIES
-    require(known, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+    supported = isinstance(quantity, str) and quantity in QUANTITIES
+    require(supported, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
     require(isinstance(space, str) and space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
     require(is_whole(cells) and cells >= 1, _HERE, "cells", cells, "a whole number, 1 or more")
     allowed = isinstance(tolerance, int | float) and 0.0 <= tolerance <= 0.01

@@ -58,10 +58,10 @@ class ContactResult:
         self,
         run: RunResult,
         bodies: tuple[Body | None, Body | None],
-        kept: tuple[HeldArrays, ...] = (),
+        held_arrays: tuple[HeldArrays, ...] = (),
         step: int | None = None,
     ) -> None:
-        self._run, self._bodies, self._kept, self._wanted = run, bodies, kept, step
+        self._run, self._bodies, self._held_arrays, self._step = run, bodies, held_arrays, step
         self.summary: dict[str, Any] = run.summary
 
     # ------------------------------------------------------------ numbers of the surface
@@ -93,7 +93,7 @@ class ContactResult:
         True
         """
         require(is_whole(step) and 1 <= step <= self.steps, _HERE, "step", step, f"1 to {self.steps}")
-        return ContactResult(self._run, self._bodies, self._kept, int(step))
+        return ContactResult(self._run, self._bodies, self._held_arrays, int(step))
 
     @property
     def x(self) -> FloatArray:
@@ -287,7 +287,7 @@ class ContactResult:
 
         if "step" in table:
             raise SceneError(f"{_HERE}.region must be asked without a step (got {table['step']!r}): use at(step)")
-        record, remembered = step_of(self.dataset, self._wanted)
+        record, remembered = step_of(self.dataset, self._step)
         tables = tomllib.loads(str(self.dataset.attrs["scene"]))
         plan = plan_of_region(tables, table, installed_plugins())
         return run_info(plan), look(plan, record, "the contact", remembered)
@@ -334,7 +334,7 @@ class ContactResult:
     @property
     def _place(self) -> int:
         """Position of the step along ``step``."""
-        return (self.steps if self._wanted is None else self._wanted) - 1
+        return (self.steps if self._step is None else self._step) - 1
 
     def _rows(self) -> list[tuple[str, str]]:
         declared = [Number(**table) for name, table in self.summary["numbers"].items() if name in self.dataset]

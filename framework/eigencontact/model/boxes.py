@@ -1,4 +1,4 @@
-"""Cells: which regions are cut into them, how high they are, and which regions share a box of them."""
+"""Boxes of cells: regions divided into cells, height of the cells, and regions that share a box."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class CellBox:
 
     @property
     def body(self) -> int:
-        """The body that they lie in."""
+        """Number of the body, 1 or 2, that contains the regions."""
         return self.sources[0].body
 
     @property
@@ -53,7 +53,7 @@ class CellBox:
 
     @property
     def varies(self) -> bool:
-        """Whether the prescribed eigenstrain in it changes with time."""
+        """Whether the prescribed eigenstrain in the box changes with time."""
         return any(source.field.varies for source in self.sources)
 
     @property
@@ -76,13 +76,15 @@ class CellBox:
 
 
 def with_lattices(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[Source, ...]:
-    """Regions with prescribed eigenstrain, those without a closed form with their cells; patches rounded to cells."""
+    """Add cells to regions of prescribed eigenstrain without a closed form, and round patches to whole cells."""
     fitted = []
-    for given in sources:
-        shape = _whole_cells(given.shape, grid) if isinstance(given.shape, Patch) else given.shape
-        source = replace(given, shape=shape)
-        whole = source.exact and scene.numerics.half_space != "periodic"
-        fitted.append(source if whole else replace(source, lattice=_cells_of_source(source, scene, grid)))
+    for region in sources:
+        shape = _whole_cells(region.shape, grid) if isinstance(region.shape, Patch) else region.shape
+        fitted_region = replace(region, shape=shape)
+        whole = fitted_region.exact and scene.numerics.half_space != "periodic"
+        fitted.append(
+            fitted_region if whole else replace(fitted_region, lattice=_cells_of_source(fitted_region, scene, grid))
+        )
     return tuple(fitted)
 
 
@@ -102,7 +104,7 @@ def with_cells(
 
 
 def boxes_of(sources: Sequence[Source]) -> list[CellBox]:
-    """Boxes of the regions of one body that have cells: equal cells, equally still or moving, and not far apart."""
+    """Group regions of a body into boxes, if their cells are equal, all still or all moving, and close together."""
     boxes: list[CellBox] = []
     for source in sources:
         if source.lattice is None:
@@ -225,7 +227,7 @@ def _around(source: Source, height: float, grid: Grid, setting: _Setting | None)
 
 
 def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> None:
-    """Refuse more cells than fit: by what sets their height where some layers would fit, else by the region."""
+    """Refuse too many cells; name the setting of their height if some layers would fit, otherwise the region."""
     nz, ny, nx = lattice.shape
     each = BYTES_OF_LAW_CELL if isinstance(source, Inhomogeneity) else BYTES_OF_ONE
     if lattice.cells <= most(each):

@@ -21,7 +21,7 @@ __all__ = ["Cells", "Sources", "cut_cells", "place_sources"]
 
 @dataclass(frozen=True, kw_only=True)
 class Sources:
-    """Regions with eigenstrain, not yet cut into cells, below the interface that they drag.
+    """Regions with eigenstrain before division into cells, and the interface that they displace.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ _SNAP = 1e-6
 
 
 def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid: Grid) -> list[StressRequest]:
-    """Requests with the limits and depths that they stand for.
+    """Replace close-ups and depth limits of the requests by coordinates.
 
     Those around an inclusion have its box; those down to a depth in a body that remembers the middles of its cells,
     where the scene does not say how many steps of depth it wants.
@@ -46,8 +46,10 @@ def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid:
 def _in_cells(request: StressRequest, sources: Sequence[Source]) -> StressRequest:
     if request.depth_max is None or request.depth_cells is not None:
         return request
-    solved = (one for one in sources if isinstance(one, Inhomogeneity) and one.body == request.body)
-    height = next((one.lattice.edges[0] for one in solved if one.lattice is not None and one.law.variables), None)
+    solved = (region for region in sources if isinstance(region, Inhomogeneity) and region.body == request.body)
+    height = next(
+        (region.lattice.edges[0] for region in solved if region.lattice is not None and region.law.variables), None
+    )
     if height is None:
         return request
     depths = [(number + 0.5) * height for number in range(max(1, floor(request.depth_max / height + _SNAP)))]
@@ -55,7 +57,7 @@ def _in_cells(request: StressRequest, sources: Sequence[Source]) -> StressReques
 
 
 def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> StressRequest:
-    source = _named(request, sources)
+    source = _source_around(request, sources)
     finer = request.refinement or _REFINEMENT
     pitch = (grid.dx, grid.dy, _height(source, sources, grid))
     bounds = _in_window(source, grid)
@@ -70,7 +72,7 @@ def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> St
     counts = [1 if axis == normal else count for axis, count in enumerate([*counts, numbers.stop - numbers.start])]
     count = prod(counts)
     if count > _MOST:
-        fitting = int(finer * (_MOST / count) ** (1.0 / sum(one > 1 for one in counts)))
+        fitting = int(finer * (_MOST / count) ** (1.0 / sum(points > 1 for points in counts)))
         choice = f"refinement = {fitting}" if fitting else "less room"
         raise SceneError(
             f"stress region {request.label!r} must have at most {_MOST} points (got {shown(count)}, from refinement "
@@ -100,7 +102,7 @@ def _place(request: StressRequest, source: Source, middle: float, box: tuple[flo
     return at
 
 
-def _named(request: StressRequest, sources: Sequence[Source]) -> Source:
+def _source_around(request: StressRequest, sources: Sequence[Source]) -> Source:
     names = [source.name for source in sources if source.body == request.body]
     for source in sources:
         if source.body == request.body and source.name == request.around:
@@ -113,11 +115,11 @@ def _named(request: StressRequest, sources: Sequence[Source]) -> Source:
 
 
 def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
-    """Height of the cells that are solved for in this body, or of those of the inclusion; else the finer pitch [m]."""
-    solved = [one for one in sources if one.body == source.body and isinstance(one, Inhomogeneity)]
-    for one in (*solved, source):
-        if one.lattice is not None:
-            return one.lattice.edges[0]
+    """Height [m] of the solved cells of this body, else of the cells of the inclusion, else the finer grid pitch."""
+    solved = [region for region in sources if region.body == source.body and isinstance(region, Inhomogeneity)]
+    for region in (*solved, source):
+        if region.lattice is not None:
+            return region.lattice.edges[0]
     return min(grid.dx, grid.dy)
 
 

@@ -74,11 +74,11 @@ def _controls(scene: Scene) -> list[Control]:
 
 
 def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
-    """Grid that is given, brought by a geometry, or fitted to the largest contact, and its origin in words."""
+    """Grid of the scene, of a geometry, or fitted to the largest contact; and its origin in words."""
     spec, geometries, normal = scene.grid, interface.geometries, interface.normal
-    given = given_grid(spec)
-    if given is not None:
-        return given, "given in the scene"
+    scene_grid = given_grid(spec)
+    if scene_grid is not None:
+        return scene_grid, "given in the scene"
     native = next((geometry for geometry in geometries if isinstance(geometry, HasNativeGrid)), None)
     if native is not None:
         return native.native_grid(), f"the grid that the geometry {native.key!r} brings"
@@ -172,13 +172,13 @@ def _automatic_grid(
 
 
 def _refuse_many(cells: int, spec: GridSpec) -> None:
-    """Refuse more cells than fit: by the margin where the contact alone would have fewer, else by its cells."""
+    """Refuse too many cells; name the margin if the usual margin would fit, otherwise the cells per radius."""
     usual = GridSpec.model_fields["margin"].default
     wide = spec.margin > usual and cells * (usual / spec.margin) ** 2 <= most()
     name = "margin" if wide else "cells_per_contact_radius"
-    given = getattr(spec, name)
+    setting = getattr(spec, name)
     where = f"grid.{name.replace('_', '-')}"
-    refuse_more(cells, where, "cells", f"{given:g}", f"{cut_down(given, cells, 2):g} would do")
+    refuse_more(cells, where, "cells", f"{setting:g}", f"{cut_down(setting, cells, 2):g} would do")
 
 
 class StepContact(NamedTuple):

@@ -73,7 +73,7 @@ def coupling_of(scene: Scene, bodies: Solids, *, dragged: bool = False) -> Coupl
 
 
 def _alike(bodies: Solids) -> bool:
-    """Whether both bodies move alike; a layered one moves, from wave to wave, like no other than itself."""
+    """Whether the bodies are elastically similar: Dundurs' constant is 0, or layered bodies are equal."""
     first, second = bodies
     if isinstance(first, Material | None) and isinstance(second, Material | None):
         return abs(dundurs_constant(first, second)) < _ROUND_OFF
@@ -86,15 +86,15 @@ def _grow_apart(scene: Scene, bodies: Solids) -> bool:
 
 
 def _components(scene: Scene) -> str:
-    """Directions along which a step loads or moves; x without any, for a shear of zero."""
+    """Tangential directions of the prescribed loads and motions; x if there are none."""
     if scene.output.tangential_displacement:
         return "xy"
     names = {"x": ("tangential_load_x", "shift_x", "travel_x"), "y": ("tangential_load_y", "shift_y", "travel_y")}
-    turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
+    turned = any(_prescribes(scene, name) for name in ("torsion_moment", "twist"))
     slides = {"y" if ramp.sliding_direction == "y" else "x" for ramp in scene.ramps if ramp.sliding_distance}
-    directions = "".join(c for c in "xy" if turned or c in slides or any(_given(scene, name) for name in names[c]))
+    directions = "".join(c for c in "xy" if turned or c in slides or any(_prescribes(scene, name) for name in names[c]))
     return directions or "x"
 
 
-def _given(scene: Scene, name: str) -> bool:
+def _prescribes(scene: Scene, name: str) -> bool:
     return any(getattr(step, name) is not None for step in scene.ramps)

@@ -1,4 +1,4 @@
-"""Exposed material: the topmost one of each column of a body under the depth that it has lost."""
+"""Exposed material: topmost material of each column of a worn body."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ class Exposed:
             out[np.asarray(shape.contains(x, y, depth))] = number
         return out
 
-    def beyond(self, lost: FloatArray, added: FloatArray) -> float:
-        """Share, by volume, of a further depth that lies below the exposed material; both ``(ny, nx)`` [m]."""
+    def share_below(self, lost: FloatArray, added: FloatArray) -> float:
+        """Volume share of additional wear ``(ny, nx)`` [m] that lies below the exposed material."""
         now = self.at(lost)
         crossed = self.at(lost + added) != now
         if not crossed.any():
@@ -101,27 +101,27 @@ def exposed_of(
     SceneError
         A law names an unknown material, or both bodies have several materials.
     """
-    named = [(table, law) for table, law in laws.items() if isinstance(law, NamesMaterials)]
-    if not named and not losses:
+    material_laws = [(table, law) for table, law in laws.items() if isinstance(law, NamesMaterials)]
+    if not material_laws and not losses:
         return None
     candidates = {body: _materials(solids, body, inhomogeneities, grid) for body in (1, 2)}
     several = [body for body, exposed in candidates.items() if not exposed.uniform]
-    if len(several) > 1 and named:
-        table, law = named[0]
+    if len(several) > 1 and material_laws:
+        table, law = material_laws[0]
         raise SceneError(
             f"{table}.type must be a law that does not tell materials apart where both bodies have several (got "
             f"{law.key!r}, and {', '.join(candidates[1].names)} in body 1, {', '.join(candidates[2].names)} in body "  # type: ignore[attr-defined]
             "2); make one body of one material"
         )
     exposed = candidates[several[0] if several else next(iter(losses), 1)]
-    for table, law in named:
+    for table, law in material_laws:
         for name in law.materials:
             if name not in exposed.names:
                 raise SceneError(
                     f"{table} ({law.key}) must name materials of body {exposed.body}: "  # type: ignore[attr-defined]
                     f"{', '.join(map(repr, dict.fromkeys(exposed.names)))} (got {name!r}){nearest(name, exposed.names)}"
                 )
-    return None if exposed.uniform and not named else exposed
+    return None if exposed.uniform and not material_laws else exposed
 
 
 def _materials(solids: Solids, body: int, sources: Sequence[Inhomogeneity], grid: Grid) -> Exposed:

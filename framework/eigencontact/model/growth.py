@@ -50,16 +50,16 @@ def lattice_of(coords: Mapping[str, FloatArray], edges: tuple[float, float, floa
 
 
 def filling(sources: Sequence[Inhomogeneity], lattice: Lattice, *, beside: bool = False) -> tuple[Inhomogeneity, ...]:
-    """Inhomogeneities of a body whose yielding cells fill a lattice; `beside` keeps their present cells too."""
+    """Inhomogeneities of a body whose yielding cells fill a lattice; `beside` also keeps their present cells."""
     return tuple(
-        replace(source, lattice=_joined(source.lattice, lattice) if beside else lattice)
+        replace(source, lattice=_union(source.lattice, lattice) if beside else lattice)
         if source.guessed and source.lattice is not None
         else source
         for source in sources
     )
 
 
-def _joined(first: Lattice, second: Lattice) -> Lattice:
+def _union(first: Lattice, second: Lattice) -> Lattice:
     """Smallest lattice that holds two, with the cells of the second."""
     low = np.minimum(first.first, second.first)
     high = np.maximum(np.add(first.first, first.shape), np.add(second.first, second.shape))

@@ -1,4 +1,4 @@
-"""What a body remembers of an earlier run when its own begins."""
+"""Initial state of a body from an earlier run."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class InitialState:
 
     @property
     def height(self) -> float:
-        """Of the cells [m]; a single layer lies at the surface."""
+        """Height of the cells [m]; a single layer touches the surface."""
         return _edge(self.coords["z"], 2.0 * float(self.coords["z"][0]))
 
     def bounds(self, grid: Grid) -> tuple[FloatArray, FloatArray]:
@@ -54,13 +54,13 @@ class InitialState:
         return np.asarray(low - half), np.asarray(high + half)
 
 
-def _edge(centres: FloatArray, alone: float) -> float:
-    """Edge of cells by their centres; `alone` where there is one."""
-    return float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else alone
+def _edge(centres: FloatArray, single_edge: float) -> float:
+    """Edge length of cells from their centres; `single_edge` if there is only one cell."""
+    return float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else single_edge
 
 
 def overlaps(stored: FloatArray, centres: FloatArray, edge: float) -> FloatArray:
-    """Parts of cells ``(n,)`` of an axis that lie in stored ones ``(m,)``, ``(n, m)``; of the same cells 0 and 1.
+    """Fractions ``(n, m)`` of cells ``(n,)`` of an axis that lie in stored cells ``(m,)``; 0 or 1 for equal cells.
 
     Parameters
     ----------

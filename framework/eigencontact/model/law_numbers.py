@@ -1,4 +1,4 @@
-"""Numbers of what bodies remember, by the names that their laws give them: largest values, volumes, integrals."""
+"""Result numbers of history variables, named by their laws: largest values, volumes, integrals."""
 
 from __future__ import annotations
 

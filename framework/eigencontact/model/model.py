@@ -115,7 +115,7 @@ class Model:
             used += [source.shape, source.field, getattr(source, "law", None)]
         used += [self.friction, self.wear and self.wear.law]
         used += [observing.observer for observing in self.observers]
-        return [part for item in used if isinstance(item, Component) for part in (item, *item.parts)]
+        return [component for item in used if isinstance(item, Component) for component in (item, *item.parts)]
 
 
 def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialState] = MappingProxyType({})) -> Model:

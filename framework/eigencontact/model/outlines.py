@@ -71,7 +71,7 @@ def section_outline(source: Source, axis: str, place: float, nodes: int = _NODES
     low, high = source.shape.bounds
     if not low[normal] < place < high[normal]:
         return np.empty((0, 2, 2))
-    first, second = (other for other in range(3) if other != normal)
+    first, second = (direction for direction in range(3) if direction != normal)
 
     def inside(u: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
         at = [np.full(np.shape(u), place)] * 3

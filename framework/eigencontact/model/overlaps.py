@@ -1,4 +1,4 @@
-"""Regions of one body that share ground, and what counts there."""
+"""Overlaps of regions of one body, and the rule for the overlap."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ WHAT_COUNTS = (
 _POINTS = 16
 
 
-def bounds_meet(one: Source, other: Source) -> bool:
+def bounds_meet(source: Source, neighbour: Source) -> bool:
     """Whether the bounds of two regions overlap."""
-    pairs = zip(*one.shape.bounds, *other.shape.bounds, strict=True)
+    pairs = zip(*source.shape.bounds, *neighbour.shape.bounds, strict=True)
     return all(low < stop and start < high for low, high, start, stop in pairs)
 
 
@@ -37,9 +37,9 @@ def overlapping(sources: Sequence[Source]) -> Iterator[tuple[Source, Source]]:
                 yield sources[earlier], source
 
 
-def _share_points(one: Source, other: Source) -> bool:
-    low = np.maximum(one.shape.bounds[0], other.shape.bounds[0])
-    high = np.minimum(one.shape.bounds[1], other.shape.bounds[1])
+def _share_points(source: Source, neighbour: Source) -> bool:
+    low = np.maximum(source.shape.bounds[0], neighbour.shape.bounds[0])
+    high = np.minimum(source.shape.bounds[1], neighbour.shape.bounds[1])
     parts = (np.arange(_POINTS) + 0.5) / _POINTS
     x, y, z = (axis.ravel() for axis in np.meshgrid(*(a + parts * (b - a) for a, b in zip(low, high, strict=True))))
-    return bool(np.any(one.shape.contains(x, y, z) & other.shape.contains(x, y, z)))
+    return bool(np.any(source.shape.contains(x, y, z) & neighbour.shape.contains(x, y, z)))

@@ -44,15 +44,15 @@ class RegionLattice:
 
     @property
     def shifted(self) -> Iterator[tuple[tuple[slice, slice], RegionLattice]]:
-        """Lattices of the grid's own pitch that make up this one, and the part (y, x) of its points that each is."""
+        """Split this lattice into lattices of the grid's pitch, each with its slices (y, x) of the points."""
         for j, i in np.ndindex(*self.finer):
-            part = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
-            x, y = self.x[part[1]], self.y[part[0]]
+            slices = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
+            x, y = self.x[slices[1]], self.y[slices[0]]
             if not (x.size and y.size):
                 continue
-            first = [_whole(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
+            first = [_snap(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
             origin = (first[0], first[1])
-            yield part, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
+            yield slices, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
 
     @property
     def on_cells(self) -> bool:
@@ -104,10 +104,10 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
         )
     if request.shape == "plane" and request.normal == "x":
         x, finer[1] = np.array([request.at]), 1
-        origin[1] = _whole((request.at - grid.x[0]) / grid.dx)
+        origin[1] = _snap((request.at - grid.x[0]) / grid.dx)
     if request.shape == "plane" and request.normal == "y":
         y, finer[0] = np.array([request.at]), 1
-        origin[0] = _whole((request.at - grid.y[0]) / grid.dy)
+        origin[0] = _snap((request.at - grid.y[0]) / grid.dy)
     return RegionLattice(
         target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths, finer=(finer[0], finer[1])
     )
@@ -128,14 +128,14 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
     ]
 
 
-def _span(begin: float, part: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
-    """First and last of the parts of cells whose middles lie between limits, which may lie beyond the window."""
+def _span(begin: float, pitch: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
+    """Numbers of the first and last refined cell with centres between the limits, which may lie outside the window."""
     low, high = limits
-    first = int(np.ceil((low - begin) / part - 0.5 - 1e-6)) if np.isfinite(low) else 0
-    stop = int(np.floor((high - begin) / part - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
+    first = int(np.ceil((low - begin) / pitch - 0.5 - 1e-6)) if np.isfinite(low) else 0
+    stop = int(np.floor((high - begin) / pitch - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
     if stop < first:
         raise SceneError(
-            f"stress region must hold points (got none between {low:g} m and {high:g} m, {part:g} m apart); "
+            f"stress region must hold points (got none between {low:g} m and {high:g} m, {pitch:g} m apart); "
             "give start and end of a larger box, or a finer refinement"
         )
     return first, stop
@@ -147,7 +147,7 @@ def _between(axis: FloatArray, pitch: float, finer: int, span: tuple[int, int]) 
     They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
     """
     numbers = np.arange(span[0], span[1] + 1) + 0.5
-    return np.asarray(axis[0] - 0.5 * pitch + numbers * (pitch / finer)), _whole(numbers[0] / finer - 0.5)
+    return np.asarray(axis[0] - 0.5 * pitch + numbers * (pitch / finer)), _snap(numbers[0] / finer - 0.5)
 
 
 def _refuse_many(request: StressRequest, grid: Grid) -> None:
@@ -176,7 +176,7 @@ def surface_lattice(grid: Grid) -> RegionLattice:
     return RegionLattice(target=grid.shape, origin=(0.0, 0.0), x=grid.x, y=grid.y, depths=np.zeros(1))
 
 
-def _whole(value: float) -> float:
+def _snap(value: float) -> float:
     """Snap a position in cells to a whole number where it is one up to round-off."""
     return float(round(value)) if abs(value - round(value)) < 1e-9 else float(value)
 

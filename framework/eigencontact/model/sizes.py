@@ -29,7 +29,7 @@ def most(each: float = BYTES_OF_ONE) -> int:
 
 
 def comfortable(each: float = BYTES_OF_ONE) -> int:
-    """Half of `most`, with room for what is computed beside them: what refusals name as the nearest choice."""
+    """Half of `most`, which leaves memory for other arrays; refusals propose it."""
     return most(each) // 2
 
 

@@ -132,7 +132,7 @@ class Source:
 
     @property
     def how(self) -> str:
-        """How its field is found, in words."""
+        """Method for the field of the region, in words."""
         if self.lattice is not None:
             nz, ny, nx = self.lattice.shape
             why = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
@@ -183,7 +183,7 @@ class Inhomogeneity(Source):
 
     @property
     def how(self) -> str:
-        """How it is resolved, in words."""
+        """Resolution of the region, in words."""
         if self.lattice is None:
             return f"one eigenstrain of {self.law.words}"
         nz, ny, nx = self.lattice.shape

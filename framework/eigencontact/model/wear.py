@@ -58,13 +58,13 @@ def wear_model(scene: Scene, registry: Registry) -> WearModel | None:
     table, ramps = scene.wear, scene.ramps
     law: WearLaw = build_component(registry, WearLaw.kind, table.component, "wear", table.beside)
     if law.needs_friction and scene.friction is None:
-        others = [
+        candidates = [
             repr(entry.key)
             for entry in registry.of_kind(law.kind)
             if not getattr(entry.component, "needs_friction", True)
         ]
         raise SceneError(
-            f"wear.type must name a law of pressure and path in a contact without friction, {' or '.join(others)} "
+            f"wear.type must name a law of pressure and path in a contact without friction, {' or '.join(candidates)} "
             f"(got {law.key!r}, which looks at the work of friction); set it, or add [friction]"
         )
     if law.needs_cycles and table.update == "increment":

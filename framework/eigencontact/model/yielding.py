@@ -99,14 +99,14 @@ def yielding_bodies(
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """Law of a body at rest, tried where it is elastic; `where` is its table, for messages."""
+    """Elastic range of the law of an undeformed body; `where` is the table of the law, for messages."""
 
     law: ConstitutiveLaw
     material: Material
     where: str
 
-    def beyond(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] gives another stress by the law.
+    def yields(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether the stress of the law differs from elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m].
 
         Raises
         ------
@@ -119,8 +119,8 @@ class _Trial:
     def _require_constants(self, depths: FloatArray) -> None:
         stress = self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
         z = np.repeat(depths, stress.shape[1])
-        for part in _SMALL:
-            differs = self._differs(np.tile(part * stress, depths.size), z)
+        for scale in _SMALL:
+            differs = self._differs(np.tile(scale * stress, depths.size), z)
             if not differs.any():
                 return
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
@@ -146,7 +146,7 @@ class _Trial:
         return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
 
     def _by_depth(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points that the law refuses together differ: each depth alone; a refused one is more than elastic."""
+        """Test each depth separately if the law refuses all points together; a refused depth counts as inelastic."""
         depths = np.unique(z)
         out = np.asarray(np.linalg.norm(stress, axis=0) > 0.0)
         if depths.size > 1:
@@ -164,7 +164,7 @@ def _box_where(
     scene: Scene,
     grid: Grid,
 ) -> Patch | None:
-    """Box around all places where a law is more than elastic under a load; None where it never is.
+    """Box around all points where a load exceeds the elastic range of a law; None if there are none.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def _box_where(
     def bounds(factor: float, *, closed: bool) -> _Bounds | None:
         zones = []
         for load in loads:
-            zone = elastic_zone(trial.beyond, load, elastic, factor)
+            zone = elastic_zone(trial.yields, load, elastic, factor)
             if zone is not None:
                 if closed and not zone.closed:
                     got, advice = _pressed(trial, load, elastic, scene)
@@ -191,7 +191,7 @@ def _box_where(
         return None
     if beside:
         far = bounds(_BESIDE[-1], closed=False) or box
-        box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
+        box = _around([box, *(clipped for shape in beside if (clipped := _clipped_bounds(shape, far)))]) or box
     low, high = box
     margin = scene.numerics.law_room * (high - low)
     margin += max(trial.law.averaged.values(), default=0.0)
@@ -208,7 +208,7 @@ def _box_where(
 
 def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scene) -> tuple[str, str]:
     """Ratio of a load to the elastic limit of a law, in words, and advice to check units."""
-    ratio = overload(trial.beyond, load, elastic)
+    ratio = overload(trial.yields, load, elastic)
     table = getattr(scene, trial.where.split(".")[0]).law
     limits = ", ".join(f"{name} = {value!r}" for name, value in _limits(table)) or "the limits of the law"
     return (
@@ -232,11 +232,11 @@ def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
                 yield from _limits(item)
 
 
-def _with(patch: Patch | None, held: _Bounds) -> Patch:
+def _with(patch: Patch | None, zone: _Bounds) -> Patch:
     """Patch enlarged to hold other bounds."""
     bounds = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
-    both = np.array([*bounds, held])
-    low, high = both[:, 0].min(axis=0), both[:, 1].max(axis=0)
+    corners = np.array([*bounds, zone])
+    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     return Patch(((float(low[0]), float(low[1]), 0.0), (float(high[0]), float(high[1]), float(high[2]))))
 
 
@@ -247,7 +247,7 @@ def _around(zones: Sequence[_Bounds]) -> _Bounds | None:
     return np.min([low for low, _ in zones], axis=0), np.max([high for _, high in zones], axis=0)
 
 
-def _held(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
+def _clipped_bounds(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
     """Bounds of a region, cut off at those of a zone; None outside. A layer that is wider disturbs at its edges."""
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
     low, high = np.maximum(low, far[0]), np.minimum(high, far[1])

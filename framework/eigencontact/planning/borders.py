@@ -42,7 +42,7 @@ def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
     """
     cells = {source.body for source in model.cells.inhomogeneities if source.lattice is not None}
     rows, columns = ("y", model.grid.y), ("x", model.grid.x)
-    made: list[Section] = []
+    sections: list[Section] = []
     copies: dict[tuple[object, ...], FloatArray] = {}
     for number, source in enumerate(sources):
         if not _is_inclusion(source):
@@ -61,8 +61,8 @@ def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
             segments = _section(source, axis, place, copies)
             if len(segments):
                 origin = _origin(source, axis)
-                made.append(Section(inclusion=number, normal=axis, place=place, origin=origin, segments=segments))
-    return tuple(made)
+                sections.append(Section(inclusion=number, normal=axis, place=place, origin=origin, segments=segments))
+    return tuple(sections)
 
 
 def _section(source: Source, axis: str, place: float, copies: dict[tuple[object, ...], FloatArray]) -> FloatArray:
@@ -124,7 +124,7 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
     for _, source in near:
         uncut &= ~_on_border(source, points)
         if edges is not None:
-            uncut &= _whole(source, points, model, edges)
+            uncut &= _in_uncut_cells(source, points, model, edges)
     return LineBorders(inclusion=inclusion, border=border, uncut=uncut)
 
 
@@ -147,7 +147,9 @@ def _on_border(source: Source, points: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(before != after)
 
 
-def _whole(source: Source, points: FloatArray, model: Model, lattice: tuple[float, float, float]) -> NDArray[np.bool_]:
+def _in_uncut_cells(
+    source: Source, points: FloatArray, model: Model, lattice: tuple[float, float, float]
+) -> NDArray[np.bool_]:
     """Points (3, n) of cells whose corners lie all within an inclusion or all outside."""
     dz, dy, dx = lattice
     edges = np.array([dx, dy, dz])[:, None]

@@ -51,7 +51,7 @@ def largest_loads(scene: Scene) -> str:
 
 
 def expected_lines(model: Model) -> list[str]:
-    """Estimated contact."""
+    """Estimated size, peak pressure and resolution of the contact, as lines."""
     contact = model.window.expected
     if contact is None:
         return []
@@ -60,9 +60,9 @@ def expected_lines(model: Model) -> list[str]:
     sides = " x ".join(readable(side, "m") for side in contact.extent)
     size = f"radius {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {sides}"
     cells = cells_per_radius(contact, model.grid)
-    alone = ", without what lies in the bodies" if model.sources else ""
+    restriction = ", without what lies in the bodies" if model.sources else ""
     words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a radius"
-    return [f"expected    {words} (an estimate{alone})"]
+    return [f"expected    {words} (an estimate{restriction})"]
 
 
 def contact_as_data(contact: ContactEstimate, grid: Grid) -> dict[str, object]:

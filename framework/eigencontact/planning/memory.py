@@ -1,4 +1,4 @@
-"""Memory of a whole run: its arrays, the interpreter with its libraries, and the process that draws its pictures."""
+"""Memory of a whole run: arrays, interpreter with libraries, and the process that draws pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The blocks that a plan needs, in order: backwards from what is wanted, through what each block requires."""
+"""Required blocks of a plan in order of execution, found backwards from the requested quantities."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["in_order"]
 
 
 def in_order(blocks: Iterable[Block]) -> list[Block]:
-    """Blocks that are wanted, and those that they require, each after what it requires; else in the order given.
+    """Requested blocks and their requirements in order of execution; independent blocks keep their order.
 
     Parameters
     ----------

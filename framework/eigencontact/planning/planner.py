@@ -52,7 +52,7 @@ def _blocks(model: Model) -> list[Block]:
     """Blocks that a scene may need: before the contact, the contact, wear, regions, observers."""
     blocks: list[Block] = []
     mechanics = mechanics_of(model)
-    seen: list[Block] = [] if mechanics is None else [mechanics]
+    surface_blocks: list[Block] = [] if mechanics is None else [mechanics]
     if model.interface is not None:
         from eigencontact.execution.mechanics.separation import blocks_beside_contact, separation_blocks
 
@@ -60,8 +60,8 @@ def _blocks(model: Model) -> list[Block]:
     if model.wear is not None and mechanics is not None:
         from eigencontact.execution.wear.blocks import blocks_of_wear
 
-        seen += blocks_of_wear(model, mechanics)
-    blocks += seen
+        surface_blocks += blocks_of_wear(model, mechanics)
+    blocks += surface_blocks
     if model.cells.requests:
         from eigencontact.execution.fields.regions import regions_of
 
@@ -69,7 +69,7 @@ def _blocks(model: Model) -> list[Block]:
     if model.observers:
         from eigencontact.execution.run.observers import observers_of
 
-        blocks += observers_of(model, frozenset(name for block in seen for name in block.wanted))
+        blocks += observers_of(model, frozenset(name for block in surface_blocks for name in block.wanted))
     return blocks
 
 

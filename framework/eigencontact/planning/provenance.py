@@ -76,7 +76,7 @@ def run_info(plan: Plan) -> RunInfo:
 
 
 def _inclusion(source: Source) -> dict[str, Any]:
-    """Region as results describe it, for people and pictures."""
+    """Description of a region in the results."""
     return {
         "name": source.name,
         "plugin": source.key,
@@ -87,7 +87,7 @@ def _inclusion(source: Source) -> dict[str, Any]:
 
 
 def _cycles(scene: Scene) -> Iterator[tuple[float, int, int]]:
-    """Where each table of cycles begins in the load history, its ramps, and how often it is repeated."""
+    """Position in the load history, ramps and number of repeats of each table of cycles."""
     begin = 0
     for segment in segments_of(scene.steps):
         if segment.cycle:
@@ -114,8 +114,8 @@ def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
         y, x = plan.grid.axes()
         # Another surface is another scene.
         digest.update(plan.model.interface.separation(x, y).tobytes())
-    for given in plan.model.files:
-        path = given / RESULTS if given.is_dir() else given  # of an earlier run
+    for source_file in plan.model.files:
+        path = source_file / RESULTS if source_file.is_dir() else source_file  # of an earlier run
         if path.is_file():
             with path.open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())

@@ -57,7 +57,7 @@ def _wider(model: Model) -> str:
 
 
 def _driven(control: Control) -> tuple[str, float, str]:
-    """Name, value and unit of what presses the bodies together."""
+    """Name, value and unit of the normal control: load or approach."""
     if control.normal_load is not None:
         return "normal load", control.normal_load, "N"
     return "approach", control.approach or 0.0, "m"
@@ -75,10 +75,12 @@ def load_that_fits(model: Model, step: Step) -> float | None:
     assert interface is not None
     x0, y0 = step.travel
 
-    def inside(part: float) -> bool:
-        forces = {"normal_load": part * value} if control.normal_load is not None else {"approach": part * value}
+    def inside(fraction: float) -> bool:
+        forces = (
+            {"normal_load": fraction * value} if control.normal_load is not None else {"approach": fraction * value}
+        )
         names = ("moment_x", "moment_y")
-        forces |= {name: part * given for name in names if (given := getattr(control, name)) is not None}
+        forces |= {name: fraction * moment for name in names if (moment := getattr(control, name)) is not None}
         contact = estimate_contact(
             model.grid,
             lambda x, y: interface.separation(x - x0, y - y0),

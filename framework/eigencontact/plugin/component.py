@@ -55,10 +55,12 @@ class Component:
 
     @property
     def parts(self) -> list[Component]:
-        """Components that the fields of this one hold, and theirs."""
+        """Components in the fields of this component, and their components in turn."""
         values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
         members = [member for value in values for member in _members(value)]
-        return [part for member in members if isinstance(member, Component) for part in (member, *member.parts)]
+        return [
+            component for member in members if isinstance(member, Component) for component in (member, *member.parts)
+        ]
 
 
 def _members(value: object) -> Iterable[object]:

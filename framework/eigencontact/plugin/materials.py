@@ -57,9 +57,9 @@ def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[
         if name in known:
             yield name, exposed
             continue
-        lost = exposed & (state.pressure > 0)
-        if lost.any():
-            row, column = (int(index) for index in np.argwhere(lost)[0])
+        unknown_cells = exposed & (state.pressure > 0)
+        if unknown_cells.any():
+            row, column = (int(index) for index in np.argwhere(unknown_cells)[0])
             raise SceneError(
                 f"{law} must know every material in contact (got {', '.join(map(repr, known))}, and {name!r} at x = "
                 f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m); give it numbers for {name!r}"

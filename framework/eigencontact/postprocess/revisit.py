@@ -110,14 +110,16 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
             "; it is kept after the last step alone, unless output.history = 'all'"
         )  # fmt: skip
         raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){remedy}")
-    seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
-    Run().started(block.start).advance(seen)
-    scalars = {**record.scalars, **seen.scalars}
-    return replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
+    evaluated_step = Step(
+        index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history)
+    )
+    Run().started(block.start).advance(evaluated_step)
+    scalars = {**record.scalars, **evaluated_step.scalars}
+    return replace(record, scalars=scalars, fields={}, regions=evaluated_step.regions, observed={}, history={})
 
 
 def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
-    """A plugin file may have been written anew since the run: its fields would not be those of the run."""
+    """Refuse plugin files that changed since the run, because their fields would differ from those of the run."""
     for name, origin in now.items():
         if f" {OF_FILE}" in origin and before.get(name) != origin:
             raise ResultsError(

@@ -1,4 +1,4 @@
-"""What is done with stored results: open them, draw them, look at another region; nothing is solved again."""
+"""Postprocessing of stored results: open, draw, evaluate another region; nothing is solved again."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ def draw(
         writable_folder(target)
         chosen = None if step is None or table is not None else place_of(dataset, step)
         with of_this_version(source):
-            named = {}
+            captions = {}
             if animation:  # refused before anything is drawn
                 from eigencontact.viz.animation import animate
 
-                named = animate(dataset, target, animation)
+                captions = animate(dataset, target, animation)
             with figure_look(look):
-                named |= draw_all(dataset, target, chosen, solid=vtk, kind=kind, dpi=dpi)
-            files = {target / name: text for name, text in named.items()}
+                captions |= draw_all(dataset, target, chosen, solid=vtk, kind=kind, dpi=dpi)
+            files = {target / name: text for name, text in captions.items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
@@ -141,13 +141,13 @@ def region(
 
     if not isinstance(table, str | Mapping):
         raise SceneError(f"region must be a table like those of [[stress]], or its text (got {shown(table)})")
-    wanted = region_table(table) if isinstance(table, str) else table
-    info, record = revisit(results_file(results), wanted, installed_plugins(), step)
-    part = step_part(info, record, copied=False)
+    request = region_table(table) if isinstance(table, str) else table
+    info, record = revisit(results_file(results), request, installed_plugins(), step)
+    step_data = step_part(info, record, copied=False)
     if folder is None:
-        return dataset_of([part])
+        return dataset_of([step_data])
     target = Path(folder) / _region_file(next(iter(record.regions)))
     refuse_foreign_file(target)
     writable_folder(target.parent)
-    join_steps(target, [part])
+    join_steps(target, [step_data])
     return open_results(target)

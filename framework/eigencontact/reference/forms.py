@@ -39,9 +39,9 @@ def form_of(hint: Any) -> Form:
     if origin is Literal:
         return _any_of([{"const": value} for value in parts])
     if origin in (Union, UnionType):
-        return _any_of([form_of(part) for part in parts if part is not NoneType])
+        return _any_of([form_of(argument) for argument in parts if argument is not NoneType])
     if origin is tuple and parts[-1:] != (...,):
-        inner = [form_of(part) for part in parts]
+        inner = [form_of(argument) for argument in parts]
         return {"type": "array", "prefixItems": inner, "minItems": len(inner), "maxItems": len(inner)}
     if origin in (list, tuple):
         item = form_of(parts[0])
@@ -113,7 +113,12 @@ def in_words(form: Mapping[str, Any]) -> str:
     if several:
         return f"{in_words(form['anyOf'][0])}; or {several}"
     if "anyOf" in form:
-        return _ruled(" or ".join(dict.fromkeys(in_words(one) for one in form["anyOf"] if "not" not in one)), rule)
+        return _ruled(
+            " or ".join(
+                dict.fromkeys(in_words(alternative) for alternative in form["anyOf"] if "not" not in alternative)
+            ),
+            rule,
+        )
     if "prefixItems" in form:
         inner = list(dict.fromkeys(map(in_words, form["prefixItems"])))
         return f"an array of {len(form['prefixItems'])}: {'; '.join(inner)}"
@@ -142,10 +147,10 @@ def _toml(value: Any) -> str:
 
 
 def kinds_within(form: Form) -> list[str]:
-    """Kinds of plugin in a form and in what it is made of, each once."""
+    """Kinds of plugin in a form and its inner forms, without repetitions."""
     inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
     inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
-    below = [kind for part in inner for kind in kinds_within(part)]
+    below = [kind for inner_form in inner for kind in kinds_within(inner_form)]
     return list(dict.fromkeys([form["x-kind"], *below] if "x-kind" in form else below))
 
 
@@ -161,4 +166,4 @@ def table_within(hint: Any) -> type | None:
 
 def unit_within(hint: Any) -> str | None:
     """SI unit of the numbers in a field."""
-    return next((part.symbol for part in parts_of(hint) if isinstance(part, Unit)), None)
+    return next((element.symbol for element in parts_of(hint) if isinstance(element, Unit)), None)

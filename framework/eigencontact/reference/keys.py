@@ -90,8 +90,8 @@ def _of_model(cls: type[BaseModel]) -> Iterator[tuple[str, Any, bool, Any]]:
 def _of_dataclass(cls: type) -> Iterator[tuple[str, Any, bool, Any]]:
     hints = get_type_hints(cls, include_extras=True)
     for item in fields(cls):
-        made = item.default_factory() if item.default_factory is not MISSING else item.default
-        yield item.name, hints[item.name], made is MISSING, None if made is MISSING else made
+        default = item.default_factory() if item.default_factory is not MISSING else item.default
+        yield item.name, hints[item.name], default is MISSING, None if default is MISSING else default
 
 
 def _plain(value: Any) -> Any:

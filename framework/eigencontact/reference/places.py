@@ -39,7 +39,7 @@ def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | N
         if not isinstance(value, Mapping):
             return None
         name = word.replace("_", "-")
-        key = next((one for cls in classes for one in keys_of(cls) if one.name == name), None)
+        key = next((candidate for cls in classes for candidate in keys_of(cls) if candidate.name == name), None)
         if key is None:
             return None
         value = value.get(name, value.get(word))
@@ -48,7 +48,7 @@ def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | N
 
 
 def _classes(registry: Registry, key: Key, value: Any) -> list[type]:
-    """Classes whose fields are the keys of what a key holds."""
+    """Classes whose fields are the keys of the table under a key."""
     kind = next(iter(kinds_within(key.form)), None)
     classes = [] if key.table is None else [key.table]
     if key.table is not None and issubclass(key.table, ComponentTable):

@@ -41,17 +41,17 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
         y = place(first, tick)[1]
         parts.append(f'<path class="{"zero" if tick == 0 else "grid"}" d="M{_LEFT} {y:.1f}H{_RIGHT}"/>')
         parts.append(_text(_LEFT - 5, y + 3.5, f"{tick:.6g}", "end"))
-    drawn = [place(x, y) for x, y in _thinned(points)]
-    parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in drawn)}"/>')
-    if len(drawn) <= _MARKED:
-        parts += [f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="2.4"/>' for x, y in drawn]
+    vertices = [place(x, y) for x, y in _thinned(points)]
+    parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in vertices)}"/>')
+    if len(vertices) <= _MARKED:
+        parts += [f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="2.4"/>' for x, y in vertices]
     title = escape(f"{column.label} over the steps: {in_words(column, steps)}")
     inside = "".join(parts)
     return Markup(f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img"><title>{title}</title>{inside}</svg>')  # noqa: S704
 
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
-    """Content of a chart in words: first and last value, and the largest where it is neither."""
+    """Chart in words: first and last value, and the largest if it is neither."""
     points = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
     (first, begun), (last, ended) = points[0], points[-1]
     ends = column.with_unit(begun), column.with_unit(ended)
@@ -71,7 +71,7 @@ def _ticks(low: float, high: float) -> list[float]:
 
 
 def _thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """At most some `_POINTS` points: of each stretch the lowest and the highest, in order."""
+    """Reduce a curve to about `_POINTS` points: the lowest and highest point of each interval, in order."""
     if len(points) <= _POINTS:
         return points
     size = math.ceil(2 * len(points) / _POINTS)

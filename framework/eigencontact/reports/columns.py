@@ -1,4 +1,4 @@
-"""The numbers of all steps by what they are for: results, certificates, effort; and the result in a few sentences."""
+"""Numbers of all steps, grouped into results, certificates and effort; and the result in a few sentences."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ class Column:
         return self.scale.label(self.name.replace("_", " "))
 
     def text(self, value: float | None) -> str:
-        """A value in the unit of the scale, without it."""
+        """Value in the unit of the scale, without the unit."""
         return "" if value is None else f"{value * self.scale.factor:.5g}"
 
     def with_unit(self, value: float | None) -> str:
-        """A value in the unit of the scale, with it."""
+        """Value in the unit of the scale, with the unit."""
         return f"{self.text(value)} {self.scale.unit}".strip()
 
     @property

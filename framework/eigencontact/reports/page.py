@@ -30,8 +30,8 @@ def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
         .render(
             **content,
             version=__version__,
-            style=_own("style.css"),
-            script=_own("surface.js"),
+            style=_template_markup("style.css"),
+            script=_template_markup("surface.js"),
             scene_marked=_highlighted(scene),
             scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(scene.encode()).decode()}",
         )
@@ -49,8 +49,8 @@ def _environment() -> Environment:
     return environment
 
 
-def _own(name: str) -> Markup:
-    """A part of the page that is ours: markup as it stands."""
+def _template_markup(name: str) -> Markup:
+    """Read a file of the templates as markup, without escaping."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))  # noqa: S704
 
 

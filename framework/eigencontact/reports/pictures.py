@@ -1,4 +1,4 @@
-"""Pictures of a run inside the page: those that the run drew, or drawn anew where they are not there."""
+"""Pictures of a run for the page: the stored pictures, or new pictures if there are none."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def pictures_of(source: Source) -> tuple[list[Picture], bool]:
     from eigencontact.viz.figures import draw_all
 
     with TemporaryDirectory(prefix="eigencontact-report-") as beside:
-        drawn = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
-        return read_pictures(Path(beside), drawn), True
+        new_captions = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
+        return read_pictures(Path(beside), new_captions), True
 
 
 def animation_of(source: Source) -> Picture | None:

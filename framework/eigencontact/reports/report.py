@@ -1,4 +1,4 @@
-"""A report: one self-contained HTML page about a run or a sweep, from what they stored; nothing is solved again."""
+"""Report of a run or a sweep: one self-contained HTML page from stored results, without another solution."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _content(source: Source) -> dict[str, Any]:
 
     every = columns(source.dataset)
     numbers = telling(every)
-    drawn, anew = pictures_of(source)
+    pictures, anew = pictures_of(source)
     cited = citations(source.references)
     last = len(source.steps) - 1
     # Positions of steps that the table keeps on paper, and of all that it shows.
@@ -137,7 +137,7 @@ def _content(source: Source) -> dict[str, Any]:
         "charts": [
             (column, chart(column, source.steps), in_words(column, source.steps)) for column in numbers if column.varies
         ],
-        "pictures": drawn,
+        "pictures": pictures,
         "drawn_anew": anew,
         "animation": animation_of(source),
         "surfaces": surfaces(source.dataset),

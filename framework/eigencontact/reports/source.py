@@ -1,4 +1,4 @@
-"""What a report is about: the stored results of a run, finished or not, with its summary and its plan."""
+"""Source of a report: stored results of a finished or unfinished run, with summary and plan."""
 
 from __future__ import annotations
 

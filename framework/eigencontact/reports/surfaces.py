@@ -98,7 +98,7 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
     every = max(1, -(-max(view.shape) // CELLS))
     shown = shown[:, ::every, ::every]
     low, high = _range(values)
-    x, y = (dataset[axis].values[part][::every] for axis, part in zip("xy", view.slices[::-1], strict=True))
+    x, y = (dataset[axis].values[cells][::every] for axis, cells in zip("xy", view.slices[::-1], strict=True))
     length = scale_for([*x, *y], "m")
     levels = np.rint((np.clip(shown, low, high) - low) / (high - low) * _LEVELS).astype("<u2")
     return {
@@ -110,14 +110,14 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
         "shape": list(shown.shape[1:]),
         "every": every,
         "steps": [
-            {"step": int(dataset["step"].values[at]), "heights": b64encode(part.tobytes()).decode()}
-            for at, part in zip(places, levels, strict=True)
+            {"step": int(dataset["step"].values[at]), "heights": b64encode(heights.tobytes()).decode()}
+            for at, heights in zip(places, levels, strict=True)
         ],
     }
 
 
 def _range(values: NDArray[Any]) -> tuple[float, float]:
-    """Lowest and highest value, and zero; what a tolerance leaves on its other side is no part of it."""
+    """Range of the values and zero; values of the opposite sign within the tolerance do not extend it."""
     low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
     slack = _SLACK * max(-low, high)
     return (low if low < -slack else 0.0), (high if high > slack else 0.0)

@@ -1,4 +1,4 @@
-"""What a report of a sweep shows: what was varied, what came of every variant, figures."""
+"""Content of the report of a sweep: varied parameters, results of each variant, figures."""
 
 from __future__ import annotations
 
@@ -104,9 +104,9 @@ def content_of(sweep: Sweep) -> dict[str, Any]:
     ]
     every = [column for column in every if column.largest is not None]
     numbers = telling(every)
-    drawn = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
+    meanings = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
     against = ", ".join(sweep.vary)
-    captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in drawn.items()}
+    captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in meanings.items()}
     for path in filter(is_ours, sorted(sweep.folder.glob("*-profiles.png"))):
         subject = path.stem.removesuffix("-profiles").replace("_", " ")
         captions[path.name] = f"{subject[:1].upper()}{subject[1:]} along x, for {against}."

@@ -1,4 +1,4 @@
-"""Parts of an annotation: the types, units, marks and choices that it is made of."""
+"""Elements of an annotation: types, units, marks and choices."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ __all__ = ["class_within", "parts_of"]
 
 
 def parts_of(hint: Any) -> Iterator[Any]:
-    """Annotation, its marks and, from left to right, the parts of its arguments."""
+    """Yield the annotation, its marks and, from left to right, the elements of its arguments."""
     yield hint
     yield from getattr(hint, "__metadata__", ())
-    for part in get_args(hint):
-        yield from parts_of(part)
+    for argument in get_args(hint):
+        yield from parts_of(argument)
 
 
 def class_within(hint: Any, fits: Callable[[type], bool]) -> Any:
     """First class in an annotation such as ``list[Step] | None`` that fits; None where there is none."""
-    return next((part for part in parts_of(hint) if isinstance(part, type) and fits(part)), None)
+    return next((candidate for candidate in parts_of(hint) if isinstance(candidate, type) and fits(candidate)), None)

@@ -1,4 +1,4 @@
-"""Components in place of tables of a scene: they become tables."""
+"""Convert components that stand in place of tables of a scene to tables."""
 
 from __future__ import annotations
 

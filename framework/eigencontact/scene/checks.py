@@ -97,7 +97,7 @@ def printable(value: str) -> str:
 
 
 def only_numbers(hint: Any, value: Any) -> None:
-    """Refuse what pydantic would turn into a number although it is none: booleans, complex numbers, texts.
+    """Refuse booleans, complex numbers and texts, which pydantic would convert to numbers.
 
     Text is a number only where it is written as one, or where the field has a unit, which then reads it.
 
@@ -113,17 +113,19 @@ def only_numbers(hint: Any, value: Any) -> None:
     ValueError
         The rule.
     """
-    parts = list(parts_of(hint))
-    if not any(part in (int, float) or (isinstance(part, int) and not isinstance(part, bool)) for part in parts):
+    elements = list(parts_of(hint))
+    if not any(
+        element in (int, float) or (isinstance(element, int) and not isinstance(element, bool)) for element in elements
+    ):
         return
-    choices = [part for part in parts if isinstance(part, str)]
-    text_read = str in parts or any(isinstance(part, Unit) for part in parts)
+    choices = [element for element in elements if isinstance(element, str)]
+    text_read = str in elements or any(isinstance(element, Unit) for element in elements)
     for item in _items(value):
         kind = getattr(getattr(item, "dtype", None), "kind", "")
         if isinstance(item, str):
             good = text_read or item in choices or bool(NUMBER.fullmatch(item.strip()))
         elif isinstance(item, bool) or kind == "b":
-            good = bool in parts
+            good = bool in elements
         else:
             good = not (isinstance(item, complex) or kind == "c" or np.ma.is_masked(item))
         if not good:
@@ -144,7 +146,7 @@ _DEEPEST = 32
 
 
 def refuse_deep(data: Any) -> None:
-    """Refuse tables nested so deep that nothing could read them, before anything tries to.
+    """Refuse tables that are nested too deep to be read.
 
     Raises
     ------

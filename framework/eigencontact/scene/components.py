@@ -101,11 +101,11 @@ def kind_within(hint: Any) -> type[Component] | None:
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
-    """Component, or several, of the tables of a field, in a row or by name; components themselves stay."""
+    """Build the components of a field from one table, an array or named tables; keep components as they are."""
     if get_origin(hint) is dict and isinstance(value, Mapping):
-        return {name: _parts(registry, kind, kind, one, f"{where}.{name}") for name, one in value.items()}
+        return {name: _parts(registry, kind, kind, table, f"{where}.{name}") for name, table in value.items()}
     if isinstance(value, list | tuple):
-        return tuple(_parts(registry, kind, kind, one, f"{where}.{number}") for number, one in enumerate(value))
+        return tuple(_parts(registry, kind, kind, table, f"{where}.{number}") for number, table in enumerate(value))
     if get_origin(hint) in (list, tuple):
         return (_parts(registry, kind, kind, value, where),)
     if not isinstance(value, Mapping):
@@ -135,7 +135,7 @@ def _adapters(cls: type) -> dict[str, Any]:
 
 
 def _as_instances(hint: Any) -> Any:
-    """Annotation in which components are taken as they are: a kind with fields of its own is a dataclass."""
+    """Annotation that accepts components unchanged, because a component kind with fields is a dataclass."""
     from pydantic import InstanceOf
 
     mark: Any = InstanceOf
@@ -154,7 +154,7 @@ def _table_class(hint: Any) -> type | None:
 
 
 def _with_field_names(hint: Any, value: Any, where: str) -> Any:
-    """Value of a field with the tables in it under the names of their class; names that it does not know are refused.
+    """Rename the keys of tables in a field to the names of the class fields; refuse unknown keys.
 
     A single table stands for an array of one.
     """
@@ -172,8 +172,8 @@ def _with_field_names(hint: Any, value: Any, where: str) -> Any:
     refuse_unknown(value, [item.name for item in fields(cls)], where)
     hints = _hints(cls)
     table = {
-        field: _with_field_names(hints[field], part, f"{where}.{name.replace('_', '-')}")
-        for name, part in value.items()
+        field: _with_field_names(hints[field], entry, f"{where}.{name.replace('_', '-')}")
+        for name, entry in value.items()
         for field in [name.replace("-", "_")]
     }
     return [table] if get_origin(hint) in (list, tuple) else table

@@ -44,14 +44,14 @@ def check_contents(scene: Scene) -> None:
 
 
 def _check_names(scene: Scene) -> None:
-    """Files and variables of a region have its name; case is no difference to some systems of files."""
+    """Require different region names, because they name files and variables; some file systems ignore case."""
     for group in ("inclusions", "eigenstrain"):
         names = [item.name or f"{item.type} {number + 1}" for number, item in enumerate(getattr(scene, group))]
-        twice = next((number for number, name in enumerate(names) if name in names[:number]), None)
-        if twice is not None:
-            places = f"{ordinal(names.index(names[twice]))} and {ordinal(twice)}"
+        duplicate = next((number for number, name in enumerate(names) if name in names[:number]), None)
+        if duplicate is not None:
+            places = f"{ordinal(names.index(names[duplicate]))} and {ordinal(duplicate)}"
             raise ValueError(
-                f"!{group} must have different names (got {names[twice]!r} twice, the {places}); rename one"
+                f"!{group} must have different names (got {names[duplicate]!r} twice, the {places}); rename one"
                 + (", or give one table centers" if group == "inclusions" else "")
             )
     labels = [request.label for request in scene.stress]
@@ -61,12 +61,12 @@ def _check_names(scene: Scene) -> None:
                 f"!stress region must have a name that nothing else in results has (got {label!r}, and fields, numbers "
                 "or files of the surface are called so); choose another name"
             )
-        for other in labels[:number]:
-            if other == label:
+        for earlier_label in labels[:number]:
+            if earlier_label == label:
                 raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
-            if other.casefold() == label.casefold():
+            if earlier_label.casefold() == label.casefold():
                 raise ValueError(
-                    f"!stress regions must differ by more than case (got {other!r} and {label!r}); rename one"
+                    f"!stress regions must differ by more than case (got {earlier_label!r} and {label!r}); rename one"
                 )
 
 
@@ -105,20 +105,20 @@ def _check_steps(scene: Scene) -> None:
 
 
 def _check_spacing(scene: Scene) -> None:
-    """Increments even in the radius need the same control in the step before, in a cycle from its end on as well."""
-    before: str | None = ""
+    """Require the same control in the previous step for increments even in the radius, also where a cycle repeats."""
+    previous_control: str | None = ""
     for where, step in named_ramps(scene.steps, again=True):
-        own = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
-        held = own or (before if scene.friction is not None else None)
-        if step.spacing == "radius" and (own is None or before not in ("", own)):
-            got = f"a step that gives {own or 'neither'}"
-            if own is not None and before not in ("", own):
-                got += f" after one that gives {before or 'neither'}"
+        control = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
+        final_control = control or (previous_control if scene.friction is not None else None)
+        if step.spacing == "radius" and (control is None or previous_control not in ("", control)):
+            got = f"a step that gives {control or 'neither'}"
+            if control is not None and previous_control not in ("", control):
+                got += f" after one that gives {previous_control or 'neither'}"
             raise ValueError(
                 f"!{where}.spacing must be 'even' unless the step gives normal-load or approach, as the one before it "
                 f"does (got 'radius' in {got}); leave it out"
             )
-        before = held
+        previous_control = final_control
 
 
 def _check_number_of_steps(scene: Scene) -> None:
@@ -131,22 +131,22 @@ def _check_number_of_steps(scene: Scene) -> None:
         if step.cycle and expected_points(step.cycle) > left:
             place, step = max(enumerate(step.cycle), key=lambda item: item[1].increments)
             where, name = f"{where}.cycle.{place}", "increments"
-        own = getattr(step, name)
-        most = max(1, own * left // counts[largest])
+        count = getattr(step, name)
+        most = max(1, count * left // counts[largest])
         fewer = name == "repeat" and scene.wear is not None and scene.wear.cycles_per_update is not None
         raise ValueError(
             f"!{where}.{name} must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
-            f"stored (got {shown(own)}, and {shown(sum(counts))} in all); {most} is the most"
+            f"stored (got {shown(count)}, and {shown(sum(counts))} in all); {most} is the most"
             + (", or set a larger wear.cycles-per-update" if fewer else "")
         )
 
 
 def _check_sliding(scene: Scene, where: str, step: Step) -> None:
-    other = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL | set(TRAVEL)]
-    if other:
+    controls = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL | set(TRAVEL)]
+    if controls:
         raise ValueError(
-            f"!{where} must slide by sliding-distance, or be loaded or moved by {other[0]} (got both); make two steps "
-            "of them"
+            f"!{where} must slide by sliding-distance, or be loaded or moved by {controls[0]} (got both); make two "
+            "steps of them"
         )
     if scene.friction is None and scene.wear is None:
         raise ValueError(

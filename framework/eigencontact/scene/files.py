@@ -55,7 +55,7 @@ def anchored(scene: Scene, registry: Registry) -> tuple[Scene, tuple[Path, ...]]
 
 
 def _in_model(model: Any, registry: Registry, place: Place) -> Any:
-    """Copy of a table of a scene with the files in it placed."""
+    """Copy a table of a scene with its file paths placed."""
     changes: dict[str, Any] = {}
     for name, item in type(model).model_fields.items():
         value = getattr(model, name)
@@ -65,11 +65,11 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
         elif any(isinstance(mark, FileMark) for mark in item.metadata):
             changes[name] = place(value)
         elif get_args(item.annotation)[:1] == (DataFile,):
-            changes[name] = [place(one) for one in value]
+            changes[name] = [place(path) for path in value]
         elif isinstance(value, Table):
             changes[name] = _in_model(value, registry, place)
         elif isinstance(value, list) and value and isinstance(value[0], Table):
-            changes[name] = [_in_model(one, registry, place) for one in value]
+            changes[name] = [_in_model(table, registry, place) for table in value]
     if model.model_extra:  # the fields of a component stand in the table itself
         table = _in_component({"type": model.type, **model.model_extra}, model.kind, registry, place)
         changes |= {key: table[key] for key in model.model_extra}
@@ -77,7 +77,7 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
 
 
 def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> Any:
-    """Tables of a component, or of several; what is no table of an installed one is left for its own refusal."""
+    """Place the files in tables of components; tables of unknown components stay for a later check."""
     if isinstance(value, list | tuple):
         return [_in_component(item, kind, registry, place) for item in value]
     key = value.get("type") if isinstance(value, Mapping) else None
@@ -92,20 +92,22 @@ def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> An
 
 def _in_table(cls: type, table: Mapping[str, Any], registry: Registry, place: Place) -> dict[str, Any]:
     hints = get_type_hints(cls, include_extras=True)
-    known = {item.name: hints[item.name] for item in fields(cls)}
+    field_hints = {item.name: hints[item.name] for item in fields(cls)}
     return {
-        name: _placed(known[field], value, registry, place) if (field := name.replace("-", "_")) in known else value
+        name: _placed(field_hints[field], value, registry, place)
+        if (field := name.replace("-", "_")) in field_hints
+        else value
         for name, value in table.items()
     }
 
 
 def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
-    """Value of a field with its annotation; an array of tables or files item by item."""
+    """Place the files in the value of a field, in arrays item by item."""
     if any(isinstance(mark, FileMark) for mark in getattr(hint, "__metadata__", ())):
         return place(str(value)) if isinstance(value, str | Path) else value
     kind = kind_within(hint)
     if kind is not None and get_origin(hint) is dict and isinstance(value, Mapping):
-        return {name: _in_component(one, kind.kind, registry, place) for name, one in value.items()}
+        return {name: _in_component(table, kind.kind, registry, place) for name, table in value.items()}
     if kind is not None:
         return _in_component(value, kind.kind, registry, place)
     if isinstance(hint, type) and is_dataclass(hint):
@@ -114,10 +116,10 @@ def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
         return _in_table(hint, value, registry, place) if isinstance(value, Mapping) else value
     if get_origin(hint) is Literal:
         return value
-    inner = [part for part in get_args(hint) if part is not Ellipsis]
+    inner = [argument for argument in get_args(hint) if argument is not Ellipsis]
     if get_origin(hint) in (tuple, list) and isinstance(value, list | tuple):
         each = inner if Ellipsis not in get_args(hint) and len(inner) == len(value) else inner[:1] * len(value)
-        return [_placed(part, item, registry, place) for part, item in zip(each, value, strict=True)]
-    for part in inner:  # of a union; at most one of its members fits the value
-        value = _placed(part, value, registry, place)
+        return [_placed(argument, item, registry, place) for argument, item in zip(each, value, strict=True)]
+    for argument in inner:  # of a union; at most one of its members fits the value
+        value = _placed(argument, value, registry, place)
     return value

@@ -1,4 +1,4 @@
-"""Loads and motions of a step of a contact with friction, with those that it keeps from earlier steps."""
+"""Prescribed and held loads and motions of the steps of a contact with friction."""
 
 from __future__ import annotations
 

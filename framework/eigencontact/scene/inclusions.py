@@ -78,9 +78,9 @@ class Inclusion(_Component):
                 f"{where}.centers must be left out for {self.type!r}, a shape without a field that says where it is "
                 f"(got {len(self.centers)} centers); give a table of inclusions for each"
             )
-        given = next((key for key in self.component if key.replace("-", "_") == name), None)
-        if given is not None:
-            raise SceneError(f"{where} must be at its {given}, or at centers (got both); give one of them")
+        position_key = next((key for key in self.component if key.replace("-", "_") == name), None)
+        if position_key is not None:
+            raise SceneError(f"{where} must be at its {position_key}, or at centers (got both); give one of them")
         return [{**self.component, name: center} for center in self.centers]
 
     @field_validator("eigenstrain")

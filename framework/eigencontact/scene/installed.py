@@ -21,12 +21,12 @@ def installed_plugins() -> Registry:
 
 
 def add_plugin_files(files: Iterable[str | Path]) -> None:
-    """Let this process know the plugins of files as if they were installed: for a command that has no scene.
+    """Register the plugins of files in this process as installed, for commands without a scene.
 
     Raises
     ------
     PluginError
         See `eigencontact.hooks.files.with_files`; then none is added.
     """
-    known = installed_plugins()
-    known.take(with_files(known, map(Path, files)))
+    registry = installed_plugins()
+    registry.take(with_files(registry, map(Path, files)))

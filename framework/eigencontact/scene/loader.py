@@ -134,26 +134,28 @@ def value_of_text(text: str) -> Any:
 
 
 def _put(table: Any, key: str, value: Any, change_text: str) -> None:
-    path = [part.strip() for part in key.strip().split(".")]
-    for position, part in enumerate(path):
+    path = [segment.strip() for segment in key.strip().split(".")]
+    for position, segment in enumerate(path):
         last = position == len(path) - 1
         if isinstance(table, list):
-            number = part.isascii() and part.isdigit()
+            number = segment.isascii() and segment.isdigit()
             if not number and len(table) == 1:
                 table = table[0]
-            elif number and int(part[:9]) < len(table):
+            elif number and int(segment[:9]) < len(table):
                 if last:
-                    table[int(part)] = value
+                    table[int(segment)] = value
                 else:
-                    table = table[int(part)]
+                    table = table[int(segment)]
                 continue
             else:
                 choice = f"give a number from 0 to {len(table) - 1}" if table else "give all of it"
                 place = ".".join(path[:position])
-                raise SceneError(f"{change_text}: {place} is an array of {len(table)}; {choice} (got {part!r})")
+                raise SceneError(f"{change_text}: {place} is an array of {len(table)}; {choice} (got {segment!r})")
         if not isinstance(table, dict):
             raise SceneError(f"{change_text}: {'.'.join(path[:position])} is no table (got {table!r})")
-        name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)
+        name = next(
+            (table_key for table_key in table if table_key.replace("_", "-") == segment.replace("_", "-")), segment
+        )
         if last:
             table[name] = value
         else:

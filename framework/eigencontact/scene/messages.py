@@ -39,7 +39,7 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
     """One line for one finding of ``ValidationError.errors()``."""
     kind, got = error["type"], error.get("input")
     context = error.get("ctx", {})
-    place = ".".join([where, *(str(part).replace("_", "-") for part in error["loc"])]).strip(".")
+    place = ".".join([where, *(str(segment).replace("_", "-") for segment in error["loc"])]).strip(".")
     if kind == "missing":
         return f"{place} must be given"
     if kind == "value_error":
@@ -55,14 +55,15 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
     return f"{place} must be {_RULES.get(kind, error['msg'])} (got {shown(got)})"
 
 
-def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str, see: str = "") -> None:
+def refuse_unknown(table: Iterable[str], known_keys: Iterable[str], where: str, see: str = "") -> None:
     """Refuse keys of a table that nothing reads; names the nearest known one, and the command that explains them."""
-    known = [name.replace("_", "-") for name in known]
+    known_keys = [name.replace("_", "-") for name in known_keys]
     for key in table:
-        if key.replace("_", "-") not in known:
+        if key.replace("_", "-") not in known_keys:
             raise SceneError(
-                f"unknown key {key!r} in {where or 'the scene'}; known: {', '.join(known)}"
-                f"{nearest(key.replace('_', '-'), known)}" + (f"; `eigencontact {see}` explains them" if see else "")
+                f"unknown key {key!r} in {where or 'the scene'}; known: {', '.join(known_keys)}"
+                f"{nearest(key.replace('_', '-'), known_keys)}"
+                + (f"; `eigencontact {see}` explains them" if see else "")
             )
 
 

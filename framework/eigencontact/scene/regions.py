@@ -1,4 +1,4 @@
-"""Regions of a scene in which fields below the surface are wanted."""
+"""Regions of a scene at whose points fields below the surface are computed."""
 
 from __future__ import annotations
 

@@ -290,7 +290,7 @@ class Scene(Table):
 
     @property
     def losses(self) -> dict[int, float]:
-        """Part of the lost depth by body, of bodies whose surface loses any."""
+        """Share of the worn depth of each body that wears."""
         return {} if self.wear is None else self.wear.parts
 
     def solved_cycles(self, repeat: int) -> int:
@@ -298,7 +298,7 @@ class Scene(Table):
         return repeat if self.wear is None else self.wear.solved_cycles(repeat)
 
     def guesses_cycles(self, repeat: int) -> bool:
-        """Whether the number of solved cycles follows from errors, so that it is a guess."""
+        """Whether the number of solved cycles is an estimate, because error control chooses it."""
         return self.wear is not None and self.wear.error is not None and self.solved_cycles(repeat) < repeat
 
     @property
@@ -351,7 +351,7 @@ class Scene(Table):
 
 
 def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
-    """Finding without the number 0 of an array for which a single table was written."""
+    """Remove the array index 0 from a finding where the scene has a single table in place of an array."""
     place = tuple(error["loc"])
     if len(place) > 1 and place[1] == 0 and isinstance(data.get(place[0]), dict):
         place = (place[0], *place[2:])

@@ -59,10 +59,13 @@ class Impacts(Table):
     @property
     def places(self) -> list[tuple[float, float]]:
         """Places (x, y) [m]."""
-        drawn = Random(self.seed)  # noqa: S311
+        generator = Random(self.seed)  # noqa: S311
         spans = tuple(zip(self.center, self.size, strict=True))
         return [
-            (spans[0][0] + (drawn.random() - 0.5) * spans[0][1], spans[1][0] + (drawn.random() - 0.5) * spans[1][1])
+            (
+                spans[0][0] + (generator.random() - 0.5) * spans[0][1],
+                spans[1][0] + (generator.random() - 0.5) * spans[1][1],
+            )
             for _ in range(self.count)
         ]
 
@@ -158,7 +161,7 @@ class Step(Table):
     repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
 
     def written_out(self) -> list[Step]:
-        """The step itself, or those of its impacts; of a cycle with those of its steps."""
+        """Replace impacts by their single steps, also within a cycle; return other steps unchanged."""
         if self.cycle is not None:
             return [self.model_copy(update={"cycle": each_impact(self.cycle)})]
         if self.impacts is None:
@@ -168,8 +171,8 @@ class Step(Table):
             away = Step(normal_load=0.0, travel_x=x, travel_y=y)
             if self.increments > 1:  # the ramp to the load would be one to the place as well
                 out.append(away)
-            own = {"normal_load": self.normal_load, "increments": self.increments, "spacing": self.spacing}
-            pressed = away.model_copy(update=own)
+            loading = {"normal_load": self.normal_load, "increments": self.increments, "spacing": self.spacing}
+            pressed = away.model_copy(update=loading)
             out += [pressed, away]
         return out
 
@@ -177,10 +180,10 @@ class Step(Table):
     def _controlled(self) -> Step:
         if self.cycle is not None:
             defaults = {name: field.default for name, field in type(self).model_fields.items()}
-            own = sorted(name for name in defaults if getattr(self, name) != defaults[name])
-            own = [name for name in own if name not in ("cycle", "repeat")]
-            if own:
-                raise ValueError(f"a cycle and nothing else but repeat: leave out {own[0].replace('_', '-')}")
+            settings = sorted(name for name in defaults if getattr(self, name) != defaults[name])
+            settings = [name for name in settings if name not in ("cycle", "repeat")]
+            if settings:
+                raise ValueError(f"a cycle and nothing else but repeat: leave out {settings[0].replace('_', '-')}")
             if any(step.cycle is not None for step in self.cycle):
                 raise ValueError("a cycle of plain steps: a cycle inside another must be written out")
         elif self.repeat != 1:
@@ -260,8 +263,8 @@ def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str
         if step.cycle is None:
             out.append((name, step))
             continue
-        named = [(f"{name}.cycle.{place}", ramp) for place, ramp in enumerate(step.cycle)]
-        out += named * (2 if again and step.repeat > 1 else 1)
+        cycle_ramps = [(f"{name}.cycle.{place}", ramp) for place, ramp in enumerate(step.cycle)]
+        out += cycle_ramps * (2 if again and step.repeat > 1 else 1)
     return out
 
 
@@ -312,7 +315,7 @@ def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozense
 
 
 def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
-    held, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
+    held_ramps, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
     return {
         number
         for number, ramp in enumerate(ramps)
@@ -324,14 +327,14 @@ def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
                 friction
                 and ramp.sliding_distance is None
                 and places[number] == places[number + 1]
-                and _grows_alone(held[number - 1] if number else None, held[number])
+                and _grows_alone(held_ramps[number - 1] if number else None, held_ramps[number])
             )
         )
     }
 
 
 def _grows_alone(before: Step | None, ramp: Step) -> bool:
-    """Whether the normal load or approach rises from one held step to the next, and all other motions rest."""
+    """Whether the normal load or approach rises between held steps while all other motions rest."""
     control = normal_control(ramp)
     start = None if control is None else start_of_normal(before, control)
     if control is None or start is None or getattr(ramp, control) <= start:
@@ -340,7 +343,7 @@ def _grows_alone(before: Step | None, ramp: Step) -> bool:
 
 
 def _rests(before: Step | None, ramp: Step, mode: RigidMode) -> bool:
-    """Whether a ramp leaves a load or motion as it is; what no step has given yet is a motion of 0."""
+    """Whether a ramp leaves a load or motion unchanged; a motion without an earlier value is 0."""
     force, motion = (getattr(ramp, name) for name in (mode.force, mode.displacement))
     if before is None:  # nothing is loaded, nothing has moved
         return not force and not motion
@@ -362,10 +365,10 @@ def start_of_normal(before: Step | None, control: Literal["normal_load", "approa
 
     A step that ends without contact, by the other control, is a start at 0.
     """
-    if before is None or (other := normal_control(before)) is None:
+    if before is None or (previous_control := normal_control(before)) is None:
         return 0.0
-    value: float = getattr(before, other)
-    return value if other == control else 0.0 if value <= 0.0 else None
+    value: float = getattr(before, previous_control)
+    return value if previous_control == control else 0.0 if value <= 0.0 else None
 
 
 def expected_points(steps: Sequence[Step], solved_cycles: Callable[[int], int] | None = None) -> int:

@@ -1,4 +1,4 @@
-"""The table of wear: which law, which body loses how much, and how many cycles one update of the surface stands for."""
+"""Wear table of a scene: law, shares of the bodies, and number of cycles per update of the surfaces."""
 
 from __future__ import annotations
 
@@ -74,17 +74,17 @@ class Wear(ComponentTable):
 
     @model_validator(mode="after")
     def _single(self) -> Wear:
-        for one, other in (("body", "shares"), ("jump_error", "cycles_per_update")):
-            if getattr(self, one) is not None and getattr(self, other) is not None:
-                raise ValueError(f"given {one} or {other}, not both".replace("_", "-"))
+        for field, alternative in (("body", "shares"), ("jump_error", "cycles_per_update")):
+            if getattr(self, field) is not None and getattr(self, alternative) is not None:
+                raise ValueError(f"given {field} or {alternative}, not both".replace("_", "-"))
         return self
 
     @property
     def parts(self) -> dict[int, float]:
-        """Part of the depth that each body loses, of those that lose any."""
+        """Share of the worn depth of each body that wears."""
         if self.shares is None:
             return {self.body or 1: 1.0}
-        return {body: part for body, part in ((1, self.shares.body1), (2, self.shares.body2)) if part > 0.0}
+        return {body: share for body, share in ((1, self.shares.body1), (2, self.shares.body2)) if share > 0.0}
 
     @property
     def error(self) -> float | None:

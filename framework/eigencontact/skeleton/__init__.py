@@ -1,4 +1,4 @@
-"""The start of a plugin package of one's own: written from templates, installable, and passing its tests as it is."""
+"""Templates of a plugin package that can be installed and passes its tests without changes."""
 
 from eigencontact.skeleton.package import TEMPLATES, NewPackage, write_file, write_package
 

@@ -135,7 +135,7 @@ def _mark_values(name: str, kind: str) -> dict[str, str]:
         raise PluginError(f"name must be of lower-case letters, digits and single hyphens (got {name!r}){hint}")
     if kind not in TEMPLATES:
         raise PluginError(f"kind must be one of {', '.join(TEMPLATES)} (got {kind!r}){nearest(kind, TEMPLATES)}")
-    class_name = "".join(part.capitalize() for part in key.split("-"))
+    class_name = "".join(word.capitalize() for word in key.split("-"))
     if keyword.iskeyword(class_name):
         raise PluginError(f"name must not stand for a word of Python, {class_name} (got {name!r}); choose another")
     _refuse_taken(kind, key)

@@ -77,9 +77,9 @@ def axes_of(vary: Mapping[str, Any] | Sequence[str]) -> list[Axis]:
     if not axes:
         raise SceneError(f"sweep must vary something: {_RULE}")
     names = [axis.name for axis in axes]
-    twice = next((axis.key for axis in axes if names.count(axis.name) > 1), None)
-    if twice is not None:
-        raise SceneError(f"sweep must vary each key once (got {twice!r} twice)")
+    duplicate = next((axis.key for axis in axes if names.count(axis.name) > 1), None)
+    if duplicate is not None:
+        raise SceneError(f"sweep must vary each key once (got {duplicate!r} twice)")
     return axes
 
 
@@ -102,9 +102,9 @@ def _of_table(key: str, value: Any) -> Axis:
 def _checked(key: str, values: list[Any]) -> Axis:
     if not values:
         raise SceneError(f"vary.{key} must have at least one value (got none)")
-    twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
-    if twice is not None:
-        raise SceneError(f"vary.{key} must have each value once (got {shown(twice)} twice)")
+    duplicate = next((value for k, value in enumerate(values) if value in values[:k]), None)
+    if duplicate is not None:
+        raise SceneError(f"vary.{key} must have each value once (got {shown(duplicate)} twice)")
     return Axis(key, tuple(values))
 
 

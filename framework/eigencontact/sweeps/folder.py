@@ -1,4 +1,4 @@
-"""The folder of a sweep: it belongs to one scene, known by its hash, and files of others in it are never replaced."""
+"""Folder of a sweep, which belongs to one scene by its hash; foreign files in it are never replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All numbers of a sweep in one dataset, with what was varied as coordinates; and as a table of text."""
+"""Dataset of all numbers of a sweep, with the varied parameters as coordinates; and a table of text."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _in_si(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[list[Any], 
         at = variant.place[min(k, len(variant.place) - 1)]
         if at not in values_of_scenes and variant.scene is not None:
             tables = variant.scene.resolved()
-            values_of_scenes[at] = _at(tables, axis.key)
+            values_of_scenes[at] = _value_at(tables, axis.key)
             key = key or key_at(variant.scene.known_plugins(), tables, axis.key)
     unit = (key.unit if key is not None else "") or ""
     in_si = []
@@ -118,7 +118,7 @@ def values_in_words(axes: Sequence[Axis], variants: Sequence[Variant]) -> list[s
     return lines
 
 
-def _at(table: Any, key: str) -> Any:
+def _value_at(table: Any, key: str) -> Any:
     for name_part in key.split("."):
         if isinstance(table, list):
             number = name_part.isdigit()

@@ -1,4 +1,4 @@
-"""Running the variants of a sweep: one after the other, in several processes, or on a cluster.
+"""Run the variants of a sweep in sequence, in several processes, or on a cluster.
 
 A finished variant is read, not solved again: its folder says of which scene it is, and has checksums of its files. A
 damaged one is computed again. A failed variant is reported and recorded; the others continue.
@@ -131,12 +131,12 @@ def outcomes(
 class _Held:
     """Shared data of the variants of one process: spectra of stress in regions, and the threads."""
 
-    kept: Kept
+    cache: Kept
     threads: int | None
 
     @classmethod
     def within(cls, share: Share, texts: Mapping[str, str] | None = None) -> _Held:
-        """Make it, of a share of a machine, which may not see plugin files that scenes name: their `texts` by path."""
+        """Set up shared data for a share of a machine; `texts` replace plugin files that the machine cannot read."""
         if texts is not None:
             from eigencontact.hooks.files import hold_texts
 
@@ -145,14 +145,14 @@ class _Held:
 
 
 def _outcome(task: _Task, state: _Held) -> Outcome:
-    """Run one variant, or read what it left."""
+    """Run one variant, or read its stored results."""
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}
     fields: dict[str, Any] = {}
     failed, problem = variant.refused, ""
     try:
         if not failed:
-            with state.kept.offered():
+            with state.cache.offered():
                 summary, fields, problem = _computed(task, state.threads)
     except (EigencontactError, MemoryError) as refusal:
         failed = " ".join(str(refusal).split()) or type(refusal).__name__
@@ -178,7 +178,7 @@ def _record(task: _Task, failed: str) -> None:
 
 
 def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
-    """Summary, fields, and damage of what was there; run it unless it is finished."""
+    """Summary and fields of a variant, and any damage of its earlier results; run the variant unless it is finished."""
     from eigencontact.app import run
     from eigencontact.postprocess.stored_run import open_results
 
@@ -215,7 +215,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
 
 
 def _is_of_sweep(folder: Path, task: _Task) -> bool:
-    """Whether results in a folder may be replaced: those of a run that no sweep marked as its own are protected."""
+    """Whether the sweep may replace the results in a folder; it protects results of other runs."""
     marked = any(is_ours(folder / name) for name in (_MARK, _FAILED))
     return marked or task.overwrite or not any((folder / name).exists() for name in (RESULTS, STEPS))
 

@@ -131,7 +131,7 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
 
 
 def refuse_different_cells(variants: Sequence[Variant]) -> None:
-    """Refuse, before anything is run, variants whose fields could not be brought together.
+    """Refuse variants on different cells before any run, because their fields do not fit in one dataset.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def refuse_different_cells(variants: Sequence[Variant]) -> None:
     planned, grids = _planned(variants)
     able = [item for item in planned if not item.refused]
     for variant, grid in zip(able, grids, strict=True):
-        if not _same(grid, grids[0]):
+        if not _equal_cells(grid, grids[0]):
             raise PlanError(
                 f"fields must lie on the same cells in all variants (got {_cells_of(grids[0])} in {able[0].label!r} "
                 f'and {_cells_of(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells '
@@ -152,14 +152,14 @@ def refuse_different_cells(variants: Sequence[Variant]) -> None:
 
 
 def _plainly_alike(variants: Sequence[Variant]) -> bool:
-    """Whether all scenes give one window in numbers, so that no plan is needed to know it."""
+    """Whether all scenes specify the same window by numbers, so that no plan is needed."""
     specs = [variant.scene.grid for variant in variants if variant.scene is not None]
     numeric = all(spec.cells is not None and (spec.size is not None or spec.spacing is not None) for spec in specs)
     return numeric and all(spec == specs[0] for spec in specs)
 
 
 def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
-    """Variants, those that no plan can be made of with the reason; and the windows of the others."""
+    """Variants, with the reason for each that cannot be planned, and the windows of the planned variants."""
     from eigencontact.app import plan
 
     grids, out = list[Grid](), list[Variant]()
@@ -174,7 +174,7 @@ def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
     return out, grids
 
 
-def _same(first: Grid, second: Grid) -> bool:
+def _equal_cells(first: Grid, second: Grid) -> bool:
     """Whether cells are the same but for round-off."""
     moved = max(abs(a - b) for a, b in zip(first.center, second.center, strict=True))
     alike = isclose(first.dx, second.dx, rel_tol=1e-9) and isclose(first.dy, second.dy, rel_tol=1e-9)

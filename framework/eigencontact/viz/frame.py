@@ -54,13 +54,13 @@ class Film:
 
 @dataclass(frozen=True)
 class Frame:
-    """Order to draw a picture as part of a frame: with the view and the colours that all frames share.
+    """Request to draw a picture into a frame with the common view and colours of all frames.
 
     It is drawn in a subfigure, by default in a figure of its own.
     """
 
     film: Film
-    part: SubFigure | None = None
+    subfigure: SubFigure | None = None
 
 
 def draw_way(

@@ -178,7 +178,7 @@ def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
 
 
 def varies(values: ArrayLike, share: float = CONSTANT) -> bool:
-    """Whether values differ by more than a part of the largest magnitude; those that are not finite do not count.
+    """Whether finite values differ by more than a fraction of the largest magnitude.
 
     Examples
     --------

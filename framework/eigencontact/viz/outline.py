@@ -53,11 +53,11 @@ def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
     """
     if "outline" not in dataset:
         return
-    segments = _inner(np.asarray(dataset["outline"].values, dtype=float), dataset)
+    segments = _without_rim(np.asarray(dataset["outline"].values, dtype=float), dataset)
     _draw(axes, segments, length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
 
 
-def _inner(segments: NDArray[Any], dataset: Results) -> NDArray[Any]:
+def _without_rim(segments: NDArray[Any], dataset: Results) -> NDArray[Any]:
     """Segments without those along the rim of the surface, where a layer ends with the model and not in the body."""
     cells = np.resize(np.atleast_1d(dataset.attrs["cell_size"]), 2)
     along_rim = np.zeros(len(segments), dtype=bool)

@@ -130,13 +130,13 @@ def _warm_up() -> None:
 
 
 def _on_all_cores(draw: Any) -> tuple[dict[str, str], float]:
-    """Draw part (k, n) in each of n processes; what one could not draw is drawn, or refused, here.
+    """Draw share (k, n) in each of n processes; this process draws or refuses the shares that fail.
 
     Also the memory that the others have taken beyond what they share with this one [bytes].
     """
     before = resident_bytes()
     count = available_threads() if hasattr(os, "fork") and sys.platform != "darwin" else 1
-    others = []
+    children = []
     for k in range(1, count):
         child = os.fork()
         if child == 0:
@@ -146,12 +146,12 @@ def _on_all_cores(draw: Any) -> tuple[dict[str, str], float]:
                 failed = 0
             finally:
                 os._exit(failed)
-        others.append((k, child))
+        children.append((k, child))
     files: dict[str, str] = draw((0, count))
-    for k, child in others:
+    for k, child in children:
         if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0:
             draw((k, count))
-    return files, sum(max(0.0, largest_child_bytes() - before) for _ in others)
+    return files, sum(max(0.0, largest_child_bytes() - before) for _ in children)
 
 
 if __name__ == "__main__":

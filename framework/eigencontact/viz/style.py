@@ -150,8 +150,8 @@ def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
 
     Pyplot does not know it, except in a block of `eigencontact.viz.looks.shown_figures`.
     """
-    if on is not None and on.part is not None:
-        return cast("Figure", on.part)
+    if on is not None and on.subfigure is not None:
+        return cast("Figure", on.subfigure)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

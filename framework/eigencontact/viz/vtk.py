@@ -95,7 +95,7 @@ def _series(folder: Path, name: str, times: dict[int, float], steps: list[int], 
 
 
 def _cells(dataset: Results, body: int, at: int) -> Mesh:
-    """Image of the cells of a body with what they remember; six components are those of a tensor."""
+    """Image of the cells of a body with their history fields; six components form a tensor."""
     axes = [np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "xyz"]
     edges = [float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in axes]
     corner = [float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, edges, strict=True)]

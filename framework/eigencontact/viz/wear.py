@@ -131,7 +131,7 @@ def worn_coating(dataset: Results, step: int = -1) -> Figure:
 
 
 def _legend(figure: Figure, panels: Iterable[Axes], columns: int = 4) -> None:
-    """What the panels name, each once, below them."""
+    """Legend of all panels without repetitions, below them."""
     entries = {name: item for axes in panels for item, name in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=min(columns, len(entries)))
 

@@ -1,4 +1,4 @@
-"""What stored results say of surfaces that wear: their shapes, the cycles that were solved, the course of the wear."""
+"""Worn surfaces in stored results: shapes, solved cycles and history of the wear."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def ends_of_cycles(dataset: Results) -> NDArray[np.intp]:
 
 
 def course(dataset: Results) -> tuple[NDArray[np.float64], str, str]:
-    """What a history goes by, in each step: its values, what it is, and its unit.
+    """Coordinate of a wear history at each step: values, name and unit.
 
     Cycles where there are some; else the path of sliding all over the contact; else the number of the step.
     """

@@ -177,7 +177,7 @@ def _place_of_largest(region: RegionRecord) -> tuple[float, float, float]:
 
 
 def _at_the_edge(model: Model, last: StepRecord, place: tuple[float, float, float]) -> bool:
-    """Whether cells within two of a place are both in contact and out of it."""
+    """Whether the cells within two cells of a point include cells in contact and cells outside it."""
     grid, loaded = model.grid, last.fields["pressure"] > 0
     j, i = (
         int(np.clip(round((at - axis[0]) / pitch), 0, axis.size - 1))

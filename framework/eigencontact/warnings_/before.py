@@ -93,18 +93,18 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
 
 
 def _of_the_surfaces(model: Model) -> Iterator[Caution]:
-    """Measured and random surfaces whose points the cells miss, or that do not fit to their own repetition."""
+    """Warn about surfaces finer than the cells and about periodic surfaces that do not match at the window's ends."""
     grid, interface = model.grid, model.interface
     if interface is None:
         return
     measured = [geometry for geometry in interface.geometries if isinstance(geometry, HasNativeGrid)]
     native = [(geometry.key, geometry.native_grid()) for geometry in measured]
     for key, points in native:
-        wide, given = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
-        if wide > 1.001 * given:
+        pitch, native_pitch = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
+        if pitch > 1.001 * native_pitch:
             words = (
-                f"cells of {readable(wide, 'm')} are wider than the {readable(given, 'm')} of the geometry {key!r}: "
-                "roughness between them is not seen"
+                f"cells of {readable(pitch, 'm')} are wider than the {readable(native_pitch, 'm')} of the geometry "
+                f"{key!r}: roughness between them is not seen"
             )
             yield Caution("surface-cells", words)
     if not (native and model.periodic and min(grid.shape) > 3):
@@ -187,7 +187,7 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
 
 
 def _of_the_laws(model: Model) -> Iterator[Caution]:
-    """Lengths of laws that act by a neighbourhood of few cells, the shortest one."""
+    """Warn about the shortest averaging radius of laws that spans few cells."""
     lengths = [
         (radius / max(source.lattice.edges), radius, source.name)
         for source in model.cells.inhomogeneities
@@ -205,7 +205,7 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
 
 
 def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
-    """Regions that yield by a law of their own, in a body that yields: what they add to the print converges slowly."""
+    """Warn about yielding regions in a yielding body, whose part of the residual print converges slowly."""
     contact = model.window.expected
     sources = [
         source
@@ -263,7 +263,7 @@ def _of_the_steps(model: Model) -> Iterator[Caution]:
 
 
 def from_nothing(steps: Sequence[Step]) -> Iterator[int]:
-    """Held steps in which a contact grows from none at all."""
+    """Held steps in which a contact begins."""
     for number, step in enumerate(steps):
         control = normal_control(step)
         if control is not None and getattr(step, control) > 0.0:
@@ -273,7 +273,7 @@ def from_nothing(steps: Sequence[Step]) -> Iterator[int]:
 
 
 def _turns(steps: Sequence[Step]) -> Iterator[int]:
-    """Steps whose loads or motions along the surface go back against the step before."""
+    """Steps whose tangential loads or motions reverse those of the previous step."""
     names = [name for mode in TANGENTIAL_MODES for name in mode]
     values = np.array([[getattr(step, name) or 0.0 for name in names] for step in steps])
     moves = np.diff(values, axis=0, prepend=0.0)

@@ -39,10 +39,10 @@ class ByMaterial(FrictionLaw):
             check_coefficient(f"{self.key}.coefficients", name, value)
         if not self.materials:
             raise SceneError(f"{self.key} must have coefficients, laws or both, by name of a material (got neither)")
-        twice = sorted(self.coefficients.keys() & self.laws.keys())
-        if twice:
+        duplicates = sorted(self.coefficients.keys() & self.laws.keys())
+        if duplicates:
             raise SceneError(
-                f"{self.key} must have one law for {twice[0]!r} (got a coefficient and a law); leave one out"
+                f"{self.key} must have one law for {duplicates[0]!r} (got a coefficient and a law); leave one out"
             )
 
     @property

@@ -159,10 +159,10 @@ class CoulombMap(FrictionLaw):
             self._last.clear()
             self._last[place] = self.coefficients(state.x, state.y)
         values = self._last[place]
-        lost = np.isnan(values) & (state.pressure > 0)
-        if lost.any():
+        uncovered = np.isnan(values) & (state.pressure > 0)
+        if uncovered.any():
             assert self._map is not None
-            row, column = np.argwhere(lost)[0]
+            row, column = np.argwhere(uncovered)[0]
             (y0, y1), (x0, x1) = (axis[[0, -1]] for axis in self._map.axes)
             raise SceneError(
                 f"{self.key}.file must cover the contact (got {self.file!r} with x from {x0:.6g} to {x1:.6g} m, y from "

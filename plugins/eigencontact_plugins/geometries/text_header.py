@@ -71,9 +71,9 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
     """
     lines = list(lines)
     entries = list(_entries(lines))
-    twice = [key for key in _LENGTH_KEYS["width"] if sum(key == name for name, _ in entries) > 1]
-    if twice:
-        raise refusal("a text file with one matrix", f"its headers give {twice[0]!r} twice; keep one channel")
+    duplicates = [key for key in _LENGTH_KEYS["width"] if sum(key == name for name, _ in entries) > 1]
+    if duplicates:
+        raise refusal("a text file with one matrix", f"its headers give {duplicates[0]!r} twice; keep one channel")
     columns = {name: unit for line in lines for name, unit in _COLUMN.findall(line.lower())}
 
     def unit(names: Iterable[str], column: str) -> float | None:

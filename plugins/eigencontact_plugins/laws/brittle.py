@@ -90,8 +90,8 @@ class Brittle(BodyConstants):
     def _require_gradual(self) -> None:
         """Refuse damage by a mean that rises so steeply that no iteration finds it: cells flip to and fro."""
         strain = np.geomspace(*_STRAINS, 1 + round(np.log(_STRAINS[1] / _STRAINS[0]) / np.log1p(_SHARE / _PARTS)))
-        lost = self.damage.damage(strain)[0]
-        rise = lost[_PARTS:] - lost[:-_PARTS]
+        damage = self.damage.damage(strain)[0]
+        rise = damage[_PARTS:] - damage[:-_PARTS]
         worst = int(np.argmax(rise))
         steepest = f"{self.damage.key!r}, which rises by {rise[worst]:.2g} at the strain {strain[worst]:.2g}"
         rule = f"a law that rises by at most {_RISE:g} while its strain grows by {_SHARE:.0%}, where it has a length"

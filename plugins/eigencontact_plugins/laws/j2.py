@@ -184,10 +184,10 @@ class J2(BodyConstants):
         return away + prestrain, after
 
     def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
-        back = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
+        back_stresses = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
         about = step.means.get("equivalent_plastic_strain")
         mean = None if about is None else np.maximum(about[0], 0.0)
-        stacked = np.stack(back) if back else np.zeros((0, *deviator.shape))
+        stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *deviator.shape))
         return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked, mean)
 
     def _flowed(
@@ -241,8 +241,10 @@ class J2(BodyConstants):
             return work
         for p, state, recalled in ((drive.p, before, drive.back), (drive.p + now.dp, after, None)):
             strength, _ = self._return.isotropic.flow_stress(p)
-            back = recalled if recalled is not None else [after[name] for name in after if name.startswith("back")]
-            density = strength * now.dp + sum(np.sum(stress * flowed, axis=0) for stress in back)
+            back_stresses = (
+                recalled if recalled is not None else [after[name] for name in after if name.startswith("back")]
+            )
+            density = strength * now.dp + sum(np.sum(stress * flowed, axis=0) for stress in back_stresses)
             effective = self._return.effective and self.damage is not None
             work += 0.5 * density * (1.0 - state["damage"] if effective else 1.0)
         return work

@@ -70,7 +70,7 @@ class Damaged:
     @classmethod
     def of(cls, e: FloatArray, D: FloatArray, E: float, nu: float, *, closing: bool) -> Damaged:
         """Stresses of principal strains ``(3, n)`` at damage ``(n,)``; E [Pa], ν in [0, 0.5)."""
-        ratio, twice = nu / (1.0 + nu), E / (1.0 + nu)
+        ratio, double_shear = nu / (1.0 + nu), E / (1.0 + nu)
         sound = 1.0 - D
         if closing:
             c, dc = np.ones_like(D), np.zeros_like(D)
@@ -84,16 +84,16 @@ class Damaged:
         # Σ s is the root of a convex, rising function of straight pieces: each pass passes one kink at least.
         for _ in range(5 if closing else 1):
             g = np.where(open_, soft, 1.0)
-            total = twice * np.sum(g * e, axis=0) / (1.0 - ratio * c * g.sum(axis=0))
+            total = double_shear * np.sum(g * e, axis=0) / (1.0 - ratio * c * g.sum(axis=0))
             x = e + nu / E * c * total
             if not closing or np.array_equal(open_, x > 0.0):
                 break
             open_ = x > 0.0
-        s = twice * g * x
+        s = double_shear * g * x
         dg = np.where(open_, dsoft, 0.0)
         rise = 1.0 - ratio * c * g.sum(axis=0)
-        by_strain = twice * g / rise
-        slopes = twice * g[:, None] * np.eye(3)[..., None] + ratio * c * g[:, None] * by_strain[None]
+        by_strain = double_shear * g / rise
+        slopes = double_shear * g[:, None] * np.eye(3)[..., None] + ratio * c * g[:, None] * by_strain[None]
         dtotal = np.sum(s * dg / g + ratio * g * dc * total, axis=0) / rise
         by_damage = s * dg / g + ratio * g * (dc * total + c * dtotal)
         shears = np.empty_like(e)
@@ -101,7 +101,7 @@ class Damaged:
             # Secant of g(x) x: no differences where both lie on the same side.
             apart = np.abs(x[a]) + np.abs(x[b])
             mixed = (g[a] * np.abs(x[a]) + g[b] * np.abs(x[b])) / np.where(apart > 0.0, apart, 1.0)
-            shears[row] = twice * np.where(open_[a] == open_[b], g[a], mixed)
+            shears[row] = double_shear * np.where(open_[a] == open_[b], g[a], mixed)
         return cls(s, slopes, by_damage, shears)
 
 

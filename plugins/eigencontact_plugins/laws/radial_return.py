@@ -185,11 +185,11 @@ class RadialReturn:
     def _stiffness(self, drive: Drive, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Stiffness w and its derivative by p, 1 - D, and the derivative of D."""
         damage, growth = self._damage(p, drive.mean)
-        sound, twice = 1.0 - damage, 2.0 * self.shear_modulus
-        around = 1.0 + sound * twice * drive.give
+        sound, double_shear = 1.0 - damage, 2.0 * self.shear_modulus
+        around = 1.0 + sound * double_shear * drive.give
         if self.effective:
-            return twice / around, growth * drive.give * (twice / around) ** 2, sound, growth
-        return sound * twice / around, -growth * twice / around**2, sound, growth
+            return double_shear / around, growth * drive.give * (double_shear / around) ** 2, sound, growth
+        return sound * double_shear / around, -growth * double_shear / around**2, sound, growth
 
     def _damage(self, p: FloatArray, mean: FloatArray | None) -> tuple[FloatArray, FloatArray]:
         """Damage, and its derivative by the plastic strain of the point: none where a mean decides."""

@@ -138,8 +138,10 @@ class BondedLayers(LayeredMedium):
         for number, layer in enumerate(self.layers):
             layer.check(f"{self.key}.layers.{number}")
         names = [layer.name for layer in self.layers if layer.name]
-        twice = next((name for number, name in enumerate(names) if name in names[:number]), None)
-        require(twice is None, self.key, "layers", twice, "of different names; rename one of the layers called so")
+        duplicate = next((name for number, name in enumerate(names) if name in names[:number]), None)
+        require(
+            duplicate is None, self.key, "layers", duplicate, "of different names; rename one of the layers called so"
+        )
         self.substrate.check(f"{self.key}.substrate")
 
     @property

@@ -218,11 +218,11 @@ class Cuboid(InclusionShape):
         Chi has no parity along z; all its offsets z + z' are positive anyway.
         """
         turn, edges = self._frame
-        local_orders, back = orders, None
+        local_orders, transform = orders, None
         if turn is not None:
             turned_orders, matrix = turned_derivatives(turn, tuple(orders))
             columns = np.flatnonzero(matrix.any(axis=0))
-            local_orders, back = [turned_orders[column] for column in columns], matrix[:, columns]
+            local_orders, transform = [turned_orders[column] for column in columns], matrix[:, columns]
         unit = 2.0 ** round(np.log2(max(edges)))
         half = [0.5 * edge / unit for edge in edges]
         center = [c / unit for c in self.center]
@@ -245,8 +245,8 @@ class Cuboid(InclusionShape):
                 if order[axis] % 2:
                     np.negative(values[row], out=values[row], where=offsets[axis] < 0)
             values[row] *= unit ** (power - sum(order))
-        if back is not None:
-            values = back @ values
+        if transform is not None:
+            values = transform @ values
         return values.reshape(len(orders), *np.shape(points[0]))
 
 

@@ -170,7 +170,7 @@ class Ellipsoid(InclusionShape):
     ) -> FloatArray:
         unit = 2.0 ** round(np.log2(max(self.semi_axes)))
         semi_axes = np.array(self.semi_axes) / unit
-        local_orders, back = (
+        local_orders, transform = (
             turned_derivatives(self.axes, tuple(orders)) if self.rotation is not None else (orders, None)
         )
         points = [np.ravel(t) for t in self._in_axes(x, y, z)]
@@ -196,8 +196,8 @@ class Ellipsoid(InclusionShape):
                 potential_derivatives(potential, semi_axes, local_orders, at, outside=side) for side in (False, True)
             )
             values[:, place] = 0.5 * (inner + outer)
-        if back is not None:
-            values = back @ values
+        if transform is not None:
+            values = transform @ values
         power = 2 if potential == "phi" else 4
         values *= np.array([unit ** (power - sum(order)) for order in orders])[:, None]
         return values.reshape(len(orders), *np.shape(x))

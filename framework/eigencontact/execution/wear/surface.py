@@ -279,7 +279,7 @@ class WornSurface:
         exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0
-        return exposed.beyond(self.lost[exposed.body], self._parts[exposed.body] * depth)
+        return exposed.share_below(self.lost[exposed.body], self._parts[exposed.body] * depth)
 
     def _seen(
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
