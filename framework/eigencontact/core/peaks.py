@@ -32,4 +32,4 @@ def peak_of_means(means: FloatArray) -> float:
         if curvature < 0.0:
             offset = min(max(-slope / curvature, -0.5), 0.5)
             rise += -curvature / 24.0 + slope * offset + 0.5 * curvature * offset**2
-    return float(means[j, i]) + rise
+    return float(means[j, i] + rise)
