@@ -17,9 +17,10 @@ __all__ = ["run_bytes"]
 #: bundled scenes 5 to 36 MB.
 _STEPS = 34e6
 #: Libraries that are loaded where they are needed first: those that store, those that compile the loops over cells
-#: inside bodies, and those that draw in this process.
+#: inside bodies with the parts of scipy for these (55 and 23 MB at once, more with what the loops allocate), and those
+#: that draw in this process.
 _STORING = 14e6
-_COMPILING = 60e6
+_COMPILING = 90e6
 _DRAWING = 75e6
 #: Process that draws: 168 to 172 MB with bundled scenes.
 _PAINTER = 170e6

@@ -81,7 +81,7 @@ class EquivalentInclusions:
 class InclusionSystem(ABC):
     """Linear system of one arrangement of inhomogeneities, for any number of loads.
 
-    Fields have the shape ``(6, *shape)``, unknowns ``(6, n)``: the eigenstrain that the difference of the constants
+    Fields have the shape ``(6, ...)``, unknowns ``(6, n)``: the eigenstrain that the difference of the constants
     adds to the prestrain.
     """
 
@@ -129,11 +129,11 @@ class InclusionSystem(ABC):
 
         Parameters
         ----------
-        applied_stress : (6, *shape)
+        applied_stress : (6, ...)
             Stress σ_0 [Pa] that the load would cause in the matrix alone; of inclusions the mean over each.
-        prestrain : (6, *shape), optional
+        prestrain : (6, ...), optional
             Prescribed eigenstrain ε_p, in the matrix too where it is not zero there.
-        start : (6, *shape), optional
+        start : (6, ...), optional
             Eigenstrain ε* to start from, that of a similar load.
         tolerance : float, optional
             Bound of ``InclusionReport.residual``.

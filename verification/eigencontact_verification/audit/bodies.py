@@ -107,6 +107,9 @@ class AuditedBody:
         Components of the displacement of the surface of which the file holds, of the part by cells that answer the
         contact, the mean over each cell of the surface and not the value in its middle: those along its tractions, as
         the work of a uniform traction asks for (Betti).
+    stress_errors : tuple of (x, y, z, size)
+        Edges of cells, and the stress [Pa] ``(nz, ny, nx)`` by which blocks of the strain at their centres and blocks
+        that act as the smooth field differ in each: the run takes the former for stress, the latter for displacement.
     """
 
     number: int
@@ -116,6 +119,7 @@ class AuditedBody:
     box: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     damaged: bool = False
     means: tuple[str, ...] = ()
+    stress_errors: tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], ...] = ()
 
 
 def moduli_of(law: Any, body: Material) -> tuple[float, float]:
@@ -198,6 +202,10 @@ def _body(
         raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, where displacement elements lock")
     own_law = _law_of_body(stored, registry, number, material)
     cells, damaged = _memory(stored, number, remembers=own_law or _yielding(inhomogeneities, number))
+    others = [source for source in inhomogeneities if source.body == number and hasattr(source.shape, "key")]
+    smooth = tuple(_smooth(block, others, material, own_law=own_law) for block in cells)
+    stress_errors = tuple(_difference(block, other, material) for block, other in zip(cells, smooth, strict=True))
+    cells = smooth
     risen = _worn(stored, number) if inhomogeneities else None
     parts: list[Part] = []
     regions: list[Region] = []
@@ -234,7 +242,7 @@ def _body(
     along = ("u_x", "u_y", "u_z") if stored.scene.friction is not None else ("u_z",)
     return AuditedBody(
         number=number, loaded=loaded, different=tuple(parts), cell=cell, box=box, damaged=damaged,
-        means=along if box is not None and stored.scene.geometry else (),
+        means=along if box is not None and stored.scene.geometry else (), stress_errors=stress_errors,
     )  # fmt: skip
 
 
@@ -282,6 +290,42 @@ def _memory(stored: StoredStep, number: int, *, remembers: bool) -> tuple[tuple[
     x, y, z = (_edges(line) for line in stored.lattices[number])
     z[0] = 0.0 if abs(z[0]) < 1e-6 * z[-1] else z[0]
     return (Cells(x=x, y=y, z=z, eigenstrain=tensor, kept=left),), left is not None
+
+
+def _smooth(block: Cells, sources: list[Inhomogeneity], material: Any, *, own_law: bool) -> Cells:
+    """Cells of uniform strain that act as the smooth field with the stored strain at their centres.
+
+    A law answers at the centre of its cell. A block of the strain of its centre acts as a field that is smoothed over
+    the edges of the cell; its second differences undo that to second order. Cells that a boundary cuts keep their
+    strain, and so do cells of laws with other elastic constants.
+    """
+    sides = np.meshgrid(block.z, block.y, block.x, indexing="ij")
+    corner_law = np.full(sides[0].shape, int(own_law))
+    for number, source in enumerate(sources, 2):
+        constants = material.young_modulus, material.poisson_ratio
+        same = bool(source.law.variables) and not source.law.varies
+        alike = same and np.allclose(moduli_of(source.law, material), constants, atol=0)
+        inside = source.shape.contains(sides[2], sides[1], sides[0])
+        corner_law[inside] = number if alike else 0
+    windows = np.lib.stride_tricks.sliding_window_view(corner_law, (2, 2, 2)).reshape(
+        *(n - 1 for n in corner_law.shape), 8
+    )
+    law = np.where(windows.min(axis=-1) == windows.max(axis=-1), windows[..., 0], 0)
+    strain = block.eigenstrain.copy()
+    for axis in range(3):
+        first, second = np.moveaxis(law, axis, 0)[:-1], np.moveaxis(law, axis, 0)[1:]
+        difference = np.diff(np.moveaxis(block.eigenstrain, axis + 2, 0), axis=0)
+        flow = np.where(((first == second) & (first > 0))[:, None, None], difference, 0.0) / 24.0
+        moved = np.moveaxis(strain, axis + 2, 0)
+        moved[:-1] -= flow
+        moved[1:] += flow
+    return replace(block, eigenstrain=strain)
+
+
+def _difference(block: Cells, smooth: Cells, material: Any) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Edges of cells, and the size of the stress of the difference of two strains in each, if it could not relax."""
+    size = np.sqrt(((block.eigenstrain - smooth.eigenstrain) ** 2).sum(axis=(0, 1)))
+    return block.x, block.y, block.z, material.young_modulus / (1.0 + material.poisson_ratio) * size
 
 
 def _edges(middles: FloatArray) -> FloatArray:

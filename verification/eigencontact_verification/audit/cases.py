@@ -124,6 +124,8 @@ class AuditCase(RunCase):
             name = line.profile.name
             fields[name] = line.values
             error = widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
+            if line.body:
+                error = error + _of_blocks(self.bodies, line)
             if np.any(error):
                 fields[own_error(name)] = error
         return fields
@@ -167,6 +169,17 @@ def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[s
     for kinds, moved in effects(CAUSES["full"] if loaded.regions or loaded.cells else causes):
         for sign, solved in engines.asked(alone(loaded, kinds)):
             yield moved, sign, solved
+
+
+def _of_blocks(bodies: Sequence[AuditedBody], line: Line) -> FloatArray:
+    """Error of the stress along a line by the blocks that stand for the smooth strain of cells, see `AuditedBody`."""
+    points = np.asarray(line.profile.points)
+    error = np.zeros(line.values.shape)
+    for body in bodies:
+        for x, y, z, size in body.stress_errors if body.number == line.body else ():
+            index = [np.searchsorted(edges, points[:, axis], side="right") for axis, edges in enumerate((x, y, z))]
+            error += np.pad(size, 1)[index[2], index[1], index[0]][:, None]
+    return error
 
 
 def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
