@@ -13,7 +13,7 @@ Phi of the image, and a shape without a closed form leaves it out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -25,6 +25,8 @@ __all__ = [
     "HasCornerPotentials",
     "HasFarField",
     "HasMirrorPotential",
+    "HasMomentPotentials",
+    "HasMomentSums",
     "HasPotentials",
     "HasSidedPotentials",
     "HasVolumeFractions",
@@ -105,6 +107,69 @@ class HasMirrorPotential(Protocol):
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
+
+
+@runtime_checkable
+class HasMomentPotentials(Protocol):
+    """Ability of a shape: harmonic potentials of polynomial densities over it, for eigenstrain that varies inside.
+
+    A shape has densities ρ of its own choice. Those up to a degree N span all polynomials of that degree in the
+    region: (N+1)(N+2)(N+3)/6 of them, the densities of lower degrees first. The framework takes biharmonic potentials
+    from the identity ``Psi[ρ],i = x_i Phi[ρ] - Phi[x_i ρ]``, and Chi from an integral along a line.
+
+    References
+    ----------
+    N. M. Ferrers 1877, Quart. J. Pure Appl. Math. 14, 1; F. W. Dyson 1891, ibid. 25, 259 (ellipsoids); T. Mura 1987,
+    Micromechanics of Defects in Solids, section 13 (polynomial eigenstrain).
+    """
+
+    def densities(self, degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Values of the densities up to a degree, ``(n, ...)`` [-], as polynomials inside and outside alike."""
+
+    def density_rule(self, counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
+        """Points ``(m, 3)`` [m] and weights ``(m,)`` [m^3] of an integral over the region.
+
+        `counts` asks for so many points outwards, from pole to pole along z, and around; of a box along x, y and z.
+        """
+
+    def phi_moments(
+        self, degree: int, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
+    ) -> FloatArray:
+        """Derivatives of the integral of ρ/R, ``(n, len(orders), ...)`` [m^(2 - order)]; x, y, z have one shape.
+
+        Inside, outside, and on the boundary the mean of both sides; orders 0 to 5.
+        """
+
+
+@runtime_checkable
+class HasMomentSums(Protocol):
+    """Ability of a shape with moment potentials: sums over densities and orders, taken before points are visited."""
+
+    def moment_sums(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """Weighted sums of derivatives of moment potentials, ``(k, ...)``.
+
+        Parameters
+        ----------
+        degree : int
+            Of the densities.
+        weights : mapping
+            By potential, ``"phi"``, ``"psi"`` (orders 3 to 5) and, of the image, ``"chi"`` (orders 3 and 4, at most one
+            along z): the orders, and weights ``(k, n, len(orders))``.
+        x, y, z : (...)
+            Points [m].
+        image : bool
+            Whether the potentials are those of the mirror image of region and densities, as functions of points with
+            z >= 0, and derivatives those by such points; otherwise of the region.
+        """
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
