@@ -23,7 +23,8 @@ from eigencontact.halfspace.theorem import QUANTITIES, response
 
 __all__ = ["densities_up_to", "moment_field", "moment_sums"]
 
-_CHUNK = 4096
+#: Numbers that are held for a chunk of points.
+_HELD = 4_000_000
 #: Points of a shape whose sums are not its own: all potentials of all densities are held.
 _FEW = 512
 _LAPLACIAN: tuple[Order, ...] = ((2, 0, 0), (0, 2, 0), (0, 0, 2))
@@ -88,9 +89,10 @@ def moment_field(
     rows = QUANTITIES[quantity]
     real, image = _weights(batch, quantity, poisson_ratio, space)
     out = np.empty((len(batch), rows, x.size))
+    step = int(np.clip(_HELD // (4 * len(batch) * rows), 256, 4096))
 
     def fill(first: int) -> None:
-        at = slice(first, first + _CHUNK)
+        at = slice(first, first + step)
         here = (x[at], y[at], z[at])
         values = moment_sums(shape, degree, real, here, image=False).reshape(len(batch), rows, -1)
         if image:
@@ -101,7 +103,7 @@ def moment_field(
             values = values + total
         out[:, :, at] = values
 
-    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
+    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, step)])
     return out.reshape(*coefficients.shape[:-2], rows, x.size)
 
 
