@@ -41,6 +41,8 @@ class InclusionBasis:
         Mean over the inclusion of x : x.
     mean : (6, n + 6)
         Mean of x over the inclusion.
+    volume : float
+        Of the inclusion [m^3].
     """
 
     degree: int
@@ -49,6 +51,7 @@ class InclusionBasis:
     work: FloatArray
     overlap: FloatArray
     mean: FloatArray
+    volume: float
 
     @property
     def size(self) -> int:
@@ -59,6 +62,11 @@ class InclusionBasis:
     def unknowns(self) -> FloatArray:
         """Eigenstrain of the functions without the uniform ones."""
         return self.eigenstrain[: self.size]
+
+    @cached_property
+    def amplitudes(self) -> FloatArray:
+        """Amplitudes ``(n, 6 densities)`` of an eigenstrain per density; functions without eigenstrain have none."""
+        return np.linalg.pinv(self.unknowns.reshape(self.size, -1).T, rcond=1e-11)
 
 
 def basis_of(
@@ -107,4 +115,5 @@ def basis_of(
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),
         mean=(every @ means).T,
+        volume=volume,
     )

@@ -14,7 +14,13 @@ from __future__ import annotations
 
 from math import acosh, asinh, ceil, exp, log, sqrt
 
-__all__ = ["counts_between", "degree_for", "reflection", "stated_error"]
+import numpy as np
+
+from eigencontact.core.elasticity import Elasticity
+from eigencontact.core.material import Material
+from eigencontact.solvers.cell_conditions import compliance
+
+__all__ = ["contrast_of", "counts_between", "degree_for", "reflection", "stated_error"]
 
 #: Largest reflection that is told apart from touching.
 _TOUCHING = 0.999
@@ -63,6 +69,24 @@ def counts_between(
         more = ceil(0.5 * log(1.0 / _QUADRATURE) / log(max(near / within, 1.15)))
     polar = degree + 2 + more
     return 2 + (degree + polar) // 2, polar, 2 * polar
+
+
+def contrast_of(inclusion: Elasticity, matrix: Material) -> float:
+    """Largest ``|k - 1| / (k + 1)`` of the ratios k of the stiffness of an inclusion to that of the matrix.
+
+    Examples
+    --------
+    >>> from eigencontact.core.elasticity import isotropic_factors
+    >>> class Steel:
+    ...     def factors(self, shear_modulus):
+    ...         return isotropic_factors(3.0, 0.3, shear_modulus)
+    >>> round(contrast_of(Steel(), Material(young_modulus=1.0, poisson_ratio=0.3)), 12)
+    0.5
+    """
+    soft, stiff = inclusion.factors(matrix.shear_modulus)
+    of_matrix = compliance(matrix)
+    sums, differences = stiff @ of_matrix + soft, stiff @ of_matrix - soft
+    return float(np.abs(np.linalg.eigvals(np.linalg.pinv(sums) @ differences)).max())
 
 
 def stated_error(contrast: float, quality: float, degree: int) -> float:

@@ -35,16 +35,17 @@ from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.cloud import likeness
 from eigencontact.halfspace.moments import densities_up_to, moment_field
 from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.halfspace.region_means import is_ball
 from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.inclusion_basis import InclusionBasis, basis_of
-from eigencontact.solvers.inclusion_reach import counts_between, reflection
+from eigencontact.solvers.inclusion_reach import counts_between
 from eigencontact.solvers.inclusion_system import InclusionReport
 from eigencontact.solvers.report import Progress
 
 __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 
-#: Part of the largest eigenvalue of an inclusion's own matrix, below which an eigenvalue is rounding: functions
-#: without eigenstrain, as a change of volume where both materials resist it alike.
+#: Eigenvalue of an inclusion's own matrix, over its volume, that is rounding: functions without eigenstrain, as a
+#: change of volume where both materials resist it alike.
 _ROUNDING = 1e-12
 #: Offsets in radii that are alike.
 _ALIKE = 1e-9
@@ -168,19 +169,6 @@ class PolynomialInclusions:
             first += len(points)
         return np.concatenate(out)
 
-    def quality(self) -> FloatArray:
-        """Factor by which the error of each inclusion falls per degree, ``(n,)``: of its closest neighbour or image."""
-        out = np.zeros(len(self.shapes))
-        for number in range(len(out)):
-            if self._space == "half":
-                out[number] = reflection(2.0 * self.centers[number, 2], self._halves[number], self._halves[number])
-            gaps = np.linalg.norm(self.centers - self.centers[number], axis=1)
-            for other in np.flatnonzero(gaps < 6.0 * (self.radii + self.radii[number])):
-                if other != number:
-                    closest = reflection(gaps[other], self.radii[number], self.radii[other])
-                    out[number] = max(out[number], closest)
-        return out
-
     def solve(
         self,
         load: FloatArray,
@@ -236,16 +224,16 @@ class PolynomialInclusions:
 
         def operator(y: FloatArray) -> FloatArray:
             report.applications += 1
-            return self._root(self._inverted(self._applied(self._unroot(y)) * used, lower))
+            return self._inverted(self._applied(y) * used, lower)
 
         if size > 0.0:
             first = self._inverted((forcing - self._applied(amplitudes)) * used, lower)
             limit = self.max_iterations if max_iterations is None else max_iterations
             correction = gmres(
-                operator, self._root(first), bound=0.5 * bound * size, max_iterations=limit, restart=self.restart,
+                operator, first, bound=0.5 * bound * size, max_iterations=limit, restart=self.restart,
                 watch=watch,
             )  # fmt: skip
-            amplitudes = amplitudes + self._unroot(correction)
+            amplitudes = amplitudes + correction
             left = self._inverted((forcing - self._applied(amplitudes)) * used, lower)
             report.residual = self._size_of(left) / size
         else:
@@ -263,17 +251,27 @@ class PolynomialInclusions:
         """Eigenstrain per density, ``(6, densities, n)``."""
         out = np.zeros((6, densities_up_to(max(self.degrees)), len(self.shapes)))
         for number, basis in enumerate(self.bases):
-            every = np.concatenate((self._of(amplitudes, number), prestrain[:, number]))
+            every = np.concatenate((self.of(amplitudes, number), prestrain[:, number]))
             values = np.tensordot(every, basis.eigenstrain, 1)
             out[:, : values.shape[1], number] = values
+        return out
+
+    def amplitudes_of(self, eigenstrain: FloatArray, prestrain: FloatArray) -> FloatArray:
+        """Amplitudes of an eigenstrain ``(6, densities, n)`` of these inclusions, less the prestrain."""
+        out = np.zeros(self.size)
+        for number, basis in enumerate(self.bases):
+            count = basis.eigenstrain.shape[2]
+            values = eigenstrain[:, :count, number] - np.tensordot(prestrain[:, number], basis.eigenstrain[-6:], 1)
+            out[self.starts[number] : self.starts[number + 1]] = basis.amplitudes @ values.ravel()
         return out
 
     def difference(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Root mean square over each inclusion of the difference of two eigenstrains, by amplitudes, ``(n,)``."""
         change = first - second
-        return np.array([self._norm(self._of(change, number), number) for number in range(len(self.shapes))])
+        return np.array([self._norm(self.of(change, number), number) for number in range(len(self.shapes))])
 
-    def _of(self, amplitudes: FloatArray, number: int) -> FloatArray:
+    def of(self, amplitudes: FloatArray, number: int) -> FloatArray:
+        """Amplitudes of one inclusion."""
         return amplitudes[self.starts[number] : self.starts[number + 1]]
 
     def _norm(self, amplitudes: FloatArray, number: int) -> float:
@@ -286,23 +284,16 @@ class PolynomialInclusions:
         parts = [basis.degrees <= max(basis.degree - lower, 0) for basis in self.bases]
         return np.concatenate(parts).astype(float)
 
-    def _root(self, amplitudes: FloatArray) -> FloatArray:
-        """Amplitudes as unknowns of the solver; functions are of like size as they are."""
-        return amplitudes
-
-    def _unroot(self, values: FloatArray) -> FloatArray:
-        return values
-
     def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
         """What each inclusion would answer to forces if it were alone."""
         out = np.zeros_like(forces)
         for number, basis in enumerate(self.bases):
-            key = self._own_key(number), lower
+            key = self.key_of(number), lower
             if key not in self._inverses:
                 matrix = self._own[key[0]][:, : basis.size]
                 kept = int((basis.degrees <= max(basis.degree - lower, 0)).sum())
                 self._inverses[key] = np.zeros_like(matrix)
-                self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept])
+                self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept], basis.volume)
             part = slice(self.starts[number], self.starts[number + 1])
             out[part] = self._inverses[key] @ forces[part]
         return out
@@ -313,14 +304,15 @@ class PolynomialInclusions:
         every = []
         for number in range(len(self.shapes)):
             uniform = np.zeros(6) if prestrain is None else prestrain[:, number]
-            every.append(np.concatenate((self._of(amplitudes, number), uniform)))
+            every.append(np.concatenate((self.of(amplitudes, number), uniform)))
         for block in self._blocks:
             answers = block.matrix @ np.array([every[source] for source in block.sources]).T
             for target, answer in zip(block.targets, answers.T, strict=True):
                 out[self.starts[target] : self.starts[target + 1]] += answer
         return out
 
-    def _own_key(self, number: int) -> Hashable:
+    def key_of(self, number: int) -> Hashable:
+        """Key that inclusions share whose shape, constants, degree and depth are alike."""
         depth = round(self.centers[number, 2] / (_ALIKE * self.radii[number])) if self._space == "half" else 0
         return self._kinds[number], depth
 
@@ -328,7 +320,7 @@ class PolynomialInclusions:
         """Matrices of all pairs, each inclusion with itself first; those of like pairs once."""
         blocks: dict[Hashable, _Blocks] = {}
         for number, basis in enumerate(self.bases):
-            key = self._own_key(number)
+            key = self.key_of(number)
             if key not in self._own:
                 caused = self._stress_work(number, number)
                 self._own[key] = basis.work - caused[: basis.size]
@@ -365,6 +357,8 @@ class PolynomialInclusions:
         within = self._halves[target] if target == source else self.radii[target]
         degree = max(first.degree, second.degree)
         counts = counts_between(distance, within, reach, degree, alone=target == source and self._space == "full")
+        if target == source and is_ball(self.shapes[source]):
+            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
         points, weights = self.shapes[target].density_rule(counts)
         x, y, z = points.T
         stress = moment_field(
@@ -395,8 +389,8 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
     return tuple((matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair))
 
 
-def _inverse(matrix: FloatArray) -> FloatArray:
+def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
     """Inverse of a symmetric matrix on what it does not take to zero."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
-    kept = np.abs(values) > _ROUNDING * np.abs(values).max()
+    kept = np.abs(values) > _ROUNDING * volume
     return np.asarray((vectors[:, kept] / values[kept]) @ vectors[:, kept].T)
