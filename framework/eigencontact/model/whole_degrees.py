@@ -64,8 +64,8 @@ def degrees_of(
             who = "the surface" if beside is None else repr(sources[beside].name)
             raise SceneError(
                 f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution = "
-                f"{{ whole = \"auto\", error = {whole.error:g} }} (got an error of {error:.2g} with the highest degree, "
-                f"{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set \"cells\""
+                f'{{ whole = "auto", error = {whole.error:g} }} (got an error of {error:.2g} with the highest degree, '
+                f'{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set "cells"'
             )
         found.append(WholeDegree(degree=degree, quality=quality, error=error))
     return found

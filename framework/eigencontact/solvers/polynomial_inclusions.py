@@ -312,7 +312,9 @@ class PolynomialInclusions:
         for block in self._blocks:
             rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
             sources, targets = np.array(block.sources), np.array(block.targets)
-            every = np.concatenate((amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources]))
+            every = np.concatenate(
+                (amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources])
+            )
             np.add.at(out, self.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
         if self._distant is not None:
             means = [
@@ -414,7 +416,9 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
         if isinstance(material, Elasticity)
         else factors_of_stiffness(material, shear_modulus)
     )
-    return tuple((matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair))
+    return tuple(
+        (matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair)
+    )
 
 
 def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
