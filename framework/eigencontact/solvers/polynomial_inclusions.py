@@ -51,7 +51,7 @@ __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 _ROUNDING = 1e-12
 #: Offsets in radii that are alike.
 _ALIKE = 1e-9
-#: Inclusions from which on distant ones act by their mean eigenstrain, and the distance that is, in radii of the largest.
+#: Inclusions from which on distant ones act by their mean eigenstrain; how far that is, in radii of the largest.
 _MANY, _NEAR = 40, 5.0
 
 
@@ -282,13 +282,13 @@ class PolynomialInclusions:
         return amplitudes[self.starts[number] : self.starts[number + 1]]
 
     def _norm(self, amplitudes: FloatArray, number: int) -> float:
-        return float(np.sqrt(max(amplitudes @ self.bases[number].overlap @ amplitudes, 0.0)))
+        return float(np.sqrt(max(float(amplitudes @ self.bases[number].overlap @ amplitudes), 0.0)))
 
     def _size_of(self, amplitudes: FloatArray) -> float:
         return norm_of(self.difference(amplitudes, np.zeros_like(amplitudes)))
 
     def _used(self, lower: int) -> FloatArray:
-        parts = [basis.degrees <= max(basis.degree - lower, 0) for basis in self.bases]
+        parts = [np.less_equal(basis.degrees, max(basis.degree - lower, 0)) for basis in self.bases]
         return np.concatenate(parts).astype(float)
 
     def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
