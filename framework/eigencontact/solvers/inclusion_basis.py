@@ -110,7 +110,7 @@ def basis_of(
     to_densities = np.linalg.inv(root)
     return InclusionBasis(
         degree=degree,
-        degrees=degrees,
+        degrees=np.asarray(degrees, dtype=np.intp),
         eigenstrain=every @ to_densities,
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),
