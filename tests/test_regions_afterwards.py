@@ -35,6 +35,7 @@ SCENES = {
     "inhomogeneity and friction": {**CONTACT, **FRICTION, "inclusions": [SOFT]},
     "void": {**CONTACT, "inclusions": [{**BALL, "material": {"void": True}}]},
     "whole": {**CONTACT, "inclusions": [SOFT], "numerics": {"inclusion-resolution": "whole"}},
+    "polynomial": {**CONTACT, "inclusions": [SOFT], "numerics": {"inclusion-resolution": {"whole": 2}}},
     "both bodies": {**CONTACT, "body2": STEEL, "inclusions": [SOFT, {**SOFT, "body": 2, "eigenstrain": 1e-3}]},
     "layers": {**CONTACT, "body1": {"medium": {"type": "bonded-layers", "layers": [
         {"thickness": 0.5 * A, **STEEL}], "substrate": {"young-modulus": 2 * E, "poisson-ratio": NU}}}},

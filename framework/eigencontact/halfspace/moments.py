@@ -86,7 +86,7 @@ def moment_field(
 
     Raises
     ------
-    ValidationError
+    SceneError
         Coefficients whose shape is not that of the degree.
     """
     coefficients = np.asarray(coefficients, dtype=float)

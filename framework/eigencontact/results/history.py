@@ -48,7 +48,7 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
                 coords = {axis: file[axis][...] for axis in "yx"}
             else:
                 coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
-            values, points = variable[steps.index(index)], len(coords) or _axes_of_inclusions(variable)
+            values, points = variable[steps.index(index)], len(coords) or 1 + ("densities" in variable.attrs)
             records[name] = HistoryRecord(
                 name=name,
                 body=body,
@@ -58,11 +58,6 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
                 meaning=str(variable.attrs["long_name"]),
             )
     return records
-
-
-def _axes_of_inclusions(variable: Any) -> int:
-    """Axes behind the components: inclusions, and densities before them where the eigenstrain is a polynomial."""
-    return sum(str(name).rpartition("_")[0] in ("density", "inclusion") for name in variable.dimensions)
 
 
 def history_variables(record: StepRecord) -> Iterator[Variable]:
@@ -88,12 +83,13 @@ def _variable_of(item: HistoryRecord) -> Variable:
     prefix = "" if surface else f"cells_{item.body}_"
     points = [f"{prefix}{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]
     values = np.asarray(item.values, dtype=float)
-    if not item.coords and values.ndim == 3:
+    by_density = not item.coords and values.ndim == 3
+    if by_density:
         points = [f"density_{item.body}", *points]
     components = {1: [], len(_MANDEL): ["mandel"]}.get(len(values), [f"{item.name}_component"])
     attrs: dict[str, str | int] = {
         "role": "history", "units": item.unit, "long_name": item.meaning, "body": item.body,
-        **({"surface": 1} if surface else {}),
+        **({"surface": 1} if surface else {}), **({"densities": values.shape[1]} if by_density else {}),
     }  # fmt: skip
     values = values if components else values[0]
     return Variable(name=item.name, dims=(HISTORY_STEP, *components, *points), values=values[None], attrs=attrs)

@@ -76,7 +76,7 @@ def basis_of(
 
     Raises
     ------
-    ValidationError
+    SceneError
         Densities of the shape that do not span the polynomials.
     """
     G = matrix.shear_modulus

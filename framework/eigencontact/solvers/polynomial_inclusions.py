@@ -104,7 +104,7 @@ class PolynomialInclusions:
 
     Raises
     ------
-    ValidationError
+    SceneError
         Materials that vary in an inclusion; numbers that do not match.
     """
 

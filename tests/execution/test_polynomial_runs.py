@@ -1,0 +1,148 @@
+"""Scenes with whole inhomogeneities of polynomial eigenstrain: contact pressure, stress, errors, what is refused."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
+from close import close
+from eigencontact.errors import SceneError
+
+E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
+A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
+P0 = 1.5 * LOAD / (np.pi * A**2)
+VOID = {"void": True}
+
+
+def stiff(ratio):
+    return {"young-modulus": ratio * E, "poisson-ratio": NU}
+
+
+def ball(material, radius, depth, x=0.0, **more):
+    return {"type": "sphere", "center": [x * A, 0.0, depth * A], "radius": radius * A, "material": material, **more}
+
+
+def scene(*inclusions, whole=3, cells=41, error=None, **tables):
+    resolution = {"whole": whole, **({} if error is None else {"error": error})}
+    basis = {
+        "body1": STEEL,
+        "geometry": {"type": "sphere", "radius": RADIUS},
+        "grid": {"cells": cells, "size": [2.6 * A, 2.6 * A]},
+        "steps": {"normal-load": LOAD},
+        "numerics": {"tolerance": 1e-7, "inclusion-resolution": resolution},
+    }
+    return basis | {"inclusions": list(inclusions)} | tables
+
+
+def run(*inclusions, **options):
+    return ec.run(scene(*inclusions, **options))
+
+
+def center(result):
+    """Pressure at the middle of the middle cell: its mean less a 24th of the second differences."""
+    pressure = result.dataset["pressure"][-1].values / P0
+    n = pressure.shape[0] // 2
+    beside = pressure[n - 1, n] + pressure[n + 1, n] + pressure[n, n - 1] + pressure[n, n + 1]
+    return pressure[n, n] - (beside - 4 * pressure[n, n]) / 24
+
+
+# p(0)/p0 of the theory page, degree 16 by an axisymmetric solution with an exact contact: ratio, radius, depth in a
+ROWS = {"void": (VOID, 0.33, 0.5, 0.23068), "twice": (stiff(2), 0.33, 0.5, 1.34198), "half": (stiff(0.5), 0.33, 0.5, 0.70527)}
+
+
+@pytest.mark.parametrize(("case", "degree", "bound"), [("void", 6, 1e-3), ("twice", 4, 1e-3), ("half", 4, 1e-3)])
+def test_pressure_above_a_ball(case, degree, bound):
+    """On cells of a 24th of the contact radius."""
+    material, radius, depth, expected = ROWS[case]
+    assert center(run(ball(material, radius, depth), whole=degree, cells=63)) == close(expected, rel=0, abs=bound)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ROWS)
+def test_pressure_above_a_ball_on_fine_cells(case):
+    material, radius, depth, expected = ROWS[case]
+    assert center(run(ball(material, radius, depth), whole=6, cells=151)) == close(expected, rel=0, abs=3e-4)
+
+
+def test_errors_fall_and_are_stated():
+    results = {degree: run(ball(VOID, 0.33, 0.5), whole=degree) for degree in (2, 4, 6)}
+    best = results[6].dataset["pressure"][-1].values
+    for degree in (2, 4):
+        result = results[degree]
+        true = np.abs(result.dataset["pressure"][-1].values - best)[18:23, 18:23].max()
+        stated = result.summary["degree_pressure_error"]
+        assert 0.1 * stated < true < 2 * stated
+    stated = [results[degree].summary["inclusion_degree_error"] for degree in (2, 4, 6)]
+    assert stated[0] > 3 * stated[1] > 9 * stated[2] > 0
+
+
+def test_the_material_of_the_body_changes_nothing():
+    numerics = {"tolerance": 1e-12, "inclusion-resolution": {"whole": 2}}
+    bare = run(cells=21, numerics=numerics).dataset["pressure"]
+    filled = run(ball(stiff(1.0), 0.3, 0.4), cells=21, numerics=numerics).dataset["pressure"]
+    np.testing.assert_allclose(filled, bare, rtol=0, atol=1e-10 * P0)
+
+
+def test_stress_is_smooth_and_a_void_bears_none():
+    points = {"shape": "points", "points": [[0, 0, 0.5 * A], [0.2 * A, 0, 0.55 * A], [0.34 * A, 0, 0.5 * A]]}
+    found = run(ball(VOID, 0.33, 0.5), whole=6, stress=points).dataset["points_body1_von_mises"][-1].values
+    assert not found[:2].any()
+    assert found[2] > 0.5 * P0
+
+
+def test_friction_two_bodies_and_a_prestrain_agree_with_cells():
+    steps = [{"normal-load": LOAD}, {"tangential-load-x": 0.15 * LOAD}]
+    inclusions = [
+        ball(stiff(3), 0.3, 0.6, x=0.2, eigenstrain=1e-4),
+        ball(stiff(0.3), 0.25, 0.5, x=-0.4, body=2),
+    ]
+    options = {"friction": {"type": "coulomb", "coefficient": 0.3}, "steps": steps, "body2": STEEL}
+    options["grid"] = {"cells": 37, "size": [3.2 * A, 3.2 * A]}
+    whole = run(*inclusions, **options)
+    cells = ec.run(scene(*inclusions, **options) | {"numerics": {"tolerance": 1e-6, "inclusion-pitch": 0.05 * A}})
+    for name, bound in (("max_pressure", 0.02), ("approach", 0.005), ("shift_x", 0.01)):
+        assert whole.summary[name] == close(cells.summary[name], rel=bound)
+
+
+def test_the_degree_follows_the_error_that_is_allowed():
+    near, far = ball(VOID, 0.2, 0.3, x=-0.6), ball(VOID, 0.2, 1.0, x=0.6)
+    explained = ec.explain(scene(near, far, whole="auto", error=0.01))
+    assert "polynomial eigenstrain of degrees 3 to 5" in explained
+    assert "foretold error" in explained
+
+
+def test_an_error_that_no_degree_reaches_is_refused():
+    with pytest.raises(SceneError, match=r"must be farther from the surface .* falls by 0.8\d per degree"):
+        ec.plan(scene(ball(VOID, 0.33, 0.335), whole="auto"))
+    with pytest.raises(SceneError, match=r"must be farther from 'sphere 2'"):
+        pair = [ball({"rigid": True}, 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
+        ec.plan(scene(*pair, whole="auto"))
+
+
+@pytest.mark.parametrize(
+    ("inclusion", "message"),
+    [
+        ({"type": "cuboid", "center": [0, 0, A], "size": [A, A, A], "material": VOID}, "must be a ball"),
+        (ball({"type": "j2", **stiff(1.0), "hardening": {"type": "perfect", "yield-stress": 1e9}}, 0.2, 0.5), "one linear"),
+    ],
+)
+def test_what_is_no_whole_is_refused(inclusion, message):
+    with pytest.raises(SceneError, match=message):
+        ec.plan(scene(inclusion))
+
+
+def test_a_degree_out_of_range_is_refused():
+    with pytest.raises(SceneError, match="inclusion-resolution"):
+        ec.plan(scene(ball(VOID, 0.2, 0.5), whole=40))
+
+
+def test_nothing_of_it_is_imported_without_it():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys, eigencontact as ec; ec.run('hertz');"
+        "print([m for m in sys.modules if 'polynomial' in m or 'moments' in m or 'whole_surface' in m])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.splitlines()[-1] == "[]"
