@@ -47,7 +47,10 @@ HALF = 14
 def monomials_to(degree: int) -> tuple[Order, ...]:
     """Exponents of all monomials in three coordinates up to a degree, lower degrees first."""
     return tuple(
-        (i, j, total - i - j) for total in range(degree + 1) for i in range(total, -1, -1) for j in range(total - i, -1, -1)
+        (i, j, total - i - j)
+        for total in range(degree + 1)
+        for i in range(total, -1, -1)
+        for j in range(total - i, -1, -1)
     )
 
 
@@ -181,9 +184,7 @@ def _moments(
     return out
 
 
-def _sums(
-    needed: dict[Order, set[int]], inverse: Sequence[Values], weight: Values, base: Values, sign: int
-) -> Table:
+def _sums(needed: dict[Order, set[int]], inverse: Sequence[Values], weight: Values, base: Values, sign: int) -> Table:
     """Real part of Σ weight Π inverse_i^k_i base^p over the first axis, p = ± (n + 1 - Σ k) of the order k."""
     orders = [order for order, of_order in needed.items() if of_order]
     out: Table = {}

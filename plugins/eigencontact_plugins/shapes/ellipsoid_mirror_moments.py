@@ -93,7 +93,9 @@ def focal_chi_sums(
     degrees : (int, int)
         Degrees of the cubature across and around the ellipse, for the uniform density.
     """
-    nodes, of_node, height = focal_cubature(semi_axes, axes, (degrees[0] + 2 * degree, degrees[1]))
+    # derivatives of higher order converge later across the ellipse, and have harmonics of higher order around it
+    across, around = degrees[0] + (degrees[0] * degree) // 12 + 2 * degree, degrees[1] + 2 * degree
+    nodes, of_node, height = focal_cubature(semi_axes, axes, (across, around))
     table = _coefficients(tuple(semi_axes.tolist()), tuple(axes.ravel().tolist()), degree, tuple(orders))
     rows = {key: weights[:, sources] @ half for key, (sources, half) in table.items()}
     of_density = []
