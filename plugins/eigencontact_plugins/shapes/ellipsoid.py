@@ -127,7 +127,7 @@ class Ellipsoid(InclusionShape):
         """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
         unit, semi_axes = self._scaled()
 
-        def focal(points: tuple[FloatArray, ...], degrees: tuple[int, int]) -> FloatArray:
+        def focal(points: Points, degrees: tuple[int, int]) -> FloatArray:
             return focal_chi(semi_axes, self.axes, orders, points, degrees)
 
         scales = np.array([unit ** (4 - sum(order)) for order in orders])[:, None]
@@ -160,7 +160,8 @@ class Ellipsoid(InclusionShape):
         Those of a degree are orthogonal to all of lower degree.
         """
         points = [np.ravel(t) / a for t, a in zip(self._in_axes(x, y, z), self.semi_axes, strict=True)]
-        return density_values(degree, points).reshape(-1, *np.broadcast_shapes(*(np.shape(t) for t in (x, y, z))))
+        values = density_values(degree, points)
+        return values.reshape(len(values), *np.shape(x))
 
     def density_rule(self, counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
         """See `HasMomentPotentials`: the rule of a ball, stretched; its poles are on the third semi-axis."""
@@ -176,7 +177,7 @@ class Ellipsoid(InclusionShape):
         local_orders, transform = self._along_axes(orders)
         count = len(density_scales(degree))
 
-        def evaluate(points: Points, outside: bool) -> FloatArray:
+        def evaluate(points: Points, *, outside: bool) -> FloatArray:
             asked = (("phi", tuple(local_orders)),)
             return weighted_sums(semi_axes, degree, asked, None, points, outside=outside)
 
@@ -216,7 +217,7 @@ class Ellipsoid(InclusionShape):
         if asked:
             joined = np.concatenate(local, axis=1)
 
-            def evaluate(points: Points, outside: bool) -> FloatArray:
+            def evaluate(points: Points, *, outside: bool) -> FloatArray:
                 return weighted_sums(semi_axes, degree, tuple(asked), joined, points, outside=outside)
 
             sums = self._on_sides(len(joined), at[0], at[1], -at[2] if image else at[2], evaluate)
@@ -232,7 +233,7 @@ class Ellipsoid(InclusionShape):
         scaled = weights * np.array([unit ** (4 - sum(order)) for order in orders])
         flat = scaled.reshape(len(weights), -1)
 
-        def focal(points: tuple[FloatArray, ...], degrees: tuple[int, int]) -> FloatArray:
+        def focal(points: Points, degrees: tuple[int, int]) -> FloatArray:
             return focal_chi_sums(semi_axes, self.axes, degree, orders, flat, points, degrees)
 
         values, place = self._by_cubature(len(weights), at, focal)
@@ -268,7 +269,7 @@ class Ellipsoid(InclusionShape):
         unit, semi_axes = self._scaled()
         local_orders, transform = self._along_axes(orders)
 
-        def evaluate(points: Points, outside: bool) -> FloatArray:
+        def evaluate(points: Points, *, outside: bool) -> FloatArray:
             return potential_derivatives(potential, semi_axes, local_orders, points, outside=outside)
 
         values = self._on_sides(len(local_orders), x, y, z, evaluate)
@@ -290,9 +291,9 @@ class Ellipsoid(InclusionShape):
         return turned_derivatives(self.axes, tuple(orders))
 
     def _on_sides(
-        self, rows: int, x: FloatArray, y: FloatArray, z: FloatArray, evaluate: Callable[[Points, bool], FloatArray]
+        self, rows: int, x: FloatArray, y: FloatArray, z: FloatArray, evaluate: Callable[..., FloatArray]
     ) -> FloatArray:
-        """Rows of `evaluate` (points, outside) at points in units of `_scaled`: on the boundary the mean of both sides."""
+        """Rows of `evaluate`, of points in units of `_scaled` on one side; on the boundary the mean of both sides."""
         unit, _ = self._scaled()
         points = [np.ravel(t) for t in self._in_axes(x, y, z)]
         level = self._level(points)
@@ -311,26 +312,27 @@ class Ellipsoid(InclusionShape):
             for side in (False, True):
                 place = first + np.flatnonzero((outside[chunk] == side) & ~halves[chunk])
                 if place.size:
-                    values[:, place] = evaluate(at(place), side)
+                    values[:, place] = evaluate(at(place), outside=side)
         place = np.flatnonzero(halves)
         if place.size:
-            values[:, place] = 0.5 * (evaluate(at(place), False) + evaluate(at(place), True))
+            values[:, place] = 0.5 * (evaluate(at(place), outside=False) + evaluate(at(place), outside=True))
         return values
 
     def _by_cubature(
         self,
         rows: int,
         at: Sequence[FloatArray],
-        focal: Callable[[tuple[FloatArray, ...], tuple[int, int]], FloatArray],
+        focal: Callable[[Points, tuple[int, int]], FloatArray],
     ) -> tuple[FloatArray, NDArray[np.intp]]:
-        """Rows of a cubature of given degrees over the focal ellipse of the image; points where it needs too many nodes."""
+        """Rows of a cubature over the focal ellipse of the image, of given degrees; points where that is too dear."""
         unit, semi_axes = self._scaled()
         across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._in_axes(at[0], at[1], -at[2])))
         offset = (at[0] - self.center[0], at[1] - self.center[1], at[2] + self.center[2])
         values = np.empty((rows, at[0].size))
         for degrees in map(tuple, np.unique(np.stack([across, around])[:, around >= 0], axis=1).T.tolist()):
             place = np.flatnonzero((across == degrees[0]) & (around == degrees[1]))
-            values[:, place] = focal(tuple(t[place] / unit for t in offset), degrees)
+            x, y, z = (t[place] / unit for t in offset)
+            values[:, place] = focal((x, y, z), degrees)
         return values, np.flatnonzero(around < 0)
 
 

@@ -7,9 +7,9 @@ With U(s) = 1 - Σ x_i²/(a_i² + s), Δ(s) = √((a_1² + s)(a_2² + s)(a_3² +
 The integral equals that of U^(n+1) log(-U)/(2π i Δ) along a fixed path around the cut from λ to infinity, so that any
 derivative passes under it. What remains of the logarithm is an integral along the cut, the rest has a pole at λ:
 
-    ∂^γ V_n = π a_1 a_2 a_3/(n + 1) { ∫_λ^∞ ∂^γ U^(n+1)/Δ ds + residue at λ of the rational part of ∂^γ [U^(n+1) log U]/Δ }
+    ∂^γ V_n = π a_1 a_2 a_3/(n + 1) { ∫_λ^∞ ∂^γ U^(n+1)/Δ ds + Res_λ r_γ/Δ }
 
-The residue, absent up to |γ| = n + 1, is a sum over a circle in ln(s + c²), where singularities are π away from λ for
+with r_γ the part of ∂^γ [U^(n+1) log U] without a logarithm. The residue, absent up to |γ| = n + 1, is a sum over a circle in ln(s + c²), where singularities are π away from λ for
 all proportions and distances. No difference of near numbers occurs next to the boundary or far from it.
 
 References
@@ -159,7 +159,7 @@ def outer_derivatives(
 def _moments(
     semi_axes: FloatArray, needed: dict[Order, set[int]], points: tuple[FloatArray, FloatArray, FloatArray]
 ) -> Table:
-    """Integral along the cut, or residue, of the r-th derivative of U^(n+1) [log U] times Π (a_i² + s)^-k_i/Δ, r = Σ k."""
+    """Integral along the cut or residue of the Σk-th derivative of U^(n+1) [log U] by U, times Π (a_i² + s)^-k_i/Δ."""
     short = float(semi_axes.min())
     excess = (semi_axes - short) * (semi_axes + short)
     level = ellipsoidal_level(semi_axes, points)

@@ -108,7 +108,7 @@ class _Terms:
     inner: FloatArray | None
 
     def contracted(self, weights: FloatArray | None) -> FloatArray:
-        """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)``; None: each source alone."""
+        """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)`` or each source alone."""
         count = self.sources if weights is None else len(weights)
         out = np.zeros((4, len(self.columns), count))
         if weights is None:
@@ -201,10 +201,7 @@ def weighted_sums(
     out = np.zeros((blocks.shape[1], points[0].size))
     for first in range(0, points[0].size, CHUNK):
         here = (points[0][first : first + CHUNK], points[1][first : first + CHUNK], points[2][first : first + CHUNK])
-        if outside:
-            values = outer_derivatives(semi_axes, terms.columns, here)
-        else:
-            values = monomial_values(terms.degree, here)
+        values = outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
         for block, part in zip(used, (rows @ values).reshape(len(used), len(out), -1), strict=True):
             out[:, first : first + CHUNK] += part if block == 3 else here[block] * part
     return out
