@@ -9,8 +9,9 @@ derivative passes under it. What remains of the logarithm is an integral along t
 
     ∂^γ V_n = π a_1 a_2 a_3/(n + 1) { ∫_λ^∞ ∂^γ U^(n+1)/Δ ds + Res_λ r_γ/Δ }
 
-with r_γ the part of ∂^γ [U^(n+1) log U] without a logarithm. The residue, absent up to |γ| = n + 1, is a sum over a circle in ln(s + c²), where singularities are π away from λ for
-all proportions and distances. No difference of near numbers occurs next to the boundary or far from it.
+with r_γ the part of ∂^γ [U^(n+1) log U] without a logarithm. The residue, absent up to |γ| = n + 1, is a sum over a
+circle in ln(s + c²), where singularities are π away from λ for all proportions and distances. No difference of near
+numbers occurs next to the boundary or far from it.
 
 References
 ----------
