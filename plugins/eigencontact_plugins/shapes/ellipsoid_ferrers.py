@@ -9,9 +9,8 @@ derivative passes under it. What remains of the logarithm is an integral along t
 
     ∂^γ V_n = π a_1 a_2 a_3/(n + 1) { ∫_λ^∞ ∂^γ U^(n+1)/Δ ds + Res_λ r_γ/Δ }
 
-with r_γ the part of ∂^γ [U^(n+1) log U] without a logarithm. The residue, absent up to |γ| = n + 1, is a sum over a
-circle in ln(s + c²), where singularities are π away from λ for all proportions and distances. No difference of near
-numbers occurs next to the boundary or far from it.
+with r_γ the part of ∂^γ [U^(n+1) log U] without a logarithm. The residue, absent up to |γ| = n + 1, is a coefficient of
+a short Taylor series about λ.
 
 References
 ----------
@@ -24,10 +23,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from math import comb, factorial, prod
-from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import FloatArray, Order
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level, level_rules
@@ -37,11 +34,6 @@ __all__ = ["Column", "inner_polynomials", "monomial_values", "monomials_to", "ou
 #: n and γ of ∂^γ V_n.
 Column = tuple[int, Order]
 Table = dict[tuple[int, Order], FloatArray]
-Values = TypeVar("Values", FloatArray, NDArray[np.complex128])
-
-#: Radius of the circle about λ in ln(s + c²), and nodes on its upper half.
-RADIUS = 0.5
-HALF = 14
 
 
 @cache
@@ -61,7 +53,7 @@ def monomial_values(degree: int, points: Sequence[FloatArray]) -> FloatArray:
     return np.stack([powers[0][i] * powers[1][j] * powers[2][k] for i, j, k in monomials_to(degree)])
 
 
-def _powers(base: Values, highest: int) -> list[Values]:
+def _powers(base: FloatArray, highest: int) -> list[FloatArray]:
     """Powers 0 to `highest`."""
     out = [np.ones_like(base)]
     for _ in range(highest):
@@ -170,33 +162,80 @@ def _moments(
     along = {order: {n for n in of_order if sum(order) <= n + 1} for order, of_order in needed.items()}
     for place, step, inverse, weight in level_rules(excess, level):
         U = step * sum(slope[place] * values for slope, values in zip(slopes, inverse, strict=True))
-        for (n, order), values in _sums(along, inverse, weight, U, 1).items():
+        for (n, order), values in _sums(along, inverse, weight, U).items():
             out[n, order][place] = factorial(n + 1) / factorial(n + 1 - sum(order)) * values
-    angle = np.pi * (np.arange(HALF) + 0.5) / HALF
-    w = RADIUS * np.exp(1j * angle)[:, None]
-    s = level * np.exp(w)
-    circle = [1.0 / (s + e) for e in excess]
-    of_circle = (w / HALF) * s * np.sqrt(circle[0]) * np.sqrt(circle[1]) * np.sqrt(circle[2])
-    U = level * np.expm1(w) * sum(slope * values for slope, values in zip(slopes, circle, strict=True))
     at_pole = {order: needed[order] - along[order] for order in needed}
-    for (n, order), values in _sums(at_pole, circle, of_circle, 1.0 / U, -1).items():
+    for (n, order), values in _residues(at_pole, excess, level, slopes).items():
         above = sum(order) - n - 1
         out[n, order][:] = (-1.0) ** (above - 1) * factorial(n + 1) * factorial(above - 1) * values
     return out
 
 
-def _sums(needed: dict[Order, set[int]], inverse: Sequence[Values], weight: Values, base: Values, sign: int) -> Table:
-    """Real part of Σ weight Π inverse_i^k_i base^p over the first axis, p = ± (n + 1 - Σ k) of the order k."""
+def _residues(
+    needed: dict[Order, set[int]], excess: FloatArray, level: FloatArray, slopes: Sequence[FloatArray]
+) -> Table:
+    """Residue at λ of U^-p Π (a_i² + s)^-k_i/Δ, p = Σ k - n - 1, by Taylor series in (s - λ)/(λ + c²)."""
     orders = [order for order, of_order in needed.items() if of_order]
-    out: Table = {}
     if not orders:
-        return out
+        return {}
+    length = max(sum(order) - n - 1 for order in orders for n in needed[order])
+    inverse = [1.0 / (level + e) for e in excess]
+    ratios = [level * values for values in inverse]
+    factors = [
+        [_binomial(values, ratio, k + 0.5, length) for k in range(max(order[axis] for order in orders) + 1)]
+        for axis, (values, ratio) in enumerate(zip(inverse, ratios, strict=True))
+    ]
+    U = [
+        sum(
+            slope * values * level * (-ratio) ** m for slope, values, ratio in zip(slopes, inverse, ratios, strict=True)
+        )
+        for m in range(length)
+    ]
+    first = [1.0 / U[0]]
+    for m in range(1, length):
+        first.append(-first[0] * sum(U[k] * first[m - k] for k in range(1, m + 1)))
+    poles = [np.stack(first)]
+    while len(poles) < length:
+        poles.append(_product(poles[-1], poles[0]))
+    pairs: dict[tuple[int, int], FloatArray] = {}
+    out: Table = {}
+    for order in orders:
+        if order[1:] not in pairs:
+            pairs[order[1], order[2]] = _product(factors[1][order[1]], factors[2][order[2]])
+        series = _product(factors[0][order[0]], pairs[order[1], order[2]])
+        for n in needed[order]:
+            p = sum(order) - n - 1
+            out[n, order] = level * np.einsum("mp,mp->p", series[:p], poles[p - 1][p - 1 :: -1])
+    return out
+
+
+def _binomial(inverse: FloatArray, ratio: FloatArray, power: float, length: int) -> FloatArray:
+    """Series ``(length, points)`` of (a² + s)^-power."""
+    terms = [inverse**power]
+    for m in range(1, length):
+        terms.append(terms[-1] * ratio * (-(power + m - 1) / m))
+    return np.stack(terms)
+
+
+def _product(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Product of two series, as long as they."""
+    out = first * second[0]
+    for m in range(1, len(first)):
+        out[m:] += first[:-m] * second[m]
+    return out
+
+
+def _sums(needed: dict[Order, set[int]], inverse: Sequence[FloatArray], weight: FloatArray, U: FloatArray) -> Table:
+    """Sums over the first axis of weight Π inverse_i^k_i U^(n + 1 - Σ k)."""
+    orders = [order for order, of_order in needed.items() if of_order]
+    if not orders:
+        return {}
     powers = [_powers(values, max(order[axis] for order in orders)) for axis, values in enumerate(inverse)]
-    most = max(sign * (n + 1 - sum(order)) for order in orders for n in needed[order])
-    bases = [weight * values for values in _powers(base, most)]
+    most = max(n + 1 - sum(order) for order in orders for n in needed[order])
+    weights = [weight * values for values in _powers(U, most)]
+    out: Table = {}
     for order in orders:
         product = powers[0][order[0]] * powers[1][order[1]] * powers[2][order[2]]
         for n in needed[order]:
-            total = np.einsum("qp,qp->p", product, bases[sign * (n + 1 - sum(order))])
-            out[n, order] = np.real(total)
+            out[n, order] = np.einsum("qp,qp->p", product, weights[n + 1 - sum(order)])
     return out
