@@ -230,7 +230,8 @@ def test_equal_axes_are_a_sphere(spread):
             got, expected = (
                 sums_one_by_one(body, degree, name, orders, points, image=image) for body in (shape, sphere)
             )
-            assert worst(got, np.einsum("nk,kop->nop", table, expected)) < 1e-12 + 50 * spread, (name, total)
+            # terms of order L alternate: they lose (1 + √2)^L, 3000 at L = degree + 5, of some round-off of moments
+            assert worst(got, np.einsum("nk,kop->nop", table, expected)) < 2e-11 + 50 * spread, (name, total)
 
 
 def test_densities_turn_with_the_body():

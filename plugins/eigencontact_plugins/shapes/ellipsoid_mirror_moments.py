@@ -45,7 +45,7 @@ def _coefficients(
     mirrored = np.array(axes).reshape(3, 3) * np.array([[1.0], [1.0], [-1.0]])
     start = np.zeros(len(functions.indices), dtype=complex)
     start[functions.row[0, -2, 0]] = 1.0
-    rows = {(0, 0, 0): start}
+    rows: dict[Order, ComplexArray] = {(0, 0, 0): start}
     for alpha in monomials_to(degree)[1:]:
         axis = next(i for i in range(3) if alpha[i])
         below = (alpha[0] - (axis == 0), alpha[1] - (axis == 1), alpha[2] - (axis == 2))
@@ -58,8 +58,8 @@ def _coefficients(
         whole = scale * prod(a**times for a, times in zip(semi_axes, alpha, strict=True))
         for order in orders:
             low = sum(alpha) + sum(order) - 2
-            row = functions.differentiated(rows[alpha], order)
-            half = np.array([row[functions.row[0, low, m]] * (2.0 if m else 1.0) for m in range(low + 3)])
+            row = np.asarray(functions.differentiated(rows[alpha], order), dtype=complex)
+            half: ComplexArray = np.array([row[functions.row[0, low, m]] * (2.0 if m else 1.0) for m in range(low + 3)])
             found.setdefault((sum(alpha), low), []).append((source, whole * half))
             source += 1
     for key, parts in found.items():
@@ -131,6 +131,10 @@ class _PlaneSums:
         """Both sums, ``(2, k, points)``: of chi without and with a derivative along z."""
         assert list(orders) == [(0, 0, 0), (1, 0, 0)]
         return self.sums(x, y, z)
+
+    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Never asked for."""
+        raise NotImplementedError
 
 
 def integrated_sums(
