@@ -30,7 +30,7 @@ from eigencontact_plugins.shapes.solid_harmonics import ladder
 __all__ = ["focal_chi_sums", "integrated_sums"]
 
 ComplexArray = NDArray[np.complex128]
-PAIRS = 1 << 14
+PAIRS = 1 << 12
 
 
 @lru_cache(maxsize=16)
