@@ -23,7 +23,7 @@ def _places(shape: Any, *, image: bool) -> FloatArray:
     """Points inside and outside; z >= 0 for the image."""
     parts = sample(shape)
     places = np.concatenate([part.places for part in parts])
-    return np.abs(places) * np.where(places < 0, [-1, -1, 1], 1) if image else places
+    return np.asarray(np.abs(places) * np.where(places < 0, [-1, -1, 1], 1)) if image else places
 
 
 def _mirrored(places: FloatArray) -> FloatArray:
@@ -173,4 +173,4 @@ def _chi_integrals(shape: Any, orders: list[Order], places: FloatArray, count: i
     along[..., 2] = -(places[:, 2:] + reach)
     phi = phi_of(shape, DEGREE, [(i, j, 0) for i, j, _ in orders], along)
     factors = np.array([-weights if k else weights * reach for _, _, k in orders])
-    return np.einsum("nopc,oc->nop", phi, factors)
+    return np.asarray(np.einsum("nopc,oc->nop", phi, factors))
