@@ -22,8 +22,9 @@ _ROWS = 4
 def _places(shape: Any, *, image: bool) -> FloatArray:
     """Points inside and outside; z >= 0 for the image."""
     parts = sample(shape)
-    places = np.concatenate([part.places for part in parts])
-    return np.asarray(np.abs(places) * np.where(places < 0, [-1, -1, 1], 1)) if image else places
+    places: FloatArray = np.concatenate([part.places for part in parts])
+    signs = np.where(places < 0, [-1.0, -1.0, 1.0], 1.0)
+    return np.asarray(np.abs(places) * signs) if image else places
 
 
 def _mirrored(places: FloatArray) -> FloatArray:
