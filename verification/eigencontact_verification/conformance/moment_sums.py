@@ -28,7 +28,7 @@ def _places(shape: Any, *, image: bool) -> FloatArray:
 
 
 def _mirrored(places: FloatArray) -> FloatArray:
-    return places * np.array([1.0, 1.0, -1.0])
+    return np.asarray(places * np.array([1.0, 1.0, -1.0]))
 
 
 def _weights(shape: Any, degree: int, count: int) -> FloatArray:
