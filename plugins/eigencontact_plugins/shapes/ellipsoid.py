@@ -66,9 +66,9 @@ class Ellipsoid(InclusionShape):
     the image (to 2e-11).
 
     Potentials of polynomial densities, relative to the largest derivative of the same order at the point: at degree 6,
-    Phi (orders 0 to 5) to 2e-11 and Psi (3 to 5) to 1e-10, worst for a sphere; at degree 4, 2e-12 and 1e-11; the
-    same at any distance from the boundary. Chi (3 and 4) at degree 6 agrees with the integral of Phi to 1e-12, next to
-    images of discs and needles of 1 : 20, at a distance below a third of their length, to 4e-10.
+    Phi (orders 0 to 5) to 2e-11 and Psi (3 to 5) to 1e-10, worst for a sphere; at degree 4, 2e-12 and 1e-11; on the
+    boundary as well as far from it. Chi (3 and 4) at degree 6 agrees with the integral of Phi to 2e-11, and to 4e-10
+    within a third of the length of discs and needles of 1 : 20 from their image.
     """
 
     key: ClassVar[str] = "ellipsoid"
