@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import FloatArray, Order, PointKernels
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
 
-__all__ = ["chi_degrees", "focal_chi", "focal_sources"]
+__all__ = ["chi_degrees", "focal_chi", "focal_cubature", "focal_sources"]
 
 IntArray = NDArray[np.intp]
 
@@ -73,6 +73,23 @@ def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[
     return first, np.where((first < 0) | (second < 0) | (nodes > MOST), -1, second)
 
 
+def focal_cubature(
+    semi_axes: FloatArray, axes: FloatArray, degrees: tuple[int, int]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cubature over the focal ellipse of a uniform ellipsoid, of degrees across and around the ellipse.
+
+    Returns
+    -------
+    nodes, weights, heights : (m, 3), (m,), (m,)
+        Positions from the centre; weights, which add up to one; 1 - ξ²/p² - η²/q².
+    """
+    i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
+    a, b, c = semi_axes[[i, j, k]]
+    p, q = np.sqrt((a - c) * (a + c)), np.sqrt((b - c) * (b + c))
+    u, v, weights = _line(degrees[0]) if q == 0 else _ellipse(*degrees)
+    return p * u[:, None] * axes[:, i] + q * v[:, None] * axes[:, j], weights, 1.0 - u * u - v * v
+
+
 def focal_chi(
     semi_axes: FloatArray,
     axes: FloatArray,
@@ -93,11 +110,7 @@ def focal_chi(
     degrees : (int, int)
         Degrees of the cubature across and around the ellipse.
     """
-    i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
-    a, b, c = semi_axes[[i, j, k]]
-    p, q = np.sqrt((a - c) * (a + c)), np.sqrt((b - c) * (b + c))
-    u, v, weights = _line(degrees[0]) if q == 0 else _ellipse(*degrees)
-    nodes = p * u[:, None] * axes[:, i] + q * v[:, None] * axes[:, j]
+    nodes, weights, _ = focal_cubature(semi_axes, axes, degrees)
     volume = 4.0 * np.pi / 3.0 * float(semi_axes.prod())
     x, y, z = points
     result = np.empty((len(orders), x.size))

@@ -31,14 +31,15 @@ doi:10.1098/rspa.1959.0173.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.plugin import FloatArray, Jet, Order, implicit, variables
 
-__all__ = ["ellipsoidal_level", "potential_derivatives"]
+__all__ = ["ellipsoidal_level", "level_rules", "potential_derivatives"]
 
 
 #: Ratio of the largest to the smallest A_i up to which one change of variable serves.
@@ -287,6 +288,36 @@ def _slender_rule(smallest: FloatArray, largest: FloatArray) -> tuple[FloatArray
     )
 
 
+def _rules(
+    excess: FloatArray, level: FloatArray
+) -> Iterator[tuple[NDArray[np.bool_], FloatArray, tuple[FloatArray, FloatArray, FloatArray], list[FloatArray]]]:
+    """Points that share a rule; of them M, the rule (u², 1 - u², weights) and the B_i of `_integrals`, inverted."""
+    slender = level + excess.max() > _ROUND * level
+    for points in (slender, ~slender):
+        if points.any():
+            A = [level[points] + e for e in excess]
+            largest = A[int(np.argmax(excess))]
+            u2, v2, weight = _slender_rule(level[points], largest) if points is slender else _round_rule()
+            yield points, largest, (u2, v2, weight), [1.0 / (largest * v2 + term * u2) for term in A]
+
+
+def level_rules(
+    excess: FloatArray, level: FloatArray
+) -> Iterator[tuple[NDArray[np.bool_], FloatArray, list[FloatArray], FloatArray]]:
+    """Rules of integrals ds/Δ from λ to infinity; `excess` is a_i² - c², `level` λ + c².
+
+    Yields
+    ------
+    points : (n,) bool
+        Those that share a rule, m of them.
+    step, inverse, weight : (nodes, m), three of (nodes, m), (nodes, m)
+        s - λ, 1/(a_i² + s) and weights, which contain 1/Δ.
+    """
+    for points, largest, (u2, v2, weight), B in _rules(excess, level):
+        of_delta = 2.0 * largest * weight * np.sqrt(B[0] * B[1] * B[2])
+        yield points, largest * v2 / u2, [inverse * u2 for inverse in B], of_delta
+
+
 def _integrals(
     semi_axes: FloatArray, excess: FloatArray, level: FloatArray, value: FloatArray
 ) -> dict[tuple[object, ...], FloatArray]:
@@ -298,14 +329,7 @@ def _integrals(
     names: list[tuple[object, ...]] = [(), *((i,) for i in range(3)), *(("K", i) for i in range(3))]
     names += [(i, j) for i in range(3) for j in range(i, 3)]
     result = {name: np.empty(level.shape) for name in names}
-    slender = level + excess.max() > _ROUND * level
-    for points in (slender, ~slender):
-        if not points.any():
-            continue
-        A = [level[points] + e for e in excess]
-        largest = A[int(np.argmax(excess))]
-        u2, v2, weight = _slender_rule(level[points], largest) if points is slender else _round_rule()
-        B = [1.0 / (largest * v2 + term * u2) for term in A]
+    for points, largest, (u2, v2, weight), B in _rules(excess, level):
         N = largest * v2 + value[points] * u2
         base = weight * np.sqrt(B[0] * B[1] * B[2])
         factor = 4.0 * np.pi * float(semi_axes.prod()) * largest

@@ -69,6 +69,18 @@ def _faces(shape: Any) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(points), np.concatenate(normals)
 
 
+def smooth_points(shape: Any) -> tuple[FloatArray, FloatArray]:
+    """Points of the boundary off z = 0 and their outward normals: of `_faces`, and where axes leave at `bounds`."""
+    box = region(shape)
+    places, normals = _faces(shape)
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    tips = np.where(axes > 0, box.high, np.where(axes < 0, box.low, box.center))
+    met = inside(shape, tips - box.step * axes) & ~inside(shape, tips + box.step * axes)
+    places, normals = np.concatenate([places, tips[met]]), np.concatenate([normals, axes[met]])
+    below = places[:, 2] != 0
+    return places[below], normals[below]
+
+
 @check
 def check_face_means(shape: Any) -> None:
     """On a flat face, second derivatives of Phi and fourth of Psi are the mean of both sides (not in z = 0)."""

@@ -27,7 +27,7 @@ _MISSED = 3e-5
 _POTENTIALS = (("phi", -1, (1, 2, 3, 4)), ("psi", 1, (3, 4, 5)))
 
 
-def _directions(count: int) -> FloatArray:
+def directions(count: int) -> FloatArray:
     """Directions that favour no axis, ``(count, 3)``."""
     spread = evenly(8 * count)
     spread = spread[(np.linalg.norm(spread, axis=1) < 1) & (np.linalg.norm(spread, axis=1) > 0.3)][:count]
@@ -49,7 +49,7 @@ def check_quadrature(shape: Any) -> None:
     The allowed error is four times the difference of two quadratures; that must be below 2 %.
     """
     box = region(shape)
-    places = box.center + 2 * box.radius * _directions(4)
+    places = box.center + 2 * box.radius * directions(4)
     coarse, fine = quadrature_rules(shape)
     for which, power, totals in _POTENTIALS:
         for total in totals:
@@ -109,7 +109,7 @@ def check_decay(shape: Any) -> None:
     """Far away all orders fall with their power of the distance and are those of a point of the same volume."""
     box = region(shape)
     _, fine = quadrature_rules(shape)
-    rays = _directions(6)
+    rays = directions(6)
     volume = flux_volume(shape)
     for which, power, totals in _POTENTIALS:
         for total in totals:
@@ -179,7 +179,7 @@ def _check_sources(shape: Any, sources: PointSources) -> None:
         f"{np.sum(sources.volumes):.12g} m^3",
         "weights must add up to the volume",
     )
-    rays = _directions(6)
+    rays = directions(6)
     for factor in (1.02, 1.5):
         places = sources.center + factor * sources.distance * rays
         for which, _, totals in _POTENTIALS:

@@ -7,11 +7,19 @@ from types import ModuleType
 from typing import Any
 
 from eigencontact.errors import nearest
-from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials, HasVolumeFractions
+from eigencontact.plugin import (
+    HasFarField,
+    HasMirrorPotential,
+    HasMomentPotentials,
+    HasMomentSums,
+    HasPotentials,
+    HasVolumeFractions,
+)
 from eigencontact_verification.conformance import (
     arrays,
     boundary,
     common,
+    densities,
     eigenstrain,
     finite_elements,
     friction,
@@ -24,6 +32,8 @@ from eigencontact_verification.conformance import (
     law_elastic,
     law_mechanics,
     layered,
+    moment_sums,
+    moments,
     region,
     surface,
     wear,
@@ -32,23 +42,30 @@ from eigencontact_verification.conformance.report import Check
 
 __all__ = ["checks_for", "parametrize_with_checks"]
 
-#: Checks of shapes with an ability, which follow those of every shape.
-_OF_ABILITY: dict[Check, type] = {
-    integrals.check_chi: HasMirrorPotential,
-    integrals.check_far_field: HasFarField,
-    region.check_volume_fractions: HasVolumeFractions,
-}
 
-
-def _checks(*modules: ModuleType) -> tuple[Check, ...]:
-    """Functions ``check_...`` of modules in the order of their definition, without those of an ability."""
-    functions = (
+def _functions(*modules: ModuleType) -> tuple[Check, ...]:
+    """Functions ``check_...`` of modules in the order of their definition."""
+    return tuple(
         function
         for module in modules
         for name, function in vars(module).items()
         if name.startswith("check_") and function.__module__ == module.__name__
     )
-    return tuple(function for function in functions if function not in _OF_ABILITY)
+
+
+#: Checks of shapes with an ability, which follow those of every shape.
+_OF_ABILITY: dict[Check, type] = {
+    integrals.check_chi: HasMirrorPotential,
+    integrals.check_far_field: HasFarField,
+    region.check_volume_fractions: HasVolumeFractions,
+    **dict.fromkeys(_functions(densities, moments), HasMomentPotentials),
+    **dict.fromkeys(_functions(moment_sums), HasMomentSums),
+}
+
+
+def _checks(*modules: ModuleType) -> tuple[Check, ...]:
+    """Checks of modules without those of an ability."""
+    return tuple(function for function in _functions(*modules) if function not in _OF_ABILITY)
 
 
 _BY_KIND: dict[str, tuple[Check, ...]] = {

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.conformance.sampling import inside, region, remembered
+from eigencontact_verification.conformance.sampling import inside, principal_axes, region, remembered
 
-__all__ = ["Rule", "quadrature_rules"]
+__all__ = ["Rule", "quadrature_rules", "ray_rules"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -46,6 +46,43 @@ class Rule:
 def quadrature_rules(shape: Any) -> tuple[Rule, Rule]:
     """A coarse and a fine rule; integrals are known to about their difference."""
     return _rule(shape, 18, 6, 36), _rule(shape, 32, 8, 72)
+
+
+def ray_rules(shape: Any, places: FloatArray) -> tuple[list[Rule], list[Rule]]:
+    """A coarse and a fine rule for each point inside, along rays from it: they integrate polynomials over R or R².
+
+    Nodes may lie outside: a stretch that begins away from the point is the difference of two that begin at it, with
+    negative weights.
+    """
+    coarse, fine = ([_rays(shape, place, count) for place in places] for count in (24, 36))
+    return coarse, fine
+
+
+def _rays(shape: Any, place: FloatArray, count: int) -> Rule:
+    box = region(shape)
+    cosines, gauss = np.polynomial.legendre.leggauss(count)
+    angles = np.pi * (np.arange(2 * count) + 0.5) / count
+    sine = np.sqrt(1 - cosines**2)[:, None]
+    rays = np.stack([sine * np.cos(angles), sine * np.sin(angles), cosines[:, None] + 0 * angles], axis=-1)
+    # Directions of a slender region: half way between even ones and those of the region stretched to a ball, as 1/R
+    # varies fast with the ones, the length of rays with the others.
+    _, axes, spread = principal_axes(shape)
+    rays = rays.reshape(-1, 3) * np.sqrt(spread) @ axes.T
+    steps = np.linspace(0.0, 2 * box.radius / np.sqrt(spread.min()), 257)
+    held = inside(shape, place + steps[:, None, None] * rays)
+    step, ray = np.nonzero(held[1:] != held[:-1])
+    leaves = held[step, ray]
+    low, high = steps[step], steps[step + 1]
+    for _ in range(46):
+        middle = (low + high) / 2
+        still = inside(shape, place + middle[:, None] * rays[ray]) == leaves
+        low, high = np.where(still, middle, low), np.where(still, high, middle)
+    nodes, along = np.polynomial.legendre.leggauss(6)
+    distance = low[:, None] * (nodes + 1) / 2
+    weight = np.repeat(gauss, angles.size)[ray] * np.pi / count * np.sqrt(np.prod(spread)) * np.where(leaves, 1.0, -1.0)
+    weights = weight[:, None] * along * low[:, None] / 2 * distance**2
+    points: FloatArray = place + distance[..., None] * rays[ray][:, None, :]
+    return Rule(points.reshape(-1, 3), weights.ravel())
 
 
 def _rule(shape: Any, across: int, along: int, looks: int) -> Rule:

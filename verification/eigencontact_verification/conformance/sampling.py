@@ -26,10 +26,12 @@ __all__ = [
     "natural_scale",
     "on_boundary",
     "potential",
+    "principal_axes",
     "region",
     "remembered",
     "row_scales",
     "sample",
+    "within",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -127,6 +129,23 @@ def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> Flo
 def evenly(count: int) -> FloatArray:
     """Evenly spread points of the cube (-1, 1)³, ``(count, 3)``, always the same ones."""
     return 2.0 * strangers.evenly(count) - 1.0
+
+
+@remembered
+def within(shape: Any) -> FloatArray:
+    """Up to a thousand points inside, ``(m, 3)``."""
+    box = region(shape)
+    places = box.center + box.half * evenly(1 << 14)
+    return places[inside(shape, places)][:1000]
+
+
+@remembered
+def principal_axes(shape: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Middle of the region ``(3,)``, principal axes as columns, root mean squares along them ``(3,)`` [m]."""
+    points = within(shape)
+    middle = points.mean(axis=0)
+    squares, axes = np.linalg.eigh(np.cov((points - middle).T))
+    return middle, axes, np.sqrt(squares)
 
 
 @remembered

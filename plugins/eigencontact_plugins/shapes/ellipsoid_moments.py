@@ -1,0 +1,207 @@
+"""Polynomial densities of an ellipsoid, and sums over their harmonic and biharmonic potentials.
+
+With ξ_i = x_i/a_i and n = |α| the densities are ρ_α = s ∂^α (1 - |ξ|²)^n, derivatives by ξ, s such that their mean
+square over the ellipsoid is one: polynomials of degree n, orthogonal to all of lower degree. As no derivative up to
+the (n-1)-th of (1 - |ξ|²)^n jumps at the boundary, their potentials are derivatives of those of (1 - |ξ|²)^n, V_n:
+
+    Φ[ρ_α] = s a^α ∂^α V_n,    Ψ,i[ρ_α] = s a^α ∂^α {x_i V_n + a_i²/(2(n + 1)) V_(n+1),i}
+
+the second by Ψ[ρ],i = x_i Φ[ρ] - Φ[x_i ρ].
+
+References
+----------
+N. M. Ferrers 1877, Quart. J. Pure Appl. Math. 14, 1; F. W. Dyson 1891, ibid. 25, 259. The densities are Appell's: P.
+Appell and J. Kampé de Fériet 1926, Fonctions hypergéométriques et hypersphériques, part 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from math import factorial, gamma, pi, prod, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import FloatArray, Order
+from eigencontact_plugins.shapes.ellipsoid_ferrers import (
+    Column,
+    inner_polynomials,
+    monomial_values,
+    monomials_to,
+    outer_derivatives,
+    without_short,
+)
+
+__all__ = ["density_scales", "density_values", "weighted_sums"]
+
+#: Potentials with the orders of their derivatives.
+Asked = tuple[tuple[str, tuple[Order, ...]], ...]
+Points = tuple[FloatArray, FloatArray, FloatArray]
+
+CHUNK = 1024
+
+
+@cache
+def _densities(degree: int) -> tuple[FloatArray, tuple[float, ...]]:
+    """Coefficients ``(n, monomials)`` in the monomials of ξ, and the factors s, of the densities up to a degree."""
+    orders = monomials_to(degree)
+    place = {order: row for row, order in enumerate(orders)}
+    rows = np.zeros((len(orders), len(orders)))
+    for row, alpha in zip(rows, orders, strict=True):
+        n = sum(alpha)
+        for ijk in monomials_to(n):
+            left = tuple(2 * half - times for half, times in zip(ijk, alpha, strict=True))
+            if min(left) >= 0:
+                ways = factorial(n) // (factorial(n - sum(ijk)) * prod(map(factorial, ijk)))
+                factor = prod(factorial(2 * half) // factorial(rest) for half, rest in zip(ijk, left, strict=True))
+                row[place[left[0], left[1], left[2]]] = (-1) ** sum(ijk) * ways * factor
+    gram = np.array([[_mean(first, second) for second in orders] for first in orders])
+    scales = [(-1.0) ** sum(alpha) / sqrt(row @ gram @ row) for row, alpha in zip(rows, orders, strict=True)]
+    return np.array(scales)[:, None] * rows, tuple(scales)
+
+
+def _mean(first: Order, second: Order) -> float:
+    """Mean of a product of two monomials over the unit ball."""
+    powers = [i + j for i, j in zip(first, second, strict=True)]
+    if any(power % 2 for power in powers):
+        return 0.0
+    return 0.75 / pi * prod(gamma((power + 1) / 2) for power in powers) / gamma((sum(powers) + 5) / 2)
+
+
+def density_values(degree: int, points: Sequence[FloatArray]) -> FloatArray:
+    """Values of the densities up to a degree at ξ, ``(n, points)``, in the order of `monomials_to`."""
+    return np.asarray(_densities(degree)[0] @ monomial_values(degree, points))
+
+
+def density_scales(degree: int) -> tuple[float, ...]:
+    """Factors s of the densities."""
+    return _densities(degree)[1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """What potentials of all densities consist of: derivatives of V_n, some times a coordinate.
+
+    Attributes
+    ----------
+    columns : list of (n, γ)
+        Derivatives of V_n.
+    source, block, column : (terms,)
+        Which potential (of density and order, see `sources`), times which coordinate (3 for none), which derivative.
+    factor : (terms,)
+        And the factor.
+    sources : int
+        Number of potentials times densities times orders.
+    inner : (columns, monomials), optional
+        Their polynomials inside, up to `degree`.
+    """
+
+    columns: list[Column]
+    source: NDArray[np.intp]
+    block: NDArray[np.intp]
+    column: NDArray[np.intp]
+    factor: FloatArray
+    sources: int
+    degree: int
+    inner: FloatArray | None
+
+    def contracted(self, weights: FloatArray | None) -> FloatArray:
+        """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)`` or each source alone."""
+        count = self.sources if weights is None else len(weights)
+        out = np.zeros((4, len(self.columns), count))
+        if weights is None:
+            np.add.at(out, (self.block, self.column, self.source), self.factor)
+        else:
+            target = self.block * len(self.columns) + self.column
+            order = np.argsort(target, kind="stable")
+            places, starts = np.unique(target[order], return_index=True)
+            parts = self.factor[order, None] * weights.T[self.source[order]]
+            out.reshape(-1, count)[places] = np.add.reduceat(parts, starts, axis=0)
+        return out.transpose(0, 2, 1)
+
+
+@lru_cache(maxsize=16)
+def _terms(semi_axes: tuple[float, float, float], degree: int, asked: Asked, *, outside: bool) -> _Terms:
+    short = int(np.argmin(semi_axes))
+    scales = density_scales(degree)
+    found: dict[Column, int] = {}
+    rows: list[tuple[int, int, int, float]] = []
+    source = 0
+    for name, orders in asked:
+        for scale, alpha in zip(scales, monomials_to(degree), strict=True):
+            whole = scale * prod(a**times for a, times in zip(semi_axes, alpha, strict=True))
+            for order in orders:
+                for block, (n, gamma_), factor in _of_potential(name, alpha, order, semi_axes):
+                    reduced = without_short(gamma_, short) if outside else ((gamma_, 1),)
+                    for target, times in reduced:
+                        column = found.setdefault((n, target), len(found))
+                        rows.append((source, block, column, whole * factor * times))
+                source += 1
+    columns = list(found)
+    # a derivative of V_n, of degree 2n + 2, has at least the n of its density
+    most = max(2 * n + 2 - sum(order) for n, order in columns)
+    inner = None if outside else inner_polynomials(np.array(semi_axes), columns, max(most, 0))
+    index = np.array([row[:3] for row in rows], dtype=np.intp).T
+    factors = np.array([row[3] for row in rows])
+    return _Terms(columns, index[0], index[1], index[2], factors, source, max(most, 0), inner)
+
+
+def _of_potential(
+    name: str, alpha: Order, order: Order, semi_axes: tuple[float, float, float]
+) -> list[tuple[int, Column, float]]:
+    """Terms of a derivative of Φ or Ψ of ∂^α f_n: coordinate that multiplies (3: none), derivative of V_n, factor."""
+    n = sum(alpha)
+    if name == "phi":
+        return [(3, (n, _sum(alpha, order)), 1.0)]
+    axis = int(np.argmax(order))
+    step: Order = (int(axis == 0), int(axis == 1), int(axis == 2))
+    raised = _sum(alpha, order)
+    base = _sum(raised, step, -1)
+    terms = [(axis, (n, base), 1.0), (3, (n + 1, raised), semi_axes[axis] ** 2 / (2.0 * (n + 1)))]
+    if base[axis]:
+        terms.append((3, (n, _sum(base, step, -1)), float(base[axis])))
+    return terms
+
+
+def _sum(first: Order, second: Order, sign: int = 1) -> Order:
+    return first[0] + sign * second[0], first[1] + sign * second[1], first[2] + sign * second[2]
+
+
+def weighted_sums(
+    semi_axes: FloatArray, degree: int, asked: Asked, weights: FloatArray | None, points: Points, *, outside: bool
+) -> FloatArray:
+    """Weighted sums of derivatives of Φ and Ψ of the densities, in the axes of the ellipsoid.
+
+    Parameters
+    ----------
+    semi_axes : (3,)
+        Of order one.
+    degree : int
+        Of the densities.
+    asked : ((potential, orders), ...)
+        ``"phi"`` with any, ``"psi"`` with orders from 1 on.
+    weights : (k, m), optional
+        Over potentials, densities and orders, in this nesting; left out: all m values one by one.
+    points : three arrays (points,)
+        All outside or all inside; on the boundary the limit from that side.
+
+    Returns
+    -------
+    (k or m, points)
+    """
+    a, b, c = (float(axis) for axis in semi_axes)
+    terms = _terms((a, b, c), degree, asked, outside=outside)
+    blocks = terms.contracted(weights)
+    if terms.inner is not None:
+        blocks = blocks @ terms.inner
+    used = [block for block in range(4) if blocks[block].any()]
+    rows = blocks[used].reshape(-1, blocks.shape[2])
+    out = np.zeros((blocks.shape[1], points[0].size))
+    for first in range(0, points[0].size, CHUNK):
+        here = (points[0][first : first + CHUNK], points[1][first : first + CHUNK], points[2][first : first + CHUNK])
+        values = outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
+        for block, part in zip(used, (rows @ values).reshape(len(used), len(out), -1), strict=True):
+            out[:, first : first + CHUNK] += part if block == 3 else here[block] * part
+    return out
