@@ -1,5 +1,8 @@
 """Scenes with whole inhomogeneities of polynomial eigenstrain: contact pressure, stress, errors, what is refused."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -39,11 +42,8 @@ def run(*inclusions, **options):
 
 
 def center(result):
-    """Pressure at the middle of the middle cell: its mean less a 24th of the second differences."""
-    pressure = result.dataset["pressure"][-1].values / P0
-    n = pressure.shape[0] // 2
-    beside = pressure[n - 1, n] + pressure[n + 1, n] + pressure[n, n - 1] + pressure[n, n + 1]
-    return pressure[n, n] - (beside - 4 * pressure[n, n]) / 24
+    pressure = result.dataset["pressure"][-1].values
+    return pressure[pressure.shape[0] // 2, pressure.shape[1] // 2] / P0
 
 
 # p(0)/p0 of the theory page, degree 16 by an axisymmetric solution with an exact contact: ratio, radius, depth in a
@@ -52,9 +52,9 @@ ROWS = {"void": (VOID, 0.33, 0.5, 0.23068), "twice": (stiff(2), 0.33, 0.5, 1.341
 
 @pytest.mark.parametrize(("case", "degree", "bound"), [("void", 6, 1e-3), ("twice", 4, 1e-3), ("half", 4, 1e-3)])
 def test_pressure_above_a_ball(case, degree, bound):
-    """On cells of a 24th of the contact radius."""
+    """On cells of a 32nd of the contact radius."""
     material, radius, depth, expected = ROWS[case]
-    assert center(run(ball(material, radius, depth), whole=degree, cells=63)) == close(expected, rel=0, abs=bound)
+    assert center(run(ball(material, radius, depth), whole=degree, cells=83)) == close(expected, rel=0, abs=bound)
 
 
 @pytest.mark.slow
@@ -115,14 +115,14 @@ def test_an_error_that_no_degree_reaches_is_refused():
     with pytest.raises(SceneError, match=r"must be farther from the surface .* falls by 0.8\d per degree"):
         ec.plan(scene(ball(VOID, 0.33, 0.335), whole="auto"))
     with pytest.raises(SceneError, match=r"must be farther from 'sphere 2'"):
-        pair = [ball({"rigid": True}, 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
+        pair = [ball(stiff(1e6), 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
         ec.plan(scene(*pair, whole="auto"))
 
 
 @pytest.mark.parametrize(
     ("inclusion", "message"),
     [
-        ({"type": "cuboid", "center": [0, 0, A], "size": [A, A, A], "material": VOID}, "must be a ball"),
+        ({"type": "cuboid", "center": [0, 0, A], "edges": [A, A, A], "material": VOID}, "must be a ball"),
         (ball({"type": "j2", **stiff(1.0), "hardening": {"type": "perfect", "yield-stress": 1e9}}, 0.2, 0.5), "one linear"),
     ],
 )
@@ -137,12 +137,9 @@ def test_a_degree_out_of_range_is_refused():
 
 
 def test_nothing_of_it_is_imported_without_it():
-    import subprocess
-    import sys
-
     code = (
         "import sys, eigencontact as ec; ec.run('hertz');"
-        "print([m for m in sys.modules if 'polynomial' in m or 'moments' in m or 'whole_surface' in m])"
+        "print([m for m in ('solvers.polynomial_inclusions', 'halfspace.moments') if 'eigencontact.' + m in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "[]"

@@ -22,7 +22,6 @@ from math import comb, prod
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from eigencontact.plugin import FloatArray
 
@@ -51,6 +50,8 @@ class _Functions:
         self.half = [index for index in indices if index[2] >= 0]
         ladders = {step: self._matrix(step) for step in ("+", "-", "z")}
         plus, minus = ladders["+"], ladders["-"]
+        from scipy.sparse import csr_array  # late: most runs need no moments
+
         # Transposed, a row has two entries at most.
         self._along = tuple(csr_array(step.T) for step in (0.5 * (plus + minus), -0.5j * (plus - minus), ladders["z"]))
         self._place = np.array([self.half.index((j, low, abs(m))) for j, low, m in indices])

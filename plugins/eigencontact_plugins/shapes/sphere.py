@@ -132,7 +132,8 @@ class SphericalInclusion(InclusionShape):
     def densities(self, degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """See `HasMomentPotentials`: r^(2k) times solid harmonics, of mean square one over the boundary."""
         at = [np.ravel((t - center) / self.radius) for t, center in zip((x, y, z), self.center, strict=True)]
-        return sphere_moments.densities_of(degree, *at).reshape(-1, *np.shape(x))
+        values = sphere_moments.densities_of(degree, *at)
+        return values.reshape(len(values), *np.shape(x))
 
     def density_rule(self, counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
         """See `HasMomentPotentials`: exact for polynomials of degree min(2 counts - 3, 2 counts - 1, counts - 1)."""
@@ -161,19 +162,19 @@ class SphericalInclusion(InclusionShape):
         """See `HasMomentSums`; to round-off."""
         (cx, cy, cz), a, shape = self.center, self.radius, np.shape(x)
         u, v = np.ravel((x - cx) / a), np.ravel((y - cy) / a)
+        count = next(len(of_orders) for _, of_orders in weights.values())
         if image:
             w = np.ravel((z + cz) / a)
-            return sphere_moments.moment_sums(degree, "image", weights, a, (u, v, w)).reshape(-1, *shape)
+            return sphere_moments.moment_sums(degree, "image", weights, a, (u, v, w)).reshape(count, *shape)
         w = np.ravel((z - cz) / a)
         share = self._inside(np.sqrt(u * u + v * v + w * w), np.ravel(z))
-        count = next(len(of_orders) for _, of_orders in weights.values())
         out = np.zeros((count, u.size))
         for where, part in (("outer", 1.0 - share), ("inner", share)):
             at = np.flatnonzero(part)
             if at.size:
                 sums = sphere_moments.moment_sums(degree, where, weights, a, (u[at], v[at], w[at]))
                 out[:, at] += part[at] * sums
-        return out.reshape(-1, *shape)
+        return out.reshape(count, *shape)
 
     def _differentiate(
         self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]

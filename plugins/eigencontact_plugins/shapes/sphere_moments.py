@@ -143,4 +143,4 @@ def moment_sums(
     for first in range(0, x.size, _CHUNK):
         part = slice(first, first + _CHUNK)
         out[:, part] = total @ functions.values(x[part], y[part], z[part])
-    return out.reshape(-1, *np.shape(points[0]))
+    return out.reshape(len(out), *np.shape(points[0]))
