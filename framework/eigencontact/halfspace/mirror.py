@@ -30,6 +30,7 @@ def integrated_chi(
 ) -> FloatArray:
     """Derivatives of Chi of the mirror image at depths z >= 0, ``(len(orders), n)``; at most one along z.
 
+    Where `shape.phi` gives several potentials, ``(len(orders), k, n)``, those of all, ``(len(orders), k, n)``.
     Gauss-Legendre on panels graded towards the image: one panel if the point is far from it, more where it is close.
     """
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
@@ -39,7 +40,7 @@ def integrated_chi(
     gap = _distance(x, y, -z, low, high)
     panels = 1 + np.ceil(np.log(np.maximum(reach / np.maximum(gap, 1e-30 * reach), 1.0)) / np.log(_RATIO))
     panels = np.minimum(panels, _MOST_PANELS).astype(int)
-    out = np.empty((len(orders), x.size))
+    out: FloatArray | None = None
     flat = sorted({(nx, ny, 0) for nx, ny, _ in orders})
     rows = [(flat.index((nx, ny, 0)), nz) for nx, ny, nz in orders]
     for count in np.unique(panels):
@@ -51,12 +52,15 @@ def integrated_chi(
             along = reach[chunk, None] * nodes
             shape_of = along.shape
             at = [np.broadcast_to(v[chunk, None], shape_of).ravel() for v in (x, y)]
-            values = shape.phi(flat, at[0], at[1], (-z[chunk, None] - along).ravel()).reshape(len(flat), *shape_of)
-            zeroth = np.einsum("kij,j,i->ki", values, weights, reach[chunk])
-            first_moment = np.einsum("kij,j,i->ki", values, weights * nodes, reach[chunk] ** 2)
+            values = shape.phi(flat, at[0], at[1], (-z[chunk, None] - along).ravel())
+            if out is None:
+                out = np.empty((len(orders), *values.shape[1:-1], x.size))
+            values = values.reshape(*values.shape[:-1], *shape_of)
+            zeroth = np.einsum("k...ij,j,i->k...i", values, weights, reach[chunk])
+            first_moment = np.einsum("k...ij,j,i->k...i", values, weights * nodes, reach[chunk] ** 2)
             for row, (source, nz) in enumerate(rows):
-                out[row, chunk] = -zeroth[source] if nz else first_moment[source]
-    return out
+                out[row][..., chunk] = -zeroth[source] if nz else first_moment[source]
+    return np.empty((len(orders), 0)) if out is None else out
 
 
 def _distance(x: FloatArray, y: FloatArray, z: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:

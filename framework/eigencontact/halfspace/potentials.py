@@ -123,6 +123,10 @@ class HasMomentPotentials(Protocol):
     Micromechanics of Defects in Solids, section 13 (polynomial eigenstrain).
     """
 
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Lowest and highest coordinates of the region [m]."""
+
     def densities(self, degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Values of the densities up to a degree, ``(n, ...)`` [-], as polynomials inside and outside alike."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,6 +21,7 @@ from eigencontact.plugin import (
     real_points,
     require,
 )
+from eigencontact_plugins.shapes import sphere_moments
 
 __all__ = ["SphericalInclusion"]
 
@@ -127,6 +128,52 @@ class SphericalInclusion(InclusionShape):
             volumes=np.array([4 * np.pi / 3 * self.radius**3]),
             spreads=np.array([self.radius**2 / 5]),
         )
+
+    def densities(self, degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """See `HasMomentPotentials`: r^(2k) times solid harmonics, of mean square one over the boundary."""
+        at = [np.ravel((t - center) / self.radius) for t, center in zip((x, y, z), self.center, strict=True)]
+        return sphere_moments.densities_of(degree, *at).reshape(-1, *np.shape(x))
+
+    def density_rule(self, counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
+        """See `HasMomentPotentials`: exact for polynomials of degree min(2 counts - 3, 2 counts - 1, counts - 1)."""
+        points, weights = sphere_moments.rule(counts)
+        return self.center + self.radius * points, self.radius**3 * weights
+
+    def phi_moments(
+        self, degree: int, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
+    ) -> FloatArray:
+        """See `HasMomentPotentials`."""
+        n = (degree + 1) * (degree + 2) * (degree + 3) // 6
+        each = np.eye(n * len(orders)).reshape(-1, n, len(orders))
+        sums = self.moment_sums(degree, {"phi": (orders, each)}, x, y, z, image=False)
+        return sums.reshape(n, len(orders), *np.shape(x))
+
+    def moment_sums(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """See `HasMomentSums`; to round-off."""
+        (cx, cy, cz), a, shape = self.center, self.radius, np.shape(x)
+        u, v = np.ravel((x - cx) / a), np.ravel((y - cy) / a)
+        if image:
+            w = np.ravel((z + cz) / a)
+            return sphere_moments.moment_sums(degree, "image", weights, a, (u, v, w)).reshape(-1, *shape)
+        w = np.ravel((z - cz) / a)
+        share = self._inside(np.sqrt(u * u + v * v + w * w), np.ravel(z))
+        count = next(len(of_orders) for _, of_orders in weights.values())
+        out = np.zeros((count, u.size))
+        for where, part in (("outer", 1.0 - share), ("inner", share)):
+            at = np.flatnonzero(part)
+            if at.size:
+                sums = sphere_moments.moment_sums(degree, where, weights, a, (u[at], v[at], w[at]))
+                out[:, at] += part[at] * sums
+        return out.reshape(-1, *shape)
 
     def _differentiate(
         self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]

@@ -1,0 +1,242 @@
+"""Fields of regions with polynomial eigenstrain, from potentials of polynomial densities.
+
+The half-space theorem never uses that the eigenstrain is uniform: Green's function holds the source through the
+differences of coordinates alone, so each density of an eigenstrain ``Σ E_n ρ_n`` contributes the forms of a uniform
+one (`eigencontact.halfspace.theorem`) with its own potentials, and no others. Weights of all densities and derivatives
+are contracted before a point is visited.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache, partial
+from math import comb
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.errors import require
+from eigencontact.halfspace.mirror import integrated_chi
+from eigencontact.halfspace.potentials import HasMomentPotentials, HasMomentSums, Order
+from eigencontact.halfspace.theorem import QUANTITIES, response
+
+__all__ = ["densities_up_to", "moment_field", "moment_sums"]
+
+_CHUNK = 4096
+#: Points of a shape whose sums are not its own: all potentials of all densities are held.
+_FEW = 512
+_LAPLACIAN: tuple[Order, ...] = ((2, 0, 0), (0, 2, 0), (0, 0, 2))
+_UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+Weights = Mapping[str, tuple[Sequence[Order], FloatArray]]
+Points = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def densities_up_to(degree: int) -> int:
+    """Number of densities up to a degree: of monomials in three coordinates."""
+    return comb(degree + 3, 3)
+
+
+def moment_field(
+    shape: HasMomentPotentials,
+    coefficients: FloatArray,
+    points: Points,
+    *,
+    degree: int,
+    poisson_ratio: float,
+    quantity: str,
+    space: str = "half",
+    threads: int | None = None,
+) -> FloatArray:
+    """Field of an eigenstrain ``coefficients @ densities``, or of several.
+
+    Parameters
+    ----------
+    shape : HasMomentPotentials
+        The region.
+    coefficients : (..., 6, n)
+        Mandel eigenstrain [-] per density of the shape, n = `densities_up_to` the degree.
+    points : three of (m,)
+        x, y, z [m]; z >= 0 where there is a surface.
+    degree : int
+        Of the eigenstrain, at least 0.
+    poisson_ratio : float
+        -1 < ν <= 0.5.
+    quantity : {"displacement", "strain", "stress"}
+        Metres; Mandel strain; Mandel stress in units of the shear modulus.
+    space : {"half", "full"}
+        With or without the free surface z = 0.
+    threads : int, optional
+        Cores to use; by default all.
+
+    Returns
+    -------
+    (..., 3 or 6, m)
+
+    Raises
+    ------
+    ValidationError
+        Coefficients whose shape is not that of the degree.
+    """
+    coefficients = np.asarray(coefficients, dtype=float)
+    expected = (6, densities_up_to(degree))
+    require(coefficients.shape[-2:] == expected, "moments", "coefficients", coefficients.shape, f"(..., {expected})")
+    x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
+    z = z + 0.0  # a surface point is seen from inside: no -0.0
+    batch = coefficients.reshape(-1, *expected)
+    rows = QUANTITIES[quantity]
+    real, image = _weights(batch, quantity, poisson_ratio, space)
+    out = np.empty((len(batch), rows, x.size))
+
+    def fill(first: int) -> None:
+        at = slice(first, first + _CHUNK)
+        here = (x[at], y[at], z[at])
+        values = moment_sums(shape, degree, real, here, image=False).reshape(len(batch), rows, -1)
+        if image:
+            powers = moment_sums(shape, degree, image, here, image=True).reshape(-1, *values.shape)
+            total = powers[-1]
+            for power in powers[-2::-1]:
+                total = total * here[2] + power
+            values = values + total
+        out[:, :, at] = values
+
+    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
+    return out.reshape(*coefficients.shape[:-2], rows, x.size)
+
+
+def moment_sums(
+    shape: HasMomentPotentials, degree: int, weights: Weights, points: Points, *, image: bool
+) -> FloatArray:
+    """Weighted sums of derivatives of moment potentials, ``(k, m)``; see `HasMomentSums`.
+
+    Of a shape without that ability Psi follows from Phi of one degree more, and Chi from an integral along a line.
+    """
+    x, y, z = points
+    if isinstance(shape, HasMomentSums):
+        return np.asarray(shape.moment_sums(degree, weights, x, y, z, image=image))
+    count = next(len(of_orders) for _, of_orders in weights.values())
+    out = np.zeros((count, x.size))
+    for first in range(0, x.size, _FEW):
+        here = (x[first : first + _FEW], y[first : first + _FEW], z[first : first + _FEW])
+        for name, (orders, of_orders) in weights.items():
+            values = _potentials(shape, degree, name, list(orders), here, image)
+            out[:, first : first + _FEW] += np.einsum("kno,nop->kp", of_orders, values, optimize=True)
+    return out
+
+
+def _potentials(
+    shape: HasMomentPotentials, degree: int, name: str, orders: list[Order], points: Points, image: bool
+) -> FloatArray:
+    """Derivatives of one potential of all densities, ``(n, len(orders), m)``."""
+    x, y, z = points
+    if name == "chi":
+        densities = _Densities(shape, degree)
+        return np.moveaxis(integrated_chi(densities, orders, x, y, z), 0, 1)
+    at = (x, y, -z) if image else points
+    values = shape.phi_moments(degree, orders, *at) if name == "phi" else _psi(shape, degree, orders, at)
+    if image:
+        values = values * np.array([-1.0 if order[2] % 2 else 1.0 for order in orders])[:, None]
+    return values
+
+
+class _Densities:
+    """Phi of all densities of a shape, as `integrated_chi` asks for it."""
+
+    def __init__(self, shape: HasMomentPotentials, degree: int) -> None:
+        self._shape, self._degree, self.bounds = shape, degree, shape.bounds
+
+    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """``(len(orders), n, m)``."""
+        return np.moveaxis(self._shape.phi_moments(self._degree, orders, x, y, z), 0, 1)
+
+
+def _psi(shape: HasMomentPotentials, degree: int, orders: Sequence[Order], points: Points) -> FloatArray:
+    """Derivatives of Psi by ``Psi[ρ],i = x_i Phi[ρ] - Phi[x_i ρ]``, x from the middle of the shape."""
+    middle, products = _products(shape, degree)
+    asked: dict[Order, int] = {}
+    parts: list[tuple[int, Order, Order | None, int]] = []
+    for order in orders:
+        axis = int(np.argmax(order))
+        rest = _lowered(order, axis)
+        lower = _lowered(rest, axis) if rest[axis] else None
+        parts.append((axis, rest, lower, rest[axis]))
+        for needed in (rest, *([lower] if lower is not None else [])):
+            asked.setdefault(needed, len(asked))
+    n = densities_up_to(degree)
+    phi = shape.phi_moments(degree + 1, list(asked), *points)
+    out = np.empty((n, len(orders), points[0].size))
+    for row, (axis, rest, lower, times) in enumerate(parts):
+        values = phi[:, asked[rest]]
+        out[:, row] = (points[axis] - middle[axis]) * values[:n] - products[axis] @ values
+        if lower is not None:
+            out[:, row] += times * phi[:n, asked[lower]]
+    return out
+
+
+def _lowered(order: Order, axis: int) -> Order:
+    nx, ny, nz = (count - step for count, step in zip(order, _UNIT[axis], strict=True))
+    return nx, ny, nz
+
+
+def _products(shape: HasMomentPotentials, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Middle of a shape, and matrices ``(3, n, n of one degree more)`` of x_i ρ in its densities."""
+    counts = (degree + 3, degree + 3, 2 * degree + 5)
+    places, of_places = shape.density_rule(counts)
+    middle = of_places @ places / of_places.sum()
+    values = shape.densities(degree + 1, *places.T)
+    gram = (values * of_places) @ values.T
+    lower = values[: densities_up_to(degree)]
+    moments = [(lower * (of_places * offset)) @ values.T for offset in (places - middle).T]
+    return middle, np.stack([np.linalg.solve(gram, moment.T).T for moment in moments])
+
+
+def _weights(
+    coefficients: FloatArray, quantity: str, nu: float, space: str
+) -> tuple[dict[str, tuple[list[Order], FloatArray]], dict[str, tuple[list[Order], FloatArray]]]:
+    """Weights of the potentials of the region, rows (k, components), and of its image, rows (power of z, k, ...)."""
+    of_real, of_image = _forms(quantity, nu, space)
+    out: list[dict[str, tuple[list[Order], FloatArray]]] = []
+    for tables in (of_real, of_image):
+        weights = {}
+        for name, (orders, table) in tables.items():  # (power, component, unit eigenstrain, order)
+            combined = np.einsum("pcuo,kun->pkcno", table, coefficients, optimize=True)
+            weights[name] = (orders, combined.reshape(-1, coefficients.shape[2], len(orders)))
+        out.append(weights)
+    return out[0], out[1]
+
+
+@cache
+def _forms(
+    quantity: str, nu: float, space: str
+) -> tuple[dict[str, tuple[list[Order], FloatArray]], dict[str, tuple[list[Order], FloatArray]]]:
+    """Coefficients of the theorem by potential, of the region and of its image: orders, (powers, rows, 6, orders).
+
+    The indicator of the region becomes the density there, -1/4π of the Laplacian of its Phi.
+    """
+    terms: dict[str, dict[tuple[str, Order], dict[tuple[int, int, int], float]]] = {"real": {}, "image": {}}
+    highest = {"real": 0, "image": 0}
+    forms = response(quantity, nu, space)
+    for row, of_units in enumerate(forms):
+        for unit, form in enumerate(of_units):
+            for power, (origin, name, order), value in form:
+                inside = origin == "inside"
+                whose = "real" if inside else origin
+                highest[whose] = max(highest[whose], power)
+                for target in _LAPLACIAN if inside else (order,):
+                    entry = terms[whose].setdefault(("phi" if inside else name, target), {})
+                    place = (power, row, unit)
+                    entry[place] = entry.get(place, 0.0) + (value / (-4.0 * np.pi) if inside else value)
+    out = []
+    for whose, by_kernel in terms.items():
+        tables = {}
+        for name in ("phi", "psi", "chi"):
+            orders = sorted(order for kernel, order in by_kernel if kernel == name)
+            table = np.zeros((highest[whose] + 1, len(forms), 6, len(orders)))
+            for column, order in enumerate(orders):
+                for place, value in by_kernel[name, order].items():
+                    table[(*place, column)] = value
+            if orders:
+                tables[name] = (orders, table)
+        out.append(tables)
+    return out[0], out[1]
