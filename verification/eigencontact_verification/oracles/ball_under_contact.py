@@ -125,8 +125,8 @@ def ball_under_contact(
     ratio: float,
     inner_nu: float | None = None,
     degree: int = 16,
-    contact_nodes: int = 400,
-    nodes: int = 160,
+    contact_nodes: int = 240,
+    nodes: int = 80,
 ) -> BallUnderContact:
     """Contact over a ball at a fixed load.
 
