@@ -29,7 +29,7 @@ from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed"]
+__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "likeness", "relaxed"]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
 _MOST_SOURCES = 800
@@ -215,7 +215,7 @@ def _sum_of_sources(
     return to_mandel(out)
 
 
-def _likeness(shape: Any) -> Hashable:
+def likeness(shape: Any) -> Hashable:
     """Key that shapes share if they differ only by a shift; a unique key for shapes without a position."""
     place = place_field(type(shape))
     if place is None:
@@ -287,7 +287,7 @@ class _DistantRegions:
         distances: dict[Hashable, list[float]] = {}
         regions = []
         for number, far in self._sources.items():
-            likeness = _likeness(self._shapes[number])
+            likeness = likeness(self._shapes[number])
             if likeness not in distances:
                 distances[likeness] = distances_for(far, tolerance)
             regions.append(_at_distances(far, distances[likeness]))
@@ -297,7 +297,7 @@ class _DistantRegions:
         """Add the fields at points too close to a region, or to its image, for the point sources."""
         alike: dict[Hashable, list[int]] = {}
         for number in self._sources:
-            alike.setdefault(_likeness(self._shapes[number]), []).append(number)
+            alike.setdefault(likeness(self._shapes[number]), []).append(number)
         pairs = _Pairs(out)
         for members in alike.values():
             self._add_pairs(members, ("full",), pairs)
@@ -305,7 +305,7 @@ class _DistantRegions:
             level: dict[Hashable, list[int]] = {}  # an image depends on the depth
             for number, far in self._sources.items():
                 if far.distance > far.center[2]:
-                    level.setdefault((_likeness(self._shapes[number]), float(far.center[2])), []).append(number)
+                    level.setdefault((likeness(self._shapes[number]), float(far.center[2])), []).append(number)
             for members in level.values():
                 self._add_pairs(members, ("half", "full"), pairs)
         pairs.flush()

@@ -21,9 +21,10 @@ from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.potentials import HasMomentPotentials, HasMomentSums, Order
 from eigencontact.halfspace.theorem import QUANTITIES, response
 
-__all__ = ["densities_up_to", "moment_field", "moment_sums"]
+__all__ = ["degree_of", "densities_up_to", "moment_field", "moment_sums", "surface_displacement"]
 
-_CHUNK = 4096
+#: Numbers that are held for a chunk of points.
+_HELD = 4_000_000
 #: Points of a shape whose sums are not its own: all potentials of all densities are held.
 _FEW = 512
 _LAPLACIAN: tuple[Order, ...] = ((2, 0, 0), (0, 2, 0), (0, 0, 2))
@@ -36,6 +37,15 @@ Points = tuple[FloatArray, FloatArray, FloatArray]
 def densities_up_to(degree: int) -> int:
     """Number of densities up to a degree: of monomials in three coordinates."""
     return comb(degree + 3, 3)
+
+
+def degree_of(coefficients: FloatArray) -> int:
+    """Least degree of an eigenstrain ``(6, n)`` per density: trailing densities that are zero do not count."""
+    used = np.flatnonzero(coefficients.any(axis=0))
+    degree = 0
+    while used.size and densities_up_to(degree) <= used[-1]:
+        degree += 1
+    return degree
 
 
 def moment_field(
@@ -88,9 +98,10 @@ def moment_field(
     rows = QUANTITIES[quantity]
     real, image = _weights(batch, quantity, poisson_ratio, space)
     out = np.empty((len(batch), rows, x.size))
+    step = int(np.clip(_HELD // (4 * len(batch) * rows), 256, 4096))
 
     def fill(first: int) -> None:
-        at = slice(first, first + _CHUNK)
+        at = slice(first, first + step)
         here = (x[at], y[at], z[at])
         values = moment_sums(shape, degree, real, here, image=False).reshape(len(batch), rows, -1)
         if image:
@@ -101,8 +112,41 @@ def moment_field(
             values = values + total
         out[:, :, at] = values
 
-    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
+    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, step)])
     return out.reshape(*coefficients.shape[:-2], rows, x.size)
+
+
+def surface_displacement(
+    shape: HasMomentPotentials,
+    coefficients: FloatArray,
+    points: tuple[FloatArray, FloatArray],
+    rows: Sequence[int],
+    *,
+    degree: int,
+    poisson_ratio: float,
+    threads: int | None = None,
+) -> FloatArray:
+    """Displacement at the surface z = 0 of a half-space [m], ``(k, len(rows), m)``: see `moment_field`.
+
+    There the region and its image coincide, and no power of z remains. `rows` are components, 0 to 2 for x to z.
+    """
+    x, y = (np.ascontiguousarray(values, dtype=float) for values in points)
+    tables = _surface_forms(poisson_ratio, tuple(rows))
+    weights = {
+        name: (orders, np.einsum("cuo,kun->kcno", table, coefficients, optimize=True).reshape(
+            -1, coefficients.shape[2], len(orders)
+        ))
+        for name, (orders, table) in tables.items()
+    }  # fmt: skip
+    out = np.empty((len(coefficients) * len(rows), x.size))
+    step = int(np.clip(_HELD // len(out), 256, 4096))
+
+    def fill(first: int) -> None:
+        at = slice(first, first + step)
+        out[:, at] = moment_sums(shape, degree, weights, (x[at], y[at], np.zeros_like(x[at])), image=True)
+
+    in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, step)])
+    return out.reshape(len(coefficients), len(rows), x.size)
 
 
 def moment_sums(
@@ -204,6 +248,28 @@ def _weights(
             weights[name] = (orders, combined.reshape(-1, coefficients.shape[2], len(orders)))
         out.append(weights)
     return out[0], out[1]
+
+
+@cache
+def _surface_forms(nu: float, rows: tuple[int, ...]) -> dict[str, tuple[list[Order], FloatArray]]:
+    """Coefficients of the displacement of the surface by potential of the image: orders, (rows, 6, orders)."""
+    forms = response("displacement", nu, "half")
+    entries: dict[tuple[str, Order], dict[tuple[int, int], float]] = {}
+    for place, row in enumerate(rows):
+        for unit, form in enumerate(forms[row]):
+            for _, (_, name, order), value in form.on_surface():
+                entry = entries.setdefault((name, order), {})
+                entry[place, unit] = entry.get((place, unit), 0.0) + value
+    out = {}
+    for name in ("phi", "psi", "chi"):
+        orders = sorted(order for kernel, order in entries if kernel == name)
+        table = np.zeros((len(rows), 6, len(orders)))
+        for column, order in enumerate(orders):
+            for (place, unit), value in entries[name, order].items():
+                table[place, unit, column] = value
+        if orders:
+            out[name] = (orders, table)
+    return out
 
 
 @cache

@@ -21,7 +21,7 @@ from eigencontact.halfspace.cloud import _Sources, _sum_of_sources, cloud_source
 from eigencontact.halfspace.points import unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 
-__all__ = ["RegionMeans", "averaging_points"]
+__all__ = ["RegionMeans", "averaging_points", "is_ball"]
 
 Rule = tuple[FloatArray, FloatArray]
 
@@ -153,7 +153,7 @@ class RegionMeans:
         if source not in self._far:
             return self._exact(source, points, self._space)
         far = self._far[source]
-        if not _is_ball(far):
+        if not _is_one_ball(far):
             return self._fields_by_levels(source, points)
         out = self._sums(source, points, self._space)
         offsets = points.T - far.center
@@ -223,11 +223,11 @@ def averaging_points(shape: HasPotentials, order: int = 0) -> Rule:
     center = far.volumes @ far.positions / volume
     offsets = far.positions - center
     moments = (far.volumes[:, None] * offsets).T @ offsets + float(far.volumes @ far.spreads) * np.eye(3)
-    squares, axes = (np.full(3, far.spreads[0]), np.eye(3)) if _is_ball(far) else np.linalg.eigh(moments / volume)
+    squares, axes = (np.full(3, far.spreads[0]), np.eye(3)) if _is_one_ball(far) else np.linalg.eigh(moments / volume)
     deviations = np.sqrt(squares)
     ellipsoid = 4.0 / 3.0 * np.pi * float(np.prod(np.sqrt(5.0) * deviations))
     if abs(ellipsoid - volume) < 1e-6 * volume:
-        points, weights = _ball() if order == 0 else _shells(*((order, 1) if _is_ball(far) else (max(4, order - 2), 3)))
+        points, weights = _ball() if order == 0 else _shells(*((order, 1) if _is_one_ball(far) else (max(4, order - 2), 3)))
         points = np.sqrt(5.0) * points
     else:
         points = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
@@ -272,7 +272,12 @@ def _lattice(shape: HasPotentials) -> Rule:
     return np.column_stack([x, y, z])[inside], np.full(int(inside.sum()), 1.0 / inside.sum())
 
 
-def _is_ball(far: PointSources) -> bool:
+def is_ball(shape: object) -> bool:
+    """Whether a shape is a ball, by its far field."""
+    return isinstance(shape, HasFarField) and _is_one_ball(shape.far_field())
+
+
+def _is_one_ball(far: PointSources) -> bool:
     """One point source, of the spread that belongs to its volume."""
     radius = float(np.sqrt(5.0 * far.spreads[0]))
     return far.spreads.size == 1 and abs(far.volumes[0] - 4.0 / 3.0 * np.pi * radius**3) < 1e-9 * far.volumes[0]

@@ -76,8 +76,7 @@ def _refuse_law(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
         raise SceneError(
             f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
         )
-    whole = scene.numerics.inclusion_resolution == "whole"
-    require(not whole, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
+    require(scene.numerics.in_cells, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
 
 
 def bodies_of(scene: Scene, registry: Registry) -> Solids:

@@ -98,7 +98,7 @@ def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[i
     """
     grid, inhomogeneities = window.grid, sources.inhomogeneities
     prescribed = with_lattices(sources.prescribed, scene, grid)
-    if scene.numerics.inclusion_resolution == "cells":
+    if scene.numerics.in_cells:
         heights = {body: state.height for body, state in initial.items()}
         inhomogeneities = with_cells(inhomogeneities, scene, grid, heights)
     regions = (*prescribed, *inhomogeneities)

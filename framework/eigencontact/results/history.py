@@ -2,7 +2,7 @@
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
-coordinates, ``(history_step, y, x)`` in the cells of a surface, or ``(history_step[, mandel], inclusion_<body>)``;
+coordinates, ``(history_step, y, x)`` in the cells of a surface, or ``(history_step[, mandel][, density_<body>], inclusion_<body>)``;
 their role is ``history``. Six components are those of a Mandel vector: shears times √2.
 """
 
@@ -47,7 +47,7 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
                 coords = {axis: file[axis][...] for axis in "yx"}
             else:
                 coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
-            values, points = variable[steps.index(index)], len(coords) or 1
+            values, points = variable[steps.index(index)], len(coords) or _axes_of_inclusions(variable)
             records[name] = HistoryRecord(
                 name=name,
                 body=body,
@@ -57,6 +57,11 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
                 meaning=str(variable.attrs["long_name"]),
             )
     return records
+
+
+def _axes_of_inclusions(variable: Any) -> int:
+    """Axes behind the components: inclusions, and densities before them where the eigenstrain is a polynomial."""
+    return sum(str(name).rpartition("_")[0] in ("density", "inclusion") for name in variable.dimensions)
 
 
 def history_variables(record: StepRecord) -> Iterator[Variable]:
@@ -82,6 +87,8 @@ def _variable_of(item: HistoryRecord) -> Variable:
     prefix = "" if surface else f"cells_{item.body}_"
     points = [f"{prefix}{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]
     values = np.asarray(item.values, dtype=float)
+    if not item.coords and values.ndim == 3:
+        points = [f"density_{item.body}", *points]
     components = {1: [], len(_MANDEL): ["mandel"]}.get(len(values), [f"{item.name}_component"])
     attrs: dict[str, str | int] = {
         "role": "history", "units": item.unit, "long_name": item.meaning, "body": item.body,

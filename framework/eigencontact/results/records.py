@@ -68,8 +68,9 @@ class HistoryRecord:
         Unique; a valid NetCDF name.
     body : int
         1 or 2.
-    values : (components, nz, ny, nx), (1, ny, nx) or (components, n)
-        In the cells of a box, of the surface, or of n inclusions; six components are a Mandel vector.
+    values : (components, nz, ny, nx), (1, ny, nx), (components, n) or (components, densities, n)
+        In the cells of a box, of the surface, or of n inclusions, there per density of a polynomial; six components are
+        a Mandel vector.
     coords : mapping
         Centres of the cells [m] along ``"z"``, ``"y"``, ``"x"``, in this order, the same for all of a body; those of
         the window along ``"y"``, ``"x"`` alone; empty where the values belong to inclusions.

@@ -36,6 +36,7 @@ from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
 from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength, Table, Tables
 from eigencontact.scene.wear import Wear
+from eigencontact.scene.whole import Whole
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -105,9 +106,11 @@ class Numerics(Table):
     inclusion_cells : int
         Cells along z across a region that has to be cut into cells: a shape without potentials, or an eigenstrain that
         is not uniform.
-    inclusion_resolution : {"cells", "whole"}
-        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own, or as a ``"whole"`` with
-        one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each other).
+    inclusion_resolution : {"cells", "whole"} or Whole
+        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own; as a ``"whole"`` with one
+        uniform eigenstrain (cheap; shapes with potentials, away from the surface and each other); or as a whole with a
+        polynomial, ``{ whole = 4 }`` or ``{ whole = "auto" }`` (balls and ellipsoids: more accurate than cells, and
+        cheaper).
     inclusion_pitch : float, optional
         Height of those cells [m]; by default it follows the grid and the shapes.
     law_room : float
@@ -146,7 +149,7 @@ class Numerics(Table):
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
-    inclusion_resolution: Literal["cells", "whole"] = "cells"
+    inclusion_resolution: Literal["cells", "whole"] | Whole = "cells"
     inclusion_pitch: PositiveLength | None = None
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
@@ -159,6 +162,11 @@ class Numerics(Table):
     cloud_tolerance: Annotated[float, AfterValidator(in_range(0.0, 0.01, "[-]"))] = 1e-6
     allow_contact_at_edge: bool = False
     allow_coarse: bool = False
+
+    @property
+    def in_cells(self) -> bool:
+        """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
+        return self.inclusion_resolution == "cells"
 
 
 class Output(Table):

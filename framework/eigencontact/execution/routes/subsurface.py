@@ -11,6 +11,7 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tractions import TRACTIONS, Traction
 from eigencontact.execution.routes.closed_form import ClosedForms
+from eigencontact.execution.routes.moment_forms import MomentForms
 from eigencontact.execution.routes.prescribed import PrescribedField, cell_route
 from eigencontact.execution.routes.route import HalfSpace, Route
 from eigencontact.model.boxes import CellBox, box_of_inhomogeneities
@@ -89,7 +90,7 @@ class Subsurface:
     @property
     def in_cells(self) -> bool:
         """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
-        return self.half_space.numerics.inclusion_resolution == "cells"
+        return self.half_space.numerics.in_cells
 
     @cached_property
     def box(self) -> CellBox:
@@ -108,6 +109,8 @@ class Subsurface:
         """Route from the equivalent eigenstrain of the inhomogeneities to a field at the points of a lattice."""
         if self.in_cells:
             return cell_route(self.half_space, self.box, quantity, lattice, rows)
+        if self.half_space.numerics.inclusion_resolution != "whole":
+            return MomentForms(self.half_space, self.inhomogeneities, quantity, lattice, rows)
         return ClosedForms(self.half_space, self.inhomogeneities, quantity, lattice, rows)
 
     def prescribed_field(

@@ -1,0 +1,191 @@
+"""Inhomogeneities of one body with a polynomial eigenstrain each: no cells, no quadrature of the contact's stress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.numbers import Number
+from eigencontact.errors import SceneError
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.interiors.interior import Remembered, eigenstrain_name, loads
+from eigencontact.execution.interiors.responding import Responding
+from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.model.kernels import KernelUse
+from eigencontact.model.overlaps import overlapping
+from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sources import Inhomogeneity
+from eigencontact.model.whole_degrees import degrees_of
+from eigencontact.plugin import LinearLaw
+from eigencontact.results.records import HistoryRecord
+from eigencontact.scene.whole import Whole
+
+__all__ = ["PolynomialWholes"]
+
+#: Seconds of one function at one point of the surface on one thread, with six points an inclusion's table.
+_TABLE = 1.2e-7
+
+
+class PolynomialWholes(Responding):
+    """Polynomial eigenstrain of each inhomogeneity.
+
+    The mean displacement of every surface cell by each function of an inclusion gives the work of tractions on that
+    function too (Betti); see `eigencontact.solvers.whole_surface`.
+
+    Raises
+    ------
+    SceneError
+        A shape without moment potentials, a law or a prestrain that is not uniform and linear, inclusions that overlap,
+        or an error that no degree reaches.
+    """
+
+    numbers: Sequence[Number] = (
+        *Responding.numbers,
+        Number(
+            name="inclusion_degree_error", unit="1", role="error", over="max",
+            meaning="estimated error of the eigenstrain of whole inhomogeneities by their degree, in parts of it",
+        ),
+    )  # fmt: skip
+
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        super().__init__(subsurface, directions, None)
+        whole = self._numerics.inclusion_resolution
+        assert isinstance(whole, Whole)
+        for source in self.sources:
+            _refuse(source)
+        for first, second in overlapping(self.sources):
+            raise SceneError(
+                f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
+                "numerics.inclusion-resolution (got ground that both hold); set it to 'cells'"
+            )
+        self._degrees = degrees_of(self.sources, whole, self._half_space.material, surface=not self._half_space.full)
+        self.why = self._reason()
+        self._declare()
+
+    def _reason(self) -> str:
+        lowest, highest = (pick(item.degree for item in self._degrees) for pick in (min, max))
+        degrees = f"degree {highest}" if lowest == highest else f"degrees {lowest} to {highest}"
+        worst = max(item.error for item in self._degrees)
+        count = "its" if len(self.sources) == 1 else f"{len(self.sources)} inhomogeneities of"
+        text = f"{count} polynomial eigenstrain of {degrees}"
+        return f"{text}, foretold error {100 * worst:.2g} % of the load" if worst > 0 else text
+
+    def _declare(self) -> None:
+        """Set price and kernels."""
+        count, cells = len(self.sources), self._grid.nx * self._grid.ny
+        functions = np.array([3 * (item.degree + 1) * (item.degree + 3) + 3 for item in self._degrees], dtype=float)
+        along = max(len(self._means), 1)
+        tables = float(functions.sum()) * cells
+        pairs = float((functions**2).sum()) * 8.0 * min(count, 40)
+        self.cost = Cost(
+            memory=8.0 * tables * (along + 3) + pairs + 30e6,
+            seconds_once=(4 * tables * _TABLE + 0.2 * count) / self._half_space.threads,
+            seconds_per_step=2e-8 * tables + 1e-3 * count,
+        )
+        shapes = " and ".join(sorted({source.key for source in self.sources}))
+        self.kernels = (
+            KernelUse("mean displacement", "polynomial eigenstrain", shapes, "whole window", count),
+            KernelUse("work of stress", "polynomial eigenstrain", shapes, "each in each", count**2),
+        )
+        if self._surface is not None:
+            self.cost += self._surface.cost
+
+    def start(self) -> None:
+        """See `Interior.start`."""
+        from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
+        from eigencontact.solvers.whole_surface import WholeSurface
+
+        self._system = PolynomialInclusions(
+            [cast("HasMomentPotentials", source.shape) for source in self.sources], self._half_space.material,
+            [cast("Any", source.law) for source in self.sources], [item.degree for item in self._degrees],
+            space=self._half_space.space, threads=self._numerics.threads,
+        )  # fmt: skip
+        self._table = None
+        if self._tractions:
+            along = "".join(item.direction for item in self._tractions)
+            self._table = WholeSurface(self._system, self._grid, along, threads=self._numerics.threads)
+        if self._subsurface.prescribed:
+            none = np.empty(0)
+            points = RegionLattice(
+                target=(0, 0), origin=(0.0, 0.0), x=none, y=none, depths=none, points=self._system.points.T.copy()
+            )
+            self._prescribed = self._subsurface.prescribed_field("stress", points)
+
+    def begin(self, increment: Increment, last: Remembered) -> None:
+        """See `Interior.begin`."""
+        super().begin(increment, last)
+        if eigenstrain_name(self.body) not in last:
+            nothing = np.zeros(self._system.size)
+            self.eigenstrain = self._system.eigenstrain(nothing, self._prestrain)
+        self._amplitudes = self._system.amplitudes_of(self.eigenstrain, self._prestrain)
+        self._load = np.zeros(self._system.size)
+
+    def prestrain(self, time: float) -> FloatArray:
+        """See `Responding.prestrain`."""
+        return np.array([source.uniform_eigenstrain(time) for source in self.sources]).T
+
+    def applied(self, tractions: Fields) -> FloatArray:
+        """Work of the contact and of prescribed eigenstrain on every function, ``(unknowns,)`` [J]."""
+        total = np.zeros(self._system.size)
+        if self._prescribed is not None:
+            total += self._system.moments(self._prescribed.at(self._time).reshape(6, -1))
+        if tractions:
+            assert self._table is not None
+            total += self._table.work(np.array(loads(self.body, self._tractions, tractions)))
+        return total
+
+    def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
+        """See `Responding.solve`."""
+        answer = self._system.solve(
+            applied, prestrain, start=self._amplitudes, tolerance=tolerance,
+            max_iterations=self._numerics.max_iterations, progress=self.progress,
+        )  # fmt: skip
+        self._amplitudes, self._load = answer.amplitudes, applied
+        return answer
+
+    def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
+        """See `Responding.mean_displacement`."""
+        assert self._table is not None
+        return self._table.displacement(self._system.amplitudes_of(eigenstrain, self._prestrain), self._prestrain)
+
+    def scalars(self) -> dict[str, float]:
+        """See `Interior.scalars`."""
+        return {**super().scalars(), "inclusion_degree_error": self._error()}
+
+    def _error(self) -> float:
+        """Change by the last degree, times what all higher ones would add, of the worst inclusion in parts of the largest."""
+        system = self._system
+        nothing = np.zeros(system.size)
+        largest = float(system.difference(self._amplitudes, nothing).max())
+        if largest == 0.0:
+            return 0.0
+        steps = []
+        for lower in (1, 2):
+            below = system.solve(self._load, self._prestrain, start=self._amplitudes, lower=lower).amplitudes
+            steps.append(below)
+        last = system.difference(self._amplitudes, steps[0])
+        earlier = system.difference(steps[0], steps[1])
+        factor = np.array([item.quality / (1.0 - item.quality) for item in self._degrees])
+        return float((np.maximum(last, 0.5 * earlier * (factor < 1.0)) * np.maximum(factor, 0.1)).max() / largest)
+
+    def remembered(self) -> dict[str, HistoryRecord]:
+        """See `Interior.remembered`."""
+        name = eigenstrain_name(self.body)
+        meaning = "eigenstrain equivalent to the inhomogeneities per density of their shapes, Mandel components"
+        return {name: self._record(name, self.eigenstrain, "1", meaning)}
+
+
+def _refuse(source: Inhomogeneity) -> None:
+    whole = isinstance(source.shape, HasMomentPotentials) and source.field.uniform
+    if not (whole and isinstance(source.law, LinearLaw) and not source.law.varies):
+        raise SceneError(
+            f"{source.where} ({source.name!r}) must be a ball or another shape with moment potentials, of one linear "
+            "law and a uniform prestrain, for a polynomial in numerics.inclusion-resolution "
+            f"(got {source.key!r} of {source.law.key!r}); set it to 'cells'"
+        )

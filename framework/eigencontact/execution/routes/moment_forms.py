@@ -1,0 +1,56 @@
+"""Route for whole inhomogeneities with polynomial eigenstrain: potentials of polynomials at the points."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.parallel import working_threads
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.routes.route import Route
+from eigencontact.halfspace.potentials import HasMomentPotentials
+
+__all__ = ["MomentForms"]
+
+#: Seconds of one point on one thread, and of each function of a degree there: fitted to balls of degree 2 to 6.
+_POINT, _FUNCTION = 1.5e-6, 4e-8
+#: Functions of degree N: about (N + 6)², twice.
+_ABOVE = 6
+
+
+class MomentForms(Route):
+    """Field of a polynomial eigenstrain in each of some shapes, ``(6, densities, n)``."""
+
+    @property
+    def words(self) -> str:
+        """See `Route.words`."""
+        return f"{self.sources[0].how}, potentials of polynomials"
+
+    @property
+    def cost(self) -> Cost:
+        """See `Route.cost`; nothing is kept but the field itself."""
+        count = int(np.prod(self.lattice.shape))
+        whole = self.half_space.numerics.inclusion_resolution
+        degree = getattr(whole, "whole", 0)
+        functions = 2 * ((4 if degree == "auto" else degree) + _ABOVE) ** 2
+        seconds = len(self.sources) * count * (_POINT + _FUNCTION * functions)
+        held = 8.0 * count * len(self.rows) * 3 + 64e6
+        return Cost(memory=held, seconds_per_step=seconds / working_threads(self.half_space.threads))
+
+    def field(self, eigenstrain: FloatArray) -> FloatArray:
+        """See `Route.field`."""
+        from eigencontact.halfspace.moments import degree_of, densities_up_to, moment_field
+
+        points, numerics, total = self.lattice.flat_points(), self.half_space.numerics, 0.0
+        for source, coefficients in zip(self.sources, np.moveaxis(eigenstrain, 2, 0), strict=True):
+            degree = degree_of(coefficients)
+            total = total + moment_field(
+                cast("HasMomentPotentials", source.shape), coefficients[:, : densities_up_to(degree)], points,
+                degree=degree, poisson_ratio=self.half_space.material.poisson_ratio, quantity=self.quantity,
+                space=self.half_space.space, threads=numerics.threads,
+            )  # fmt: skip
+        if self.quantity == "stress":
+            total = total * self.half_space.material.shear_modulus
+        return np.asarray(total)[list(self.rows)].reshape(self.shape)

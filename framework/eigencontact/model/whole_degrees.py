@@ -1,0 +1,92 @@
+"""Degree of the eigenstrain of each whole inhomogeneity: given by the scene, or chosen by the error foretold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.material import Material
+from eigencontact.errors import SceneError
+from eigencontact.model.sources import Inhomogeneity
+from eigencontact.scene.whole import HIGHEST_DEGREE, Whole
+from eigencontact.solvers.inclusion_reach import contrast_of, degree_for, reflection, stated_error
+
+__all__ = ["WholeDegree", "degrees_of"]
+
+#: Least degree that ``"auto"`` takes: differences of lower ones foretell nothing.
+_LEAST = 3
+#: Radii between which neighbours count as near.
+_NEAR = 6.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class WholeDegree:
+    """Degree of one inhomogeneity.
+
+    Attributes
+    ----------
+    degree : int
+    quality : float
+        Factor by which its error falls per degree.
+    error : float
+        Error foretold for the degree, in parts of the load.
+    """
+
+    degree: int
+    quality: float
+    error: float
+
+
+def degrees_of(
+    sources: Sequence[Inhomogeneity], whole: Whole, matrix: Material, *, surface: bool = True
+) -> list[WholeDegree]:
+    """Degree of each inhomogeneity of a body.
+
+    Raises
+    ------
+    SceneError
+        Inclusions so close to each other or to the surface that no degree reaches the error that the scene allows.
+    """
+    bounds = np.array([source.shape.bounds for source in sources], dtype=float)
+    centers, halves = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0])
+    radii = halves.max(axis=1)
+    contrasts = [_contrast(source, matrix) for source in sources]
+    found = []
+    for number, source in enumerate(sources):
+        quality, beside = _closest(number, centers, halves, radii, surface)
+        needed = degree_for(contrasts[number], quality, whole.error)
+        degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
+        error = stated_error(contrasts[number], quality, degree)
+        if whole.whole == "auto" and needed > HIGHEST_DEGREE:
+            who = "the surface" if beside is None else repr(sources[beside].name)
+            raise SceneError(
+                f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution = "
+                f"{{ whole = \"auto\", error = {whole.error:g} }} (got an error of {error:.2g} with the highest degree, "
+                f"{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set \"cells\""
+            )
+        found.append(WholeDegree(degree=degree, quality=quality, error=error))
+    return found
+
+
+def _closest(
+    number: int, centers: FloatArray, halves: FloatArray, radii: FloatArray, surface: bool
+) -> tuple[float, int | None]:
+    """Strongest reflection of an inclusion, and the neighbour that causes it; None for the surface."""
+    best, beside = 0.0, None
+    if surface:
+        best = reflection(2.0 * centers[number, 2], halves[number, 2], halves[number, 2])
+    gaps = np.linalg.norm(centers - centers[number], axis=1)
+    for other in np.flatnonzero(gaps < _NEAR * (radii + radii[number])):
+        if other != number:
+            quality = reflection(float(gaps[other]), float(radii[number]), float(radii[other]))
+            if quality > best:
+                best, beside = quality, int(other)
+    return best, beside
+
+
+def _contrast(source: Inhomogeneity, matrix: Material) -> float:
+    law = source.uniform_law
+    return 1.0 if law is None else contrast_of(law, matrix)

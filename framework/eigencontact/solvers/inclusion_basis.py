@@ -1,0 +1,119 @@
+"""Functions that the eigenstrain of one whole inclusion is sought in, and its integrals with itself.
+
+An inclusion of stiffness C' in a matrix of compliance M, with stress τ and strain e, has the eigenstrain x = e - M τ.
+Fields of `eigencontact.solvers.navier_polynomials` give the pairs (e, τ), bounded from a void to a rigid inclusion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.elasticity import Elasticity, factors_of_stiffness, isotropic_factors
+from eigencontact.core.material import Material
+from eigencontact.errors import require
+from eigencontact.halfspace.moments import densities_up_to
+from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.solvers.cell_conditions import compliance
+from eigencontact.solvers.navier_polynomials import all_polynomials, equilibrated_polynomials
+
+__all__ = ["InclusionBasis", "basis_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class InclusionBasis:
+    """Basis of one kind of inclusion.
+
+    Attributes
+    ----------
+    degree : int
+    degrees : (n,) of int
+        Degree of each function; they ascend.
+    eigenstrain : (n + 6, 6, densities)
+        x of each function per density of the shape; then the six uniform eigenstrains, for a prestrain.
+    work : (n, n + 6)
+        Integral of τ of one function with x of another [m^3, in units of the matrix's shear modulus].
+    overlap : (n, n)
+        Mean over the inclusion of x : x.
+    mean : (6, n + 6)
+        Mean of x over the inclusion.
+    volume : float
+        Of the inclusion [m^3].
+    """
+
+    degree: int
+    degrees: np.ndarray
+    eigenstrain: FloatArray
+    work: FloatArray
+    overlap: FloatArray
+    mean: FloatArray
+    volume: float
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.degrees)
+
+    @cached_property
+    def unknowns(self) -> FloatArray:
+        """Eigenstrain of the functions without the uniform ones."""
+        return self.eigenstrain[: self.size]
+
+    @cached_property
+    def amplitudes(self) -> FloatArray:
+        """Amplitudes ``(n, 6 densities)`` of an eigenstrain per density; functions without eigenstrain have none."""
+        return np.linalg.pinv(self.unknowns.reshape(self.size, -1).T, rcond=1e-11)
+
+
+def basis_of(
+    shape: HasMomentPotentials, material: Elasticity | ArrayLike, matrix: Material, degree: int
+) -> InclusionBasis:
+    """Basis up to a degree, orthonormal in g over the inclusion, lower degrees first.
+
+    Raises
+    ------
+    ValidationError
+        Densities of the shape that do not span the polynomials.
+    """
+    G = matrix.shear_modulus
+    soft, stiff = material.factors(G) if isinstance(material, Elasticity) else factors_of_stiffness(material, G)
+    soft = 2.0 * G * soft  # strain and stress / 2G of g
+    around = isotropic_factors(matrix.young_modulus, matrix.poisson_ratio, G)
+    points, weights = shape.density_rule((degree + 3, degree + 3, 2 * degree + 6))
+    volume = float(weights.sum())
+    densities = shape.densities(degree, *points.T)
+    gram = (densities * weights) @ densities.T / volume
+    root = np.linalg.cholesky(gram)
+    middle = weights @ points / volume
+    offsets = points - middle
+    size = float(np.sqrt((weights @ offsets**2).max() / volume))
+    found = equilibrated_polynomials(soft, stiff, around, degree, offsets / size)
+    values, degrees = all_polynomials(densities, degree) if found is None else found
+    # Coefficients per density in an orthonormal set; the shape's densities span what is asked for, or this is no inverse.
+    orthonormal = np.linalg.solve(root, densities)
+    inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
+    missed = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()
+    require(missed < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
+    flat, _ = np.linalg.qr(inner.reshape(len(inner), -1).T)
+    g = flat.T.reshape(inner.shape)
+    M = 2.0 * G * compliance(matrix)
+    strain, stress = np.einsum("ij,njd->nid", soft, g), np.einsum("ij,njd->nid", stiff, g)
+    x = strain - np.einsum("ij,njd->nid", M, stress)
+    uniform = np.zeros((6, 6, densities_up_to(degree)))
+    uniform[:, :, 0] = np.eye(6) / densities[0].mean() * root[0, 0]
+    every = np.concatenate((x, uniform))
+    means = orthonormal @ weights / volume
+    to_densities = np.linalg.inv(root)
+    return InclusionBasis(
+        degree=degree,
+        degrees=degrees,
+        eigenstrain=every @ to_densities,
+        work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
+        overlap=np.einsum("nid,kid->nk", x, x),
+        mean=(every @ means).T,
+        volume=volume,
+    )

@@ -1,0 +1,396 @@
+"""Whole inhomogeneities with polynomial eigenstrain: one small symmetric system for all of them.
+
+With the eigenstrain ``Σ y_a x_a`` of an inclusion and the stress τ that its own stiffness gives it (`inclusion_basis`),
+the stress of the body, σ_0 + A x, must be τ in the mean weighted by each x_b over the inclusion::
+
+    Σ_a y_a ∫ x_b : (τ_a - A x_a) dV = ∫ x_b : σ_0 dV
+
+The matrix is symmetric, by the reciprocity of A. The right-hand side by tractions is their work on the displacement
+that x_b causes at the surface (Betti), so a load close to an inclusion needs no quadrature within it. What a degree
+gives is exact if the load's field is of that degree; otherwise the error falls by a constant factor per degree, set by
+the distance to the surface and to other inclusions.
+
+References
+----------
+J. D. Eshelby 1961, Progress in Solid Mechanics 2, 89; Z. A. Moschovidis and T. Mura 1975, J. Appl. Mech. 42, 847
+(polynomial eigenstrain in interacting ellipsoids). Weak form and the reduced basis were derived for this project.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.elasticity import Elasticity, ElasticityOfCells, factors_of_stiffness
+from eigencontact.core.material import Material
+from eigencontact.core.products import norm_of
+from eigencontact.errors import NotConverged, require
+from eigencontact.halfspace.cloud import likeness
+from eigencontact.halfspace.moments import densities_up_to, moment_field
+from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.halfspace.region_means import is_ball
+from eigencontact.solvers.gmres import gmres
+from eigencontact.solvers.inclusion_basis import InclusionBasis, basis_of
+from eigencontact.solvers.inclusion_reach import counts_between
+from eigencontact.solvers.inclusion_system import InclusionReport
+from eigencontact.solvers.report import Progress
+
+__all__ = ["PolynomialAnswer", "PolynomialInclusions"]
+
+#: Eigenvalue of an inclusion's own matrix, over its volume, that is rounding: functions without eigenstrain, as a
+#: change of volume where both materials resist it alike.
+_ROUNDING = 1e-12
+#: Offsets in radii that are alike.
+_ALIKE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class PolynomialAnswer:
+    """Equivalent eigenstrain of whole inclusions.
+
+    Attributes
+    ----------
+    eigenstrain : (6, densities, n)
+        Mandel eigenstrain per density of each shape, prestrain included; of the highest degree of all, zero above an
+        inclusion's own.
+    amplitudes : (unknowns,)
+        Of the functions of all inclusions.
+    report : InclusionReport
+        Certificate and course.
+    """
+
+    eigenstrain: FloatArray
+    amplitudes: FloatArray
+    report: InclusionReport
+
+
+@dataclass(slots=True)
+class _Blocks:
+    """Equal interactions: one matrix for many pairs of a target and a source."""
+
+    matrix: FloatArray
+    targets: list[int] = field(default_factory=list)
+    sources: list[int] = field(default_factory=list)
+
+
+class PolynomialInclusions:
+    """The linear system of one set of inclusions.
+
+    Parameters
+    ----------
+    shapes : sequence of HasMomentPotentials
+        Inclusions that do not overlap.
+    matrix : Material
+        The material around; ν up to 0.5.
+    materials : sequence of Elasticity or of (6, 6)
+        Elastic constants of each, or Mandel stiffness [Pa]; equal ones as one object are looked at once.
+    degrees : sequence of int
+        Degree of the eigenstrain of each.
+    space : {"half", "full"}
+        With or without the free surface z = 0.
+    threads : int, optional
+        Cores to use; by default all.
+
+    Raises
+    ------
+    ValidationError
+        Materials that vary in an inclusion; numbers that do not match.
+    """
+
+    tolerance, max_iterations, restart = 1e-8, 200, 50
+
+    def __init__(
+        self,
+        shapes: Sequence[HasMomentPotentials],
+        matrix: Material,
+        materials: Sequence[Elasticity | ArrayLike],
+        degrees: Sequence[int],
+        *,
+        space: str = "half",
+        threads: int | None = None,
+    ) -> None:
+        where, count = "inclusions", len(shapes)
+        require(count > 0, where, "shapes", count, "at least one")
+        require(len(materials) == count, where, "materials", len(materials), f"one for each of {count} inclusions")
+        require(len(degrees) == count, where, "degrees", len(degrees), f"one for each of {count} inclusions")
+        maps = any(isinstance(item, ElasticityOfCells) for item in materials)
+        require(not maps, where, "materials", "a map", "uniform in each inclusion; resolve maps by cells")
+        self.shapes, self.matrix, self.degrees = list(shapes), matrix, list(degrees)
+        self._space, self._threads = space, threads
+        known: dict[Hashable, InclusionBasis] = {}
+        self._kinds: list[Hashable] = []
+        self.bases: list[InclusionBasis] = []
+        for shape, material, degree in zip(shapes, materials, degrees, strict=True):
+            kind = (likeness(shape), _constants(material, matrix.shear_modulus), degree)
+            if kind not in known:
+                known[kind] = basis_of(shape, material, matrix, degree)
+            self._kinds.append(kind)
+            self.bases.append(known[kind])
+        self.starts = np.cumsum([0, *(basis.size for basis in self.bases)])
+        bounds = np.array([shape.bounds for shape in shapes], dtype=float)
+        self.centers, self.radii = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)
+        self._halves = 0.5 * (bounds[:, 1, 2] - bounds[:, 0, 2])
+        self._own: dict[Hashable, FloatArray] = {}
+        self._blocks = list(self._interactions().values())
+        self._inverses: dict[tuple[Hashable, int], FloatArray] = {}
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return int(self.starts[-1])
+
+    @cached_property
+    def rules(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Points ``(m, 3)`` [m] and weights [m^3] of each inclusion for a stress that comes from elsewhere."""
+        return [
+            shape.density_rule((degree + 3, degree + 6, 2 * degree + 8))
+            for shape, degree in zip(self.shapes, self.degrees, strict=True)
+        ]
+
+    @property
+    def points(self) -> FloatArray:
+        """Points ``(3, m)`` [m] at which the stress of a load is asked for by `moments`."""
+        return np.concatenate([points for points, _ in self.rules]).T
+
+    def moments(self, stress: FloatArray) -> FloatArray:
+        """Integrals ``(unknowns,)`` [J] of a stress ``(6, m)`` [Pa] at `points` with every function."""
+        out, first = [], 0
+        for shape, basis, (points, weights) in zip(self.shapes, self.bases, self.rules, strict=True):
+            densities = shape.densities(basis.degree, *points.T)
+            here = stress[:, first : first + len(points)] * weights
+            out.append(np.einsum("nid,dm,im->n", basis.unknowns, densities, here, optimize=True))
+            first += len(points)
+        return np.concatenate(out)
+
+    def solve(
+        self,
+        load: FloatArray,
+        prestrain: FloatArray | None = None,
+        *,
+        start: FloatArray | None = None,
+        lower: int = 0,
+        tolerance: float | None = None,
+        max_iterations: int | None = None,
+        progress: Progress | None = None,
+    ) -> PolynomialAnswer:
+        """Find the eigenstrain under a load.
+
+        Parameters
+        ----------
+        load : (unknowns,)
+            Integrals [J] of the stress of the load with every function: `moments`, or the work of tractions.
+        prestrain : (6, n), optional
+            Uniform eigenstrain ε_p of each inclusion.
+        start : (unknowns,), optional
+            Amplitudes to start from.
+        lower : int
+            Degrees by which every inclusion stays below its own; at least 0 remains.
+        tolerance : float, optional
+            Bound of ``InclusionReport.residual``: root mean square of the eigenstrain that each inclusion would still
+            add by itself, relative to what it would have alone under the load.
+        max_iterations : int, optional
+            Iterations allowed.
+        progress : callable, optional
+            Called after each iteration.
+
+        Raises
+        ------
+        NotConverged
+            With the report.
+        """
+        began = perf_counter()
+        bound = self.tolerance if tolerance is None else tolerance
+        report = InclusionReport(tolerance=bound)
+        used = self._used(lower)
+        fixed = np.zeros((6, len(self.shapes))) if prestrain is None else np.asarray(prestrain, dtype=float)
+        forcing = np.asarray(load, dtype=float) / self.matrix.shear_modulus
+        if fixed.any():
+            forcing = forcing - self._applied(np.zeros(self.size), fixed)
+        alone = self._inverted(forcing * used, lower)
+        size = self._size_of(alone)
+        amplitudes = np.zeros(self.size) if start is None else start * used
+
+        def watch(norm: float) -> None:
+            report.history.append(norm / size)
+            if progress is not None:
+                progress("whole inclusions", norm / size, bound)
+
+        def operator(y: FloatArray) -> FloatArray:
+            report.applications += 1
+            return self._inverted(self._applied(y) * used, lower)
+
+        if size > 0.0:
+            first = self._inverted((forcing - self._applied(amplitudes)) * used, lower)
+            limit = self.max_iterations if max_iterations is None else max_iterations
+            correction = gmres(
+                operator, first, bound=0.5 * bound * size, max_iterations=limit, restart=self.restart,
+                watch=watch,
+            )  # fmt: skip
+            amplitudes = amplitudes + correction
+            left = self._inverted((forcing - self._applied(amplitudes)) * used, lower)
+            report.residual = self._size_of(left) / size
+        else:
+            report.residual = 0.0
+        report.seconds = perf_counter() - began
+        if not report.holds:
+            raise NotConverged(
+                f"whole inclusions: residual {report.residual:.1e} after {report.iterations} iterations "
+                f"(tolerance {bound:.1e}); allow more iterations or a larger tolerance",
+                report,
+            )
+        return PolynomialAnswer(self.eigenstrain(amplitudes, fixed), amplitudes, report)
+
+    def eigenstrain(self, amplitudes: FloatArray, prestrain: FloatArray) -> FloatArray:
+        """Eigenstrain per density, ``(6, densities, n)``."""
+        out = np.zeros((6, densities_up_to(max(self.degrees)), len(self.shapes)))
+        for number, basis in enumerate(self.bases):
+            every = np.concatenate((self.of(amplitudes, number), prestrain[:, number]))
+            values = np.tensordot(every, basis.eigenstrain, 1)
+            out[:, : values.shape[1], number] = values
+        return out
+
+    def amplitudes_of(self, eigenstrain: FloatArray, prestrain: FloatArray) -> FloatArray:
+        """Amplitudes of an eigenstrain ``(6, densities, n)`` of these inclusions, less the prestrain."""
+        out = np.zeros(self.size)
+        for number, basis in enumerate(self.bases):
+            count = basis.eigenstrain.shape[2]
+            values = eigenstrain[:, :count, number] - np.tensordot(prestrain[:, number], basis.eigenstrain[-6:], 1)
+            out[self.starts[number] : self.starts[number + 1]] = basis.amplitudes @ values.ravel()
+        return out
+
+    def difference(self, first: FloatArray, second: FloatArray) -> FloatArray:
+        """Root mean square over each inclusion of the difference of two eigenstrains, by amplitudes, ``(n,)``."""
+        change = first - second
+        return np.array([self._norm(self.of(change, number), number) for number in range(len(self.shapes))])
+
+    def of(self, amplitudes: FloatArray, number: int) -> FloatArray:
+        """Amplitudes of one inclusion."""
+        return amplitudes[self.starts[number] : self.starts[number + 1]]
+
+    def _norm(self, amplitudes: FloatArray, number: int) -> float:
+        return float(np.sqrt(max(amplitudes @ self.bases[number].overlap @ amplitudes, 0.0)))
+
+    def _size_of(self, amplitudes: FloatArray) -> float:
+        return norm_of(self.difference(amplitudes, np.zeros_like(amplitudes)))
+
+    def _used(self, lower: int) -> FloatArray:
+        parts = [basis.degrees <= max(basis.degree - lower, 0) for basis in self.bases]
+        return np.concatenate(parts).astype(float)
+
+    def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
+        """What each inclusion would answer to forces if it were alone."""
+        out = np.zeros_like(forces)
+        for number, basis in enumerate(self.bases):
+            key = self.key_of(number), lower
+            if key not in self._inverses:
+                matrix = self._own[key[0]][:, : basis.size]
+                kept = int((basis.degrees <= max(basis.degree - lower, 0)).sum())
+                self._inverses[key] = np.zeros_like(matrix)
+                self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept], basis.volume)
+            part = slice(self.starts[number], self.starts[number + 1])
+            out[part] = self._inverses[key] @ forces[part]
+        return out
+
+    def _applied(self, amplitudes: FloatArray, prestrain: FloatArray | None = None) -> FloatArray:
+        """Left side of the system, ``(unknowns,)``, in units of the matrix's shear modulus."""
+        out = np.zeros(self.size)
+        every = []
+        for number in range(len(self.shapes)):
+            uniform = np.zeros(6) if prestrain is None else prestrain[:, number]
+            every.append(np.concatenate((self.of(amplitudes, number), uniform)))
+        for block in self._blocks:
+            answers = block.matrix @ np.array([every[source] for source in block.sources]).T
+            for target, answer in zip(block.targets, answers.T, strict=True):
+                out[self.starts[target] : self.starts[target + 1]] += answer
+        return out
+
+    def key_of(self, number: int) -> Hashable:
+        """Key that inclusions share whose shape, constants, degree and depth are alike."""
+        depth = round(self.centers[number, 2] / (_ALIKE * self.radii[number])) if self._space == "half" else 0
+        return self._kinds[number], depth
+
+    def _interactions(self) -> dict[Hashable, _Blocks]:
+        """Matrices of all pairs, each inclusion with itself first; those of like pairs once."""
+        blocks: dict[Hashable, _Blocks] = {}
+        for number, basis in enumerate(self.bases):
+            key = self.key_of(number)
+            if key not in self._own:
+                caused = self._stress_work(number, number)
+                self._own[key] = basis.work - caused[: basis.size]
+                self._own[key][:, basis.size :] = -caused[: basis.size, basis.size :]
+            block = blocks.setdefault(key, _Blocks(self._own[key]))
+            block.targets.append(number)
+            block.sources.append(number)
+        for source in range(len(self.shapes)):
+            for target in range(source):
+                self._add_pair(blocks, target, source)
+        return blocks
+
+    def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
+        """Both directions of a pair: one matrix is the other's transpose."""
+        scale = _ALIKE * max(self.radii[target], self.radii[source])
+        offset = np.round((self.centers[source] - self.centers[target]) / scale)
+        depth = round(self.centers[target, 2] / scale) if self._space == "half" else 0
+        key = (self._kinds[target], self._kinds[source], offset.tobytes(), depth)
+        there, back = (*key, "there"), (*key, "back")
+        if there not in blocks:
+            caused = -self._stress_work(target, source)
+            blocks[there] = _Blocks(caused[: self.bases[target].size])
+            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self.bases[source].size].T))
+        blocks[there].targets.append(target)
+        blocks[there].sources.append(source)
+        blocks[back].targets.append(source)
+        blocks[back].sources.append(target)
+
+    def _stress_work(self, target: int, source: int) -> FloatArray:
+        """Integrals over the target of its functions with the stress of the source's, ``(n + 6, n + 6)``."""
+        first, second = self.bases[target], self.bases[source]
+        distance = 2.0 * self.centers[source, 2] if target == source else self._distance(target, source)
+        reach = self._halves[source] if target == source else self.radii[source]
+        within = self._halves[target] if target == source else self.radii[target]
+        degree = max(first.degree, second.degree)
+        counts = counts_between(distance, within, reach, degree, alone=target == source and self._space == "full")
+        if target == source and is_ball(self.shapes[source]):
+            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
+        points, weights = self.shapes[target].density_rule(counts)
+        x, y, z = points.T
+        stress = moment_field(
+            self.shapes[source], second.eigenstrain, (x, y, z), degree=second.degree,
+            poisson_ratio=self.matrix.poisson_ratio, quantity="stress", space=self._space, threads=self._threads,
+        )  # fmt: skip
+        densities = self.shapes[target].densities(first.degree, x, y, z)
+        moments = np.einsum("kim,dm->kid", stress * weights, densities, optimize=True)
+        return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
+
+    def _distance(self, target: int, source: int) -> float:
+        """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
+        offset = self.centers[source] - self.centers[target]
+        gap = float(np.linalg.norm(offset))
+        if self._space == "half":
+            above = self.centers[source, 2] + self.centers[target, 2]
+            gap = min(gap, float(np.hypot(np.hypot(offset[0], offset[1]), above)))
+        return gap
+
+
+def _constants(material: Any, shear_modulus: float) -> Hashable:
+    """Key that equal stiffnesses share."""
+    pair = (
+        material.factors(shear_modulus)
+        if isinstance(material, Elasticity)
+        else factors_of_stiffness(material, shear_modulus)
+    )
+    return tuple((matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair))
+
+
+def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
+    """Inverse of a symmetric matrix on what it does not take to zero."""
+    values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
+    kept = np.abs(values) > _ROUNDING * volume
+    return np.asarray((vectors[:, kept] / values[kept]) @ vectors[:, kept].T)

@@ -1,0 +1,123 @@
+"""Displacement of surface cells by polynomial eigenstrain of whole inclusions, and the work of tractions on it.
+
+The mean displacement of a cell by each function of an inclusion is kept as a table. By Betti's theorem the same table
+gives the work of tractions in the inclusion, however close they are: no stress is integrated within it. Inclusions
+that differ by whole cells along x and y share a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
+from eigencontact.halfspace.moments import surface_displacement
+from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
+
+__all__ = ["WholeSurface", "table_bytes"]
+
+#: Offsets in cells that are alike.
+_ALIKE = 1e-7
+#: Gauss points along an edge of a cell far from the inclusion, and the most close to it.
+_FEW, _MOST = 2, 6
+
+
+@dataclass(slots=True)
+class _Group:
+    """Inclusions with one table: which, and the first column and row of each in it."""
+
+    members: list[int] = field(default_factory=list)
+    cells: list[tuple[int, int]] = field(default_factory=list)
+
+
+class WholeSurface:
+    """Tables of one arrangement of inclusions below a grid.
+
+    Parameters
+    ----------
+    system : PolynomialInclusions
+    grid : Grid
+        Of the surface.
+    directions : str
+        Directions, of ``"xyz"``, of the displacement and of the tractions.
+    threads : int, optional
+        Cores to use; by default all.
+    """
+
+    def __init__(
+        self, system: PolynomialInclusions, grid: Grid, directions: str, *, threads: int | None = None
+    ) -> None:
+        self._system, self._grid, self._rows = system, grid, ["xyz".index(name) for name in directions]
+        self._threads = threads
+        groups: dict[Hashable, _Group] = {}
+        for number, (x, y, _) in enumerate(system.centers):
+            column, row = (x - grid.x[0]) / grid.dx, (y - grid.y[0]) / grid.dy
+            shares = tuple(round((at - np.floor(at)) / _ALIKE) for at in (column, row))
+            group = groups.setdefault((system.key_of(number), shares), _Group())
+            group.members.append(number)
+            group.cells.append((int(np.floor(column)), int(np.floor(row))))
+        self._groups = [(group, self._table(group)) for group in groups.values()]
+
+    def displacement(self, amplitudes: FloatArray, prestrain: FloatArray) -> FloatArray:
+        """Mean displacement of the cells, ``(directions, ny, nx)`` [m]."""
+        ny, nx = self._grid.shape
+        out = np.zeros((len(self._rows), ny, nx))
+        for group, table in self._groups:
+            for number, part in self._parts(group):
+                weights = np.concatenate((self._system.of(amplitudes, number), prestrain[:, number]))
+                out += np.einsum("f,fdyx->dyx", weights, table[..., *part])
+        return out
+
+    def work(self, tractions: FloatArray) -> FloatArray:
+        """Work of tractions ``(directions, ny, nx)`` [Pa] on every function, ``(unknowns,)`` [J]."""
+        out = np.zeros(self._system.size)
+        loaded_y, loaded_x = (np.flatnonzero(tractions.any(axis=axes)) for axes in ((0, 2), (0, 1)))
+        if not loaded_y.size:
+            return out
+        y, x = (slice(int(loaded[0]), int(loaded[-1]) + 1) for loaded in (loaded_y, loaded_x))
+        load = tractions[:, y, x] * self._grid.cell_area
+        for group, table in self._groups:
+            for number, (rows, columns) in self._parts(group):
+                here = table[:, :, rows, columns][: self._system.bases[number].size, :, y, x]
+                start = self._system.starts[number]
+                out[start : start + len(here)] = np.einsum("fdyx,dyx->f", here, load)
+        return out
+
+    def _parts(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
+        """Part of the table that stands for the window, of each member."""
+        ny, nx = self._grid.shape
+        right, high = (max(cell[axis] for cell in group.cells) for axis in (0, 1))
+        return [
+            (number, (slice(high - row, high - row + ny), slice(right - column, right - column + nx)))
+            for number, (column, row) in zip(group.members, group.cells, strict=True)
+        ]
+
+    def _table(self, group: _Group) -> FloatArray:
+        """Mean displacement by unit amplitudes, ``(functions, directions, rows, columns)``."""
+        grid, system, number = self._grid, self._system, group.members[0]
+        columns, rows = (np.array([cell[axis] for cell in group.cells]) for axis in (0, 1))
+        x = grid.x[0] + grid.dx * (np.arange(grid.nx + int(np.ptp(columns))) + columns[0] - columns.max())
+        y = grid.y[0] + grid.dy * (np.arange(grid.ny + int(np.ptp(rows))) + rows[0] - rows.max())
+        ligament = system.centers[number, 2] - system.radii[number]
+        wide = max(grid.dx, grid.dy) / max(ligament, 1e-3 * system.radii[number])
+        order = int(np.clip(np.ceil(_FEW * wide), _FEW, _MOST))
+        nodes, weights = np.polynomial.legendre.leggauss(order)
+        basis, shape = system.bases[number], system.shapes[number]
+        out = np.zeros((len(basis.eigenstrain), len(self._rows), y.size, x.size))
+        for node_y, weight_y in zip(nodes, weights, strict=True):
+            for node_x, weight_x in zip(nodes, weights, strict=True):
+                at_y, at_x = np.meshgrid(y + 0.5 * grid.dy * node_y, x + 0.5 * grid.dx * node_x, indexing="ij")
+                values = surface_displacement(
+                    shape, basis.eigenstrain, (at_x.ravel(), at_y.ravel()), self._rows, degree=basis.degree,
+                    poisson_ratio=system.matrix.poisson_ratio, threads=self._threads,
+                )  # fmt: skip
+                out += 0.25 * weight_x * weight_y * values.reshape(out.shape)
+        return out
+
+
+def table_bytes(functions: int, directions: int, cells: int) -> float:
+    """Memory of the table of one inclusion [bytes], while it is made."""
+    return 8.0 * functions * (2 * directions + 3) * cells
