@@ -22,20 +22,22 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells, factors_of_stiffness
 from eigencontact.core.material import Material
 from eigencontact.core.products import norm_of
 from eigencontact.errors import NotConverged, require
-from eigencontact.halfspace.cloud import likeness
+from eigencontact.halfspace.cloud import cloud_sources, likeness
 from eigencontact.halfspace.moments import densities_up_to, moment_field
-from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.halfspace.potentials import HasMomentPotentials, HasPotentials
 from eigencontact.halfspace.region_means import is_ball
+from eigencontact.solvers.distant_work import DistantWork
 from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.inclusion_basis import InclusionBasis, basis_of
 from eigencontact.solvers.inclusion_reach import counts_between
@@ -49,6 +51,8 @@ __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 _ROUNDING = 1e-12
 #: Offsets in radii that are alike.
 _ALIKE = 1e-9
+#: Inclusions from which on distant ones act by their mean eigenstrain, and the distance that is, in radii of the largest.
+_MANY, _NEAR = 40, 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,21 +127,24 @@ class PolynomialInclusions:
         maps = any(isinstance(item, ElasticityOfCells) for item in materials)
         require(not maps, where, "materials", "a map", "uniform in each inclusion; resolve maps by cells")
         self.shapes, self.matrix, self.degrees = list(shapes), matrix, list(degrees)
-        self._space, self._threads = space, threads
+        self.space, self.threads = space, threads
         known: dict[Hashable, InclusionBasis] = {}
-        self._kinds: list[Hashable] = []
+        self.kinds: list[Hashable] = []
         self.bases: list[InclusionBasis] = []
         for shape, material, degree in zip(shapes, materials, degrees, strict=True):
             kind = (likeness(shape), _constants(material, matrix.shear_modulus), degree)
             if kind not in known:
                 known[kind] = basis_of(shape, material, matrix, degree)
-            self._kinds.append(kind)
+            self.kinds.append(kind)
             self.bases.append(known[kind])
         self.starts = np.cumsum([0, *(basis.size for basis in self.bases)])
         bounds = np.array([shape.bounds for shape in shapes], dtype=float)
         self.centers, self.radii = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)
         self._halves = 0.5 * (bounds[:, 1, 2] - bounds[:, 0, 2])
         self._own: dict[Hashable, FloatArray] = {}
+        self._distant = None
+        if count > _MANY and all(cloud_sources(cast("HasPotentials", shape)) is not None for shape in shapes):
+            self._distant = DistantWork(self)
         self._blocks = list(self._interactions().values())
         self._inverses: dict[tuple[Hashable, int], FloatArray] = {}
 
@@ -301,49 +308,70 @@ class PolynomialInclusions:
     def _applied(self, amplitudes: FloatArray, prestrain: FloatArray | None = None) -> FloatArray:
         """Left side of the system, ``(unknowns,)``, in units of the matrix's shear modulus."""
         out = np.zeros(self.size)
-        every = []
-        for number in range(len(self.shapes)):
-            uniform = np.zeros(6) if prestrain is None else prestrain[:, number]
-            every.append(np.concatenate((self.of(amplitudes, number), uniform)))
+        uniform = np.zeros((6, len(self.shapes))) if prestrain is None else prestrain
         for block in self._blocks:
-            answers = block.matrix @ np.array([every[source] for source in block.sources]).T
-            for target, answer in zip(block.targets, answers.T, strict=True):
-                out[self.starts[target] : self.starts[target + 1]] += answer
+            rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
+            sources, targets = np.array(block.sources), np.array(block.targets)
+            every = np.concatenate((amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources]))
+            np.add.at(out, self.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
+        if self._distant is not None:
+            means = [
+                basis.mean @ np.concatenate((self.of(amplitudes, number), uniform[:, number]))
+                for number, basis in enumerate(self.bases)
+            ]
+            out -= self._distant.work(np.array(means))
         return out
 
     def key_of(self, number: int) -> Hashable:
         """Key that inclusions share whose shape, constants, degree and depth are alike."""
-        depth = round(self.centers[number, 2] / (_ALIKE * self.radii[number])) if self._space == "half" else 0
-        return self._kinds[number], depth
+        depth = round(self.centers[number, 2] / (_ALIKE * self.radii[number])) if self.space == "half" else 0
+        return self.kinds[number], depth
 
     def _interactions(self) -> dict[Hashable, _Blocks]:
-        """Matrices of all pairs, each inclusion with itself first; those of like pairs once."""
+        """Matrices of near pairs, each inclusion with itself first; those of like pairs once."""
         blocks: dict[Hashable, _Blocks] = {}
         for number, basis in enumerate(self.bases):
             key = self.key_of(number)
             if key not in self._own:
-                caused = self._stress_work(number, number)
-                self._own[key] = basis.work - caused[: basis.size]
-                self._own[key][:, basis.size :] = -caused[: basis.size, basis.size :]
-            block = blocks.setdefault(key, _Blocks(self._own[key]))
-            block.targets.append(number)
-            block.sources.append(number)
-        for source in range(len(self.shapes)):
-            for target in range(source):
-                self._add_pair(blocks, target, source)
+                caused = self._stress_work(number, number)[: basis.size]
+                self._own[key] = -caused
+                self._own[key][:, : basis.size] += basis.work[:, : basis.size]
+                blocks[key] = _Blocks(self._own[key] + self._counted(number, number))
+            blocks[key].targets.append(number)
+            blocks[key].sources.append(number)
+        for target, source in self._near_pairs():
+            self._add_pair(blocks, target, source)
         return blocks
+
+    def _near_pairs(self) -> list[tuple[int, int]]:
+        """Pairs (lower, higher) that act on each other by all their functions; others by their mean eigenstrain."""
+        count = len(self.shapes)
+        if self._distant is None:
+            return [(target, source) for source in range(count) for target in range(source)]
+        reach = _NEAR * float(self.radii.max())
+        tree = cKDTree(self.centers)
+        pairs = {(int(low), int(high)) for low, high in tree.query_pairs(reach)}
+        if self.space == "half":
+            images = cKDTree(self.centers * (1.0, 1.0, -1.0)).query_ball_tree(tree, reach)
+            pairs |= {(min(i, j), max(i, j)) for i, near in enumerate(images) for j in near if i != j}
+        return sorted(pairs)
+
+    def _counted(self, target: int, source: int) -> FloatArray | float:
+        """What the sum over mean eigenstrains holds of a pair, ``(n, n + 6)``."""
+        return 0.0 if self._distant is None else self._distant.pair(target, source)
 
     def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
         """Both directions of a pair: one matrix is the other's transpose."""
         scale = _ALIKE * max(self.radii[target], self.radii[source])
         offset = np.round((self.centers[source] - self.centers[target]) / scale)
-        depth = round(self.centers[target, 2] / scale) if self._space == "half" else 0
-        key = (self._kinds[target], self._kinds[source], offset.tobytes(), depth)
+        depth = round(self.centers[target, 2] / scale) if self.space == "half" else 0
+        key = (self.kinds[target], self.kinds[source], offset.tobytes(), depth)
         there, back = (*key, "there"), (*key, "back")
         if there not in blocks:
             caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self.bases[target].size])
-            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self.bases[source].size].T))
+            blocks[there] = _Blocks(caused[: self.bases[target].size] + self._counted(target, source))
+            transposed = np.ascontiguousarray(caused[:, : self.bases[source].size].T)
+            blocks[back] = _Blocks(transposed + self._counted(source, target))
         blocks[there].targets.append(target)
         blocks[there].sources.append(source)
         blocks[back].targets.append(source)
@@ -356,14 +384,14 @@ class PolynomialInclusions:
         reach = self._halves[source] if target == source else self.radii[source]
         within = self._halves[target] if target == source else self.radii[target]
         degree = max(first.degree, second.degree)
-        counts = counts_between(distance, within, reach, degree, alone=target == source and self._space == "full")
+        counts = counts_between(distance, within, reach, degree, alone=target == source and self.space == "full")
         if target == source and is_ball(self.shapes[source]):
             counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
         points, weights = self.shapes[target].density_rule(counts)
         x, y, z = points.T
         stress = moment_field(
             self.shapes[source], second.eigenstrain, (x, y, z), degree=second.degree,
-            poisson_ratio=self.matrix.poisson_ratio, quantity="stress", space=self._space, threads=self._threads,
+            poisson_ratio=self.matrix.poisson_ratio, quantity="stress", space=self.space, threads=self.threads,
         )  # fmt: skip
         densities = self.shapes[target].densities(first.degree, x, y, z)
         moments = np.einsum("kim,dm->kid", stress * weights, densities, optimize=True)
@@ -373,7 +401,7 @@ class PolynomialInclusions:
         """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
         offset = self.centers[source] - self.centers[target]
         gap = float(np.linalg.norm(offset))
-        if self._space == "half":
+        if self.space == "half":
             above = self.centers[source, 2] + self.centers[target, 2]
             gap = min(gap, float(np.hypot(np.hypot(offset[0], offset[1]), above)))
         return gap
