@@ -287,10 +287,10 @@ class _DistantRegions:
         distances: dict[Hashable, list[float]] = {}
         regions = []
         for number, far in self._sources.items():
-            likeness = likeness(self._shapes[number])
-            if likeness not in distances:
-                distances[likeness] = distances_for(far, tolerance)
-            regions.append(_at_distances(far, distances[likeness]))
+            key = likeness(self._shapes[number])
+            if key not in distances:
+                distances[key] = distances_for(far, tolerance)
+            regions.append(_at_distances(far, distances[key]))
         return regions
 
     def add_near_fields(self, out: FloatArray) -> None:

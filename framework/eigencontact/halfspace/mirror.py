@@ -11,13 +11,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.halfspace.potentials import HasPotentials, Order
+from eigencontact.halfspace.potentials import Order
 
 __all__ = ["integrated_chi"]
+
+
+class HasPhi(Protocol):
+    """What the integral asks of a shape."""
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Lowest and highest coordinates of the region [m]."""
+
+    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of one potential, ``(len(orders), n)``, or of several, ``(len(orders), k, n)``."""
+
 
 _NODES = 20  # of one panel
 _RATIO = 2.0
@@ -25,9 +38,7 @@ _MOST_PANELS = 16
 _BATCH = 65_536
 
 
-def integrated_chi(
-    shape: HasPotentials, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
-) -> FloatArray:
+def integrated_chi(shape: HasPhi, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
     """Derivatives of Chi of the mirror image at depths z >= 0, ``(len(orders), n)``; at most one along z.
 
     Where `shape.phi` gives several potentials, ``(len(orders), k, n)``, those of all, ``(len(orders), k, n)``.

@@ -164,13 +164,13 @@ def moment_sums(
     for first in range(0, x.size, _FEW):
         here = (x[first : first + _FEW], y[first : first + _FEW], z[first : first + _FEW])
         for name, (orders, of_orders) in weights.items():
-            values = _potentials(shape, degree, name, list(orders), here, image)
+            values = _potentials(shape, degree, name, list(orders), here, image=image)
             out[:, first : first + _FEW] += np.einsum("kno,nop->kp", of_orders, values, optimize=True)
     return out
 
 
 def _potentials(
-    shape: HasMomentPotentials, degree: int, name: str, orders: list[Order], points: Points, image: bool
+    shape: HasMomentPotentials, degree: int, name: str, orders: list[Order], points: Points, *, image: bool
 ) -> FloatArray:
     """Derivatives of one potential of all densities, ``(n, len(orders), m)``."""
     x, y, z = points

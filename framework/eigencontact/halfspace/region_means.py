@@ -227,7 +227,9 @@ def averaging_points(shape: HasPotentials, order: int = 0) -> Rule:
     deviations = np.sqrt(squares)
     ellipsoid = 4.0 / 3.0 * np.pi * float(np.prod(np.sqrt(5.0) * deviations))
     if abs(ellipsoid - volume) < 1e-6 * volume:
-        points, weights = _ball() if order == 0 else _shells(*((order, 1) if _is_one_ball(far) else (max(4, order - 2), 3)))
+        points, weights = (
+            _ball() if order == 0 else _shells(*((order, 1) if _is_one_ball(far) else (max(4, order - 2), 3)))
+        )
         points = np.sqrt(5.0) * points
     else:
         points = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T

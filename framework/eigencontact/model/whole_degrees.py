@@ -56,7 +56,7 @@ def degrees_of(
     contrasts = [_contrast(source, matrix) for source in sources]
     found = []
     for number, source in enumerate(sources):
-        quality, beside = _closest(number, centers, halves, radii, surface)
+        quality, beside = _closest(number, centers, halves, radii, surface=surface)
         needed = degree_for(contrasts[number], quality, whole.error)
         degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
@@ -64,15 +64,15 @@ def degrees_of(
             who = "the surface" if beside is None else repr(sources[beside].name)
             raise SceneError(
                 f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution = "
-                f"{{ whole = \"auto\", error = {whole.error:g} }} (got an error of {error:.2g} with the highest degree, "
-                f"{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set \"cells\""
+                f'{{ whole = "auto", error = {whole.error:g} }} (got an error of {error:.2g} with degree '
+                f'{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set "cells"'
             )
         found.append(WholeDegree(degree=degree, quality=quality, error=error))
     return found
 
 
 def _closest(
-    number: int, centers: FloatArray, halves: FloatArray, radii: FloatArray, surface: bool
+    number: int, centers: FloatArray, halves: FloatArray, radii: FloatArray, *, surface: bool
 ) -> tuple[float, int | None]:
     """Strongest reflection of an inclusion, and the neighbour that causes it; None for the surface."""
     best, beside = 0.0, None

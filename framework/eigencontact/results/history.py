@@ -2,8 +2,9 @@
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
-coordinates, ``(history_step, y, x)`` in the cells of a surface, or ``(history_step[, mandel][, density_<body>], inclusion_<body>)``;
-their role is ``history``. Six components are those of a Mandel vector: shears times √2.
+coordinates, ``(history_step, y, x)`` in the cells of a surface, or
+``(history_step[, mandel][, density_<body>], inclusion_<body>)``; their role is ``history``. Six components are those of
+a Mandel vector: shears times √2.
 """
 
 from __future__ import annotations

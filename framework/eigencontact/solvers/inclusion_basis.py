@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.elasticity import Elasticity, factors_of_stiffness, isotropic_factors
 from eigencontact.core.material import Material
 from eigencontact.errors import require
@@ -46,7 +46,7 @@ class InclusionBasis:
     """
 
     degree: int
-    degrees: np.ndarray
+    degrees: IntArray
     eigenstrain: FloatArray
     work: FloatArray
     overlap: FloatArray
@@ -66,7 +66,7 @@ class InclusionBasis:
     @cached_property
     def amplitudes(self) -> FloatArray:
         """Amplitudes ``(n, 6 densities)`` of an eigenstrain per density; functions without eigenstrain have none."""
-        return np.linalg.pinv(self.unknowns.reshape(self.size, -1).T, rcond=1e-11)
+        return np.asarray(np.linalg.pinv(self.unknowns.reshape(self.size, -1).T, rcond=1e-11), dtype=float)
 
 
 def basis_of(
@@ -93,7 +93,7 @@ def basis_of(
     size = float(np.sqrt((weights @ offsets**2).max() / volume))
     found = equilibrated_polynomials(soft, stiff, around, degree, offsets / size)
     values, degrees = all_polynomials(densities, degree) if found is None else found
-    # Coefficients per density in an orthonormal set; the shape's densities span what is asked for, or this is no inverse.
+    # Coefficients per density of an orthonormal set, if the shape's densities span what is asked for.
     orthonormal = np.linalg.solve(root, densities)
     inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
     missed = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()
@@ -110,7 +110,7 @@ def basis_of(
     to_densities = np.linalg.inv(root)
     return InclusionBasis(
         degree=degree,
-        degrees=degrees,
+        degrees=np.asarray(degrees, dtype=np.intp),
         eigenstrain=every @ to_densities,
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),

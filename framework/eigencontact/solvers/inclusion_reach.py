@@ -26,7 +26,7 @@ __all__ = ["contrast_of", "counts_between", "degree_for", "reflection", "stated_
 _TOUCHING = 0.999
 #: Error of an integral over an inclusion, in parts of the field.
 _QUADRATURE = 1e-8
-#: Error of degree 0 in parts of the load, for a void or a rigid inclusion; it falls with the third power of the contrast.
+#: Error of degree 0 in parts of the load, for a void or a rigid inclusion; it falls with the contrast cubed.
 _WORST = 2.0
 
 

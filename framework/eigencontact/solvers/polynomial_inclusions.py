@@ -51,7 +51,7 @@ __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 _ROUNDING = 1e-12
 #: Offsets in radii that are alike.
 _ALIKE = 1e-9
-#: Inclusions from which on distant ones act by their mean eigenstrain, and the distance that is, in radii of the largest.
+#: Inclusions from which on distant ones act by their mean eigenstrain; how far that is, in radii of the largest.
 _MANY, _NEAR = 40, 5.0
 
 
@@ -282,13 +282,13 @@ class PolynomialInclusions:
         return amplitudes[self.starts[number] : self.starts[number + 1]]
 
     def _norm(self, amplitudes: FloatArray, number: int) -> float:
-        return float(np.sqrt(max(amplitudes @ self.bases[number].overlap @ amplitudes, 0.0)))
+        return float(np.sqrt(max(float(amplitudes @ self.bases[number].overlap @ amplitudes), 0.0)))
 
     def _size_of(self, amplitudes: FloatArray) -> float:
         return norm_of(self.difference(amplitudes, np.zeros_like(amplitudes)))
 
     def _used(self, lower: int) -> FloatArray:
-        parts = [basis.degrees <= max(basis.degree - lower, 0) for basis in self.bases]
+        parts = [np.less_equal(basis.degrees, max(basis.degree - lower, 0)) for basis in self.bases]
         return np.concatenate(parts).astype(float)
 
     def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
@@ -312,7 +312,9 @@ class PolynomialInclusions:
         for block in self._blocks:
             rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
             sources, targets = np.array(block.sources), np.array(block.targets)
-            every = np.concatenate((amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources]))
+            every = np.concatenate(
+                (amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources])
+            )
             np.add.at(out, self.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
         if self._distant is not None:
             means = [
@@ -414,7 +416,9 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
         if isinstance(material, Elasticity)
         else factors_of_stiffness(material, shear_modulus)
     )
-    return tuple((matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair))
+    return tuple(
+        (matrix * (2.0 * shear_modulus if number == 0 else 1.0)).tobytes() for number, matrix in enumerate(pair)
+    )
 
 
 def _inverse(matrix: FloatArray, volume: float) -> FloatArray:

@@ -17,12 +17,15 @@ from eigencontact.core.grid import Grid
 from eigencontact.halfspace.moments import surface_displacement
 from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
 
-__all__ = ["WholeSurface", "table_bytes"]
+__all__ = ["WholeSurface", "table_key"]
 
 #: Offsets in cells that are alike.
 _ALIKE = 1e-7
 #: Gauss points along an edge of a cell far from the inclusion, and the most close to it.
 _FEW, _MOST = 2, 6
+
+
+Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(slots=True)
@@ -53,12 +56,11 @@ class WholeSurface:
         self._system, self._grid, self._rows = system, grid, ["xyz".index(name) for name in directions]
         self._threads = threads
         groups: dict[Hashable, _Group] = {}
-        for number, (x, y, _) in enumerate(system.centers):
-            column, row = (x - grid.x[0]) / grid.dx, (y - grid.y[0]) / grid.dy
-            shares = tuple(round((at - np.floor(at)) / _ALIKE) for at in (column, row))
+        for number, shape in enumerate(system.shapes):
+            (column, row), shares = _place(shape.bounds, grid)
             group = groups.setdefault((system.key_of(number), shares), _Group())
             group.members.append(number)
-            group.cells.append((int(np.floor(column)), int(np.floor(row))))
+            group.cells.append((column, row))
         self._groups = [(group, self._table(group)) for group in groups.values()]
 
     def displacement(self, amplitudes: FloatArray, prestrain: FloatArray) -> FloatArray:
@@ -118,6 +120,18 @@ class WholeSurface:
         return out
 
 
-def table_bytes(functions: int, directions: int, cells: int) -> float:
-    """Memory of the table of one inclusion [bytes], while it is made."""
-    return 8.0 * functions * (2 * directions + 3) * cells
+def table_key(bounds: Bounds, grid: Grid) -> Hashable:
+    """Key that inclusions of one shape share if one table serves them: the same depth and the same place in a cell."""
+    low, high = bounds
+    return round((low[2] + high[2]) / (_ALIKE * grid.dx)), _place(bounds, grid)[1]
+
+
+def _place(bounds: Bounds, grid: Grid) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Cell (column, row) below which the middle of an inclusion lies, and where in it."""
+    low, high = bounds
+    column, row = (
+        (0.5 * (low[axis] + high[axis]) - first) / edge
+        for axis, first, edge in ((0, grid.x[0], grid.dx), (1, grid.y[0], grid.dy))
+    )
+    cells = int(np.floor(column + _ALIKE)), int(np.floor(row + _ALIKE))
+    return cells, (round((column - cells[0]) / _ALIKE), round((row - cells[1]) / _ALIKE))

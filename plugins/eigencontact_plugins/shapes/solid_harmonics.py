@@ -77,7 +77,8 @@ class _Functions:
         """Coefficients ``(..., 2 len(half))`` of the real part in the real and imaginary parts of orders m >= 0."""
         folded = np.where(self._mirrored, np.conj(rows), rows) * self._sign
         half = np.zeros((*rows.shape[:-1], len(self.half)), dtype=complex)
-        np.add.at(half, (..., self._place), folded)
+        for column, place in enumerate(self._place):  # two functions at most share a place
+            half[..., place] += folded[..., column]
         return np.concatenate((half.real, -half.imag), axis=-1)
 
 

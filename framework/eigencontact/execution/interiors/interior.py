@@ -45,11 +45,14 @@ class Interior(Part):
         Whether it answers the tractions.
     remembers : frozenset of str
         Names of what is stored of its state: those of `remembered`.
+    estimates_degree : bool
+        Whether `normal_displacement_by_less` tells something.
     """
 
     body: int = 1
     responds: bool = True
     remembers: frozenset[str] = frozenset()
+    estimates_degree: bool = False
 
     def start(self) -> None:
         """Build the operators."""
@@ -120,6 +123,18 @@ class Interior(Part):
         Outgrown
             Outermost cells, which were to stay elastic, did not.
         """
+
+    def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
+        """Normal displacement of its surface as it would be with one degree of freedom less, and with two.
+
+        Returns
+        -------
+        float
+            Factor from the change by the last degree to that by all higher ones; 0 where an interior tells nothing.
+        sequence of (ny, nx)
+            Displacement into the body [m] less the present one.
+        """
+        return 0.0, ()
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
         """Of the present state, by law: what its cells remember, and the volume of one [m^3]."""

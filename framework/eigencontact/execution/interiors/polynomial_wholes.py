@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, cast
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
+from eigencontact.core.tractions import side
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
@@ -16,6 +18,7 @@ from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Remembered, eigenstrain_name, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.halfspace.cloud import likeness
 from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.overlaps import overlapping
@@ -25,11 +28,12 @@ from eigencontact.model.whole_degrees import degrees_of
 from eigencontact.plugin import LinearLaw
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.whole import Whole
+from eigencontact.solvers.whole_surface import WholeSurface, table_key
 
 __all__ = ["PolynomialWholes"]
 
-#: Seconds of one function at one point of the surface on one thread, with six points an inclusion's table.
-_TABLE = 1.2e-7
+#: Seconds of one function in one cell of the surface on one thread, four points each.
+_TABLE = 4e-7
 
 
 class PolynomialWholes(Responding):
@@ -45,11 +49,13 @@ class PolynomialWholes(Responding):
         or an error that no degree reaches.
     """
 
+    estimates_degree = True
     numbers: Sequence[Number] = (
         *Responding.numbers,
         Number(
             name="inclusion_degree_error", unit="1", role="error", over="max",
             meaning="estimated error of the eigenstrain of whole inhomogeneities by their degree, in parts of it",
+            headline=True, label="error of inclusions by degree",
         ),
     )  # fmt: skip
 
@@ -78,15 +84,18 @@ class PolynomialWholes(Responding):
 
     def _declare(self) -> None:
         """Set price and kernels."""
-        count, cells = len(self.sources), self._grid.nx * self._grid.ny
-        functions = np.array([3 * (item.degree + 1) * (item.degree + 3) + 3 for item in self._degrees], dtype=float)
-        along = max(len(self._means), 1)
-        tables = float(functions.sum()) * cells
-        pairs = float((functions**2).sum()) * 8.0 * min(count, 40)
+        count, cells, along = len(self.sources), self._grid.nx * self._grid.ny, max(len(self._means), 1)
+        alike = Counter(
+            (likeness(source.shape), item.degree, table_key(source.shape.bounds, self._grid))
+            for source, item in zip(self.sources, self._degrees, strict=True)
+        )
+        functions = [(3 * (degree + 1) * (degree + 3) + 3, members) for (_, degree, _), members in alike.items()]
+        tables = sum(size * cells * min(members, 4) for size, members in functions)
+        blocks = sum(8.0 * size**2 * min(count, 30) for size, _ in functions)
         self.cost = Cost(
-            memory=8.0 * tables * (along + 3) + pairs + 30e6,
-            seconds_once=(4 * tables * _TABLE + 0.2 * count) / self._half_space.threads,
-            seconds_per_step=2e-8 * tables + 1e-3 * count,
+            memory=8.0 * tables * (2 * along + 1) + blocks + 60e6,
+            seconds_once=(tables * _TABLE + 0.03 * len(alike) * min(count, 30)) / self._half_space.threads,
+            seconds_per_step=sum(4e-8 * size * cells * members for size, members in functions) + 1e-3 * count,
         )
         shapes = " and ".join(sorted({source.key for source in self.sources}))
         self.kernels = (
@@ -99,7 +108,6 @@ class PolynomialWholes(Responding):
     def start(self) -> None:
         """See `Interior.start`."""
         from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
-        from eigencontact.solvers.whole_surface import WholeSurface
 
         self._system = PolynomialInclusions(
             [cast("HasMomentPotentials", source.shape) for source in self.sources], self._half_space.material,
@@ -125,6 +133,7 @@ class PolynomialWholes(Responding):
             self.eigenstrain = self._system.eigenstrain(nothing, self._prestrain)
         self._amplitudes = self._system.amplitudes_of(self.eigenstrain, self._prestrain)
         self._load = np.zeros(self._system.size)
+        self._below: tuple[FloatArray, FloatArray] | None = None
 
     def prestrain(self, time: float) -> FloatArray:
         """See `Responding.prestrain`."""
@@ -146,7 +155,7 @@ class PolynomialWholes(Responding):
             applied, prestrain, start=self._amplitudes, tolerance=tolerance,
             max_iterations=self._numerics.max_iterations, progress=self.progress,
         )  # fmt: skip
-        self._amplitudes, self._load = answer.amplitudes, applied
+        self._amplitudes, self._load, self._below = answer.amplitudes, applied, None
         return answer
 
     def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
@@ -158,21 +167,41 @@ class PolynomialWholes(Responding):
         """See `Interior.scalars`."""
         return {**super().scalars(), "inclusion_degree_error": self._error()}
 
+    def _lower(self) -> tuple[FloatArray, FloatArray]:
+        """Amplitudes with one degree less, and with two, under the present load."""
+        if self._below is None:
+            start, prestrain = self._amplitudes, self._prestrain
+            first, second = (
+                self._system.solve(self._load, prestrain, start=start, lower=lower).amplitudes for lower in (1, 2)
+            )
+            self._below = first, second
+        return self._below
+
     def _error(self) -> float:
-        """Change by the last degree, times what all higher ones would add, of the worst inclusion in parts of the largest."""
+        """Estimated error of the worst inclusion, in parts of the largest eigenstrain."""
         system = self._system
-        nothing = np.zeros(system.size)
-        largest = float(system.difference(self._amplitudes, nothing).max())
+        largest = float(system.difference(self._amplitudes, np.zeros(system.size)).max())
         if largest == 0.0:
             return 0.0
-        steps = []
-        for lower in (1, 2):
-            below = system.solve(self._load, self._prestrain, start=self._amplitudes, lower=lower).amplitudes
-            steps.append(below)
-        last = system.difference(self._amplitudes, steps[0])
-        earlier = system.difference(steps[0], steps[1])
-        factor = np.array([item.quality / (1.0 - item.quality) for item in self._degrees])
-        return float((np.maximum(last, 0.5 * earlier * (factor < 1.0)) * np.maximum(factor, 0.1)).max() / largest)
+        below, far_below = self._lower()
+        last, earlier = system.difference(self._amplitudes, below), system.difference(below, far_below)
+        return float((np.maximum(last, 0.5 * earlier) * self._beyond).max() / largest)
+
+    @property
+    def _beyond(self) -> FloatArray:
+        """What all higher degrees would change, in parts of the change by the last, of each inclusion."""
+        return np.array([max(item.quality / (1.0 - item.quality), 0.1) for item in self._degrees])
+
+    def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
+        """See `Interior.normal_displacement_by_less`."""
+        if self._table is None or not self._amplitudes.any():
+            return 0.0, ()
+        nothing = np.zeros_like(self._prestrain)
+        changes = [
+            self._table.displacement(below - self._amplitudes, nothing)[0] * side(self.body, "z")
+            for below in self._lower()
+        ]
+        return max(float(self._beyond.max()), 1.0), changes
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""

@@ -43,14 +43,15 @@ class MomentForms(Route):
         """See `Route.field`."""
         from eigencontact.halfspace.moments import degree_of, densities_up_to, moment_field
 
-        points, numerics, total = self.lattice.flat_points(), self.half_space.numerics, 0.0
+        points, numerics = self.lattice.flat_points(), self.half_space.numerics
+        total = np.zeros((3 if self.quantity == "displacement" else 6, points[0].size))
         for source, coefficients in zip(self.sources, np.moveaxis(eigenstrain, 2, 0), strict=True):
             degree = degree_of(coefficients)
-            total = total + moment_field(
+            total += moment_field(
                 cast("HasMomentPotentials", source.shape), coefficients[:, : densities_up_to(degree)], points,
                 degree=degree, poisson_ratio=self.half_space.material.poisson_ratio, quantity=self.quantity,
                 space=self.half_space.space, threads=numerics.threads,
             )  # fmt: skip
         if self.quantity == "stress":
-            total = total * self.half_space.material.shear_modulus
-        return np.asarray(total)[list(self.rows)].reshape(self.shape)
+            total *= self.half_space.material.shear_modulus
+        return total[list(self.rows)].reshape(self.shape)
