@@ -6,6 +6,7 @@ import pytest
 import eigencontact as ec
 from eigencontact.core.tensors import INDICES, to_mandel, to_matrix
 from eigencontact.halfspace.moments import moment_field
+from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact_verification.oracles.polynomial_eigenstrain import PolynomialEllipsoid
 from moment_faults import FAULTS, planted
 
@@ -15,6 +16,10 @@ CENTER = (0.2, -0.1, 1.5)
 OFFSETS = np.array([[0.3, 0.2, -1.5], [1.2, -0.8, 0.6], [0.2, 0.1, -0.3], [-0.3, 0.25, 0.4]])
 OTHERS = [(0.0, "half"), (0.3, "half"), (0.45, "half"), (0.3, "full")]
 RNG = np.random.default_rng(7)
+
+ELLIPSOID = ec.make(
+    "ellipsoid", kind="inclusion-shape", center=CENTER, semi_axes=(1.0, 0.8, 0.6), rotation=(0.4, 0.3, 0.2)
+)
 
 
 def tensor():
@@ -77,6 +82,14 @@ def ball():
 def test_ball(ball, nu, space):
     oracle = ball_oracle()
     assert errors(ball, oracle, reference_of(oracle, nu, space), nu, space).max() < 1e-7
+
+
+@pytest.mark.skipif(not isinstance(ELLIPSOID, HasMomentPotentials), reason="ellipsoids have no moment potentials")
+@pytest.mark.parametrize("nu", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_turned_ellipsoid(nu):
+    region = {"center": CENTER, "semi_axes": ELLIPSOID.semi_axes, "rotation": ELLIPSOID.axes}
+    oracle = PolynomialEllipsoid(**region, terms=TERMS, count=22)
+    assert errors(ELLIPSOID, oracle, reference_of(oracle, nu, "half"), nu, "half").max() < 1e-9
 
 
 @pytest.mark.slow
