@@ -72,6 +72,7 @@ class PolynomialCase(InclusionCase):
         *InclusionCase.code,
         f"{__name__}:polynomial_strain",
         f"{__name__}:VaryingRegion",
+        f"{__name__}:PolynomialCase.terms",
         f"{__name__}:PolynomialCase.axisymmetric_model",
     )
 
@@ -149,10 +150,11 @@ class PolynomialCase(InclusionCase):
     def words(self) -> str:
         """Title of the figures: the problem in words."""
         _, _, depth = self.parameters["shape"]["center"]
-        rows = [f"{amount:g} {name} r^{2 * i} z^{j}" for amount, name, i, j in self.terms]
-        return (
-            f"ball, centre at depth {depth:g}, eigenstrain {' + '.join(rows)}, ν = {self.parameters['poisson_ratio']:g}"
+        nu, rows = (
+            self.parameters["poisson_ratio"],
+            [f"{amount:g} {name} r^{2 * i} z^{j}" for amount, name, i, j in self.terms],
         )
+        return f"{KEY} of a ball, centre at depth {depth:g}: {' + '.join(rows)}, ν = {nu:g}"
 
 
 def polynomial_case(
@@ -180,7 +182,11 @@ def polynomial_case(
     return PolynomialCase(
         subject=KEY,
         name=f"{name}-depth-{in_name(depth)}-nu-{round(100 * poisson_ratio):02d}",
-        parameters={**parameters, "terms": [list(term) for term in terms]},
+        parameters={
+            **parameters,
+            "terms": [list(term) for term in terms],
+            "components": {component: COMPONENTS[component] for _, component, _, _ in terms},
+        },
         made=base.made,
         quick=quick,
         profiles=base.profiles,
