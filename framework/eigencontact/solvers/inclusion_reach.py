@@ -26,8 +26,9 @@ __all__ = ["contrast_of", "counts_between", "degree_for", "reflection", "stated_
 _TOUCHING = 0.999
 #: Error of an integral over an inclusion, in parts of the field.
 _QUADRATURE = 1e-8
-#: Error of degree 0 in parts of the load, for a void or a rigid inclusion; it falls with the contrast cubed.
-_WORST = 2.0
+#: Error of degree 0 in parts of the load, for a void or a rigid inclusion. Balls under contacts, 0.2 to 2 radii deep,
+#: of half and twice the stiffness and voids, showed 0.1 to 0.5 times the contrast.
+_WORST = 1.0
 
 
 def reflection(distance: float, first: float, second: float) -> float:
@@ -99,10 +100,10 @@ def stated_error(contrast: float, quality: float, degree: int) -> float:
     quality : float
         Factor q per degree.
     """
-    return _WORST * contrast**3 * quality**degree
+    return _WORST * contrast * quality**degree
 
 
 def degree_for(contrast: float, quality: float, error: float) -> int:
     """Least degree whose foretold error is within `error`."""
-    factor = _WORST * contrast**3
+    factor = _WORST * contrast
     return 0 if factor <= error else ceil(log(factor / error) / -log(quality))

@@ -22,6 +22,7 @@ from math import comb, prod
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from eigencontact.plugin import FloatArray
 
@@ -50,7 +51,8 @@ class _Functions:
         self.half = [index for index in indices if index[2] >= 0]
         ladders = {step: self._matrix(step) for step in ("+", "-", "z")}
         plus, minus = ladders["+"], ladders["-"]
-        self._along = (0.5 * (plus + minus), -0.5j * (plus - minus), ladders["z"])
+        # Transposed, a row has two entries at most.
+        self._along = tuple(csr_array(step.T) for step in (0.5 * (plus + minus), -0.5j * (plus - minus), ladders["z"]))
         self._place = np.array([self.half.index((j, low, abs(m))) for j, low, m in indices])
         self._mirrored = np.array([m < 0 for _, _, m in indices])
         self._sign = np.array([(-1.0) ** m if m < 0 else 1.0 for _, _, m in indices])
@@ -67,11 +69,12 @@ class _Functions:
         return out
 
     def differentiated(self, rows: ComplexArray, order: tuple[int, int, int]) -> ComplexArray:
-        """Derivative of functions given by their rows of coefficients, ``(..., len(indices))``."""
+        """Derivative of functions given by their rows of coefficients, ``(n, len(indices))``."""
+        columns = rows.T
         for times, matrix in zip(order, self._along, strict=True):
             for _ in range(times):
-                rows = rows @ matrix
-        return rows
+                columns = matrix @ columns
+        return np.asarray(columns.T)
 
     def real_part(self, rows: ComplexArray) -> FloatArray:
         """Coefficients ``(..., 2 len(half))`` of the real part in the real and imaginary parts of orders m >= 0."""
