@@ -105,7 +105,11 @@ def judge():
 
 
 @pytest.mark.parametrize(
-    "fault", [pytest.param(fault, marks=[pytest.mark.slow] if "inside, even" in fault else []) for fault in FAULTS]
+    "fault",
+    [
+        pytest.param(fault, marks=[pytest.mark.slow] if "inside, even" in fault or "Psi" in fault else [])
+        for fault in FAULTS
+    ],
 )
 def test_fault_is_seen(ball, judge, fault):
     oracle, reference = judge

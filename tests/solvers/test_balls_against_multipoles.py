@@ -72,7 +72,7 @@ def worst(ratio, degree, load, *, turn=AXES["z"], boundary="none", depth=2.0, or
     return np.abs(found - expected).max() / np.abs(expected).max()
 
 
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("axis", ["oblique", pytest.param("z", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ratio", [0.0, 0.1, 2.0, np.inf])
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
 def test_remote_stress_of_a_degree_is_answered_exactly_at_that_degree(degree, ratio, axis):
@@ -90,7 +90,7 @@ def across(r, z):
     return np.stack([(1 - NU) * r / (1 + NU), -2 * NU * z / (1 + NU), zero + 1.0, zero + 1.0, zero, zero])
 
 
-SURFACE = [(2.0, 1.3, 4), (0.0, 1.5, 3), (np.inf, 1.5, 3), pytest.param(0.1, 1.15, 6, marks=pytest.mark.slow)]
+SURFACE = [(2.0, 1.3, 3), (0.0, 1.5, 2), (np.inf, 1.5, 3), pytest.param(0.1, 1.15, 6, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize(("ratio", "depth", "degree"), SURFACE)
@@ -99,7 +99,12 @@ def test_every_degree_below_a_surface(ratio, depth, degree):
         assert worst(ratio, lower, across, boundary="free", depth=depth, inner_nu=NU) < 1e-10
 
 
-PAIRS = [(2.0, 0.5, 4, "oblique"), (0.0, 0.5, 4, "z"), (np.inf, 0.5, 3, "z"), (10.0, 0.2, 5, "z")]
+PAIRS = [
+    (2.0, 0.5, 3, "oblique"),
+    (0.0, 0.5, 3, "z"),
+    (np.inf, 0.5, 3, "z"),
+    pytest.param(10.0, 0.2, 5, "z", marks=pytest.mark.slow),
+]
 
 
 @pytest.mark.parametrize(("ratio", "gap", "degree", "axis"), PAIRS)

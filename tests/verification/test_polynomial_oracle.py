@@ -46,7 +46,7 @@ def test_thermal_strain_that_grows_along_z(nu):
     assert heated.displacement(POINTS + CENTER, nu, "full") == close(expected, abs=1e-7)
 
 
-@pytest.mark.parametrize("space", ["half", "full"])
+@pytest.mark.parametrize("space", ["full", pytest.param("half", marks=pytest.mark.slow)])
 def test_outside_it_is_the_integral_of_the_dipoles(space):
     """The same by derivatives of Green's function with respect to the source, no parts integrated."""
     tensor = np.array([[1.0, 0.2, -0.5], [0.2, -0.7, 0.4], [-0.5, 0.4, 0.3]])
