@@ -17,7 +17,7 @@ MATERIAL = {"young_modulus": 1.0, "poisson_ratio": 0.3}
 CUBE = {"key": "cuboid", "center": (0.0, 0.0, 1.5), "edges": (1.0, 1.4, 0.8)}
 OWN = (
     "pressure", "shear-x", "shear-y", "cuboid", "sphere", "ellipsoid", "cylinder", "layer", "polyhedron",
-    "inhomogeneity", "bonded-layers", "plasticity", "wear",
+    "inhomogeneity", "polynomial-eigenstrain", "bonded-layers", "plasticity", "wear",
 )  # fmt: skip
 
 LENS = """

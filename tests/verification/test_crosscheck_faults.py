@@ -13,40 +13,12 @@ from eigencontact.core.tensors import to_mandel
 from eigencontact.halfspace import theorem
 from eigencontact.halfspace.forms import Form
 from eigencontact.library import inclusions
-from eigencontact_verification.crosscheck.case import own_error
 from eigencontact_verification.crosscheck.inclusions import InclusionCase, inclusion_case
-from eigencontact_verification.fem.uncertainty import estimate, verdict
+from verdicts import references, words
 
 BALL = {"key": "sphere", "center": [0.0, 0.0, 1.0], "radius": 0.5}
 CUBE = {"key": "cuboid", "center": [0.0, 0.0, 1.0], "edges": [1.0, 1.0, 1.0]}
 SOUND = {name: getattr(theorem, name) for name in ("_displacement", "_image", "_volume_strain")}
-
-
-def references(case):
-    """Estimate of every profile."""
-    fixed = [case.reference(level, "fixed") for level in (0, 1, 2)]
-    free = case.reference(case.bracket_level, "free")
-    return {
-        profile.name: estimate(
-            *(fields[profile.name] for fields in fixed), ratio=case.ratio, formal_order=profile.formal_order,
-            other_outer=free[profile.name], other_level=case.bracket_level,
-        )
-        for profile in case.profiles
-    }  # fmt: skip
-
-
-def words(case, found):
-    """Verdict on each quantity: the worst of its profiles."""
-    judged = case.judged()
-    assert not any(own_error(profile.name) in judged for profile in case.profiles)
-    out = {}
-    for profile in case.profiles:
-        word = verdict(judged[profile.name], found[profile.name]).word
-        if out.get(profile.quantity) != "disagrees":
-            out[profile.quantity] = word if out.get(profile.quantity) in (None, "agrees", word) else "inconclusive"
-        if word == "disagrees":
-            out[profile.quantity] = word
-    return out
 
 
 def wrong_residual(e, nu, *, half):

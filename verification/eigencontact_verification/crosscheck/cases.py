@@ -1,7 +1,8 @@
 """The list of cases: every kernel with the cases of `cases.toml`, and shapes of other authors' plugins.
 
 Kernels are the keys of inclusion shapes, of surface influences and of layered media; ``"inhomogeneity"``, the solver of
-equivalent inclusions; ``"plasticity"``, bodies that yield; and ``"wear"``, surfaces that wear.
+equivalent inclusions; ``"polynomial-eigenstrain"``, balls with eigenstrain that varies; ``"plasticity"``, bodies that
+yield; and ``"wear"``, surfaces that wear.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from itertools import product
 from typing import Any
 
 from eigencontact.scene.installed import installed_plugins
-from eigencontact_verification.crosscheck import inhomogeneities, layers, plasticity, wear
+from eigencontact_verification.crosscheck import inhomogeneities, layers, plasticity, polynomials, wear
 from eigencontact_verification.crosscheck.case import Case, Gap
 from eigencontact_verification.crosscheck.inclusions import inclusion_case, shape_of
 from eigencontact_verification.crosscheck.strangers import example_of, symmetries_of, text_digest
@@ -28,6 +29,7 @@ _SHAPES = ("cuboid", "sphere", "ellipsoid", "cylinder", "layer", "polyhedron")
 #: Builders of everything that is neither a traction nor a shape.
 _OTHERS: dict[str, Callable[..., Case]] = {
     inhomogeneities.KEY: inhomogeneities.inhomogeneity_case,
+    polynomials.KEY: polynomials.polynomial_case,
     layers.KEY: layers.layered_case,
     plasticity.KEY: plasticity.plastic_case,
     wear.KEY: wear.wear_case,

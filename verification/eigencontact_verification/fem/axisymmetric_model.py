@@ -73,6 +73,11 @@ class AxisymmetricRegion:
             gap = low[1] > 1e-9 * (high[1] - low[1])
             _require(gap, "fitted region bounds", "below the surface z = 0", self.bounds, "use fitted=False")
 
+    def strain_at(self, r: FloatArray, z: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Eigenstrain e_rr, e_tt, e_zz, e_rz at points (n,), as ``(4, n)``; a region may vary it."""
+        e_r, e_z = self.eigenstrain
+        return np.broadcast_to(np.array([[e_r], [e_r], [e_z], [0.0]]), (4, r.size))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Disc:
@@ -259,7 +264,7 @@ class AxisymmetricModel:
                 inside = np.broadcast_to((grid.marks[element] == k)[rows], r.shape)
             else:
                 inside = np.asarray(region.contains(r, z), dtype=bool)
-            out[2:5, inside] += np.array(region.eigenstrain)[[0, 0, 1], None]
+            out[2:, inside] += region.strain_at(r[inside], z[inside])
             if region.young_modulus is not None:
                 out[0, inside] = region.young_modulus or _VOID * self.young_modulus
             if region.poisson_ratio is not None:

@@ -27,6 +27,8 @@ __all__ = [
     "cuboid_nodes",
     "ellipsoid_boundary",
     "ellipsoid_nodes",
+    "numerator",
+    "sphere_rule",
     "torus_boundary",
     "torus_nodes",
     "volume_moments",
@@ -41,7 +43,7 @@ _CIRCLE = 0.1 * np.exp(2j * np.pi * np.arange(20) / 20)
 _NU = np.array(mindlin.NODES)[:, None]
 
 
-def _sphere_rule(count: int) -> tuple[FloatArray, FloatArray]:
+def sphere_rule(count: int) -> tuple[FloatArray, FloatArray]:
     """Unit vectors and solid angles: Gauss in the polar cosine, trapezoids around."""
     cosine, weight = np.polynomial.legendre.leggauss(count)
     angle = 2 * np.pi * (np.arange(2 * count) + 0.5) / (2 * count)
@@ -71,7 +73,7 @@ def ellipsoid_nodes(
     center: ArrayLike, semi_axes: ArrayLike, rotation: ArrayLike | None = None, count: int = 16
 ) -> Rule:
     """Spherical coordinates of an ellipsoid; the columns of `rotation` are its axes."""
-    unit, solid = _sphere_rule(count)
+    unit, solid = sphere_rule(count)
     nodes, weight = np.polynomial.legendre.leggauss(count)
     radius = (1 + nodes) / 2
     matrix = _axes(semi_axes, rotation)
@@ -84,7 +86,7 @@ def ellipsoid_boundary(
     center: ArrayLike, semi_axes: ArrayLike, rotation: ArrayLike | None = None, count: int = 32
 ) -> Rule:
     """Boundary of an ellipsoid; area vectors by Nanson's formula."""
-    unit, solid = _sphere_rule(count)
+    unit, solid = sphere_rule(count)
     matrix = _axes(semi_axes, rotation)
     area = solid[:, None] * (unit @ np.linalg.inv(matrix)) * abs(np.linalg.det(matrix))
     return np.asarray(center, dtype=float) + unit @ matrix.T, area
@@ -132,7 +134,7 @@ def torus_boundary(center: ArrayLike, ring_radius: float, tube_radius: float, co
     return np.asarray(center, dtype=float) + positions.reshape(-1, 3), (normal * area[:, None, None]).reshape(-1, 3)
 
 
-def _numerator(field: NDArray[Any], source: NDArray[Any], space: str) -> NDArray[Any]:
+def numerator(field: NDArray[Any], source: NDArray[Any], space: str) -> NDArray[Any]:
     """N_ij ``(3, 3, nu, nodes)`` of points ``(3, nodes)`` (or one field point, ``(3, 1)``)."""
     x, y = field[0] - source[0], field[1] - source[1]
     total = mindlin.kelvin(x, y, field[2] - source[2], _NU)
@@ -152,11 +154,11 @@ def boundary_moments(points: ArrayLike, rule: Rule, space: str = "half", *, grad
         x = point[:, None].astype(complex)
         if gradient:
             slopes = [
-                _numerator(x + 1j * _STEP * np.eye(3)[:, [axis]], positions.T, space).imag / _STEP for axis in range(3)
+                numerator(x + 1j * _STEP * np.eye(3)[:, [axis]], positions.T, space).imag / _STEP for axis in range(3)
             ]
             out.append(np.einsum("lijvm,mk->viljk", np.array(slopes), area))
         else:
-            out.append(np.einsum("ijvm,mk->vijk", _numerator(x, positions.T, space).real, area))
+            out.append(np.einsum("ijvm,mk->vijk", numerator(x, positions.T, space).real, area))
     return np.stack(out, axis=1)
 
 
@@ -166,7 +168,7 @@ def _taylor(field: FloatArray, source: FloatArray, a: FloatArray, b: FloatArray,
     t = distance * _CIRCLE[:, None]
     x = field[:, None] + a[:, None, None] * t
     s = source[:, None] + b[:, None, None] * t
-    values = _numerator(x.reshape(3, -1), s.reshape(3, -1), space).reshape(3, 3, len(_NU), *t.shape)
+    values = numerator(x.reshape(3, -1), s.reshape(3, -1), space).reshape(3, 3, len(_NU), *t.shape)
     return np.asarray((values / t**order).mean(axis=-2).real)
 
 

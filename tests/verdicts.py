@@ -1,0 +1,33 @@
+"""Verdicts on a case of the cross-check, without its store and its processes."""
+
+from eigencontact_verification.crosscheck.case import own_error
+from eigencontact_verification.fem.uncertainty import estimate, verdict
+
+__all__ = ["references", "words"]
+
+
+def references(case):
+    """Estimate of every profile."""
+    fixed = [case.reference(level, "fixed") for level in (0, 1, 2)]
+    free = case.reference(case.bracket_level, "free")
+    return {
+        profile.name: estimate(
+            *(fields[profile.name] for fields in fixed), ratio=case.ratio, formal_order=profile.formal_order,
+            other_outer=free[profile.name], other_level=case.bracket_level,
+        )
+        for profile in case.profiles
+    }  # fmt: skip
+
+
+def words(case, found):
+    """Verdict on each quantity: the worst of its profiles."""
+    judged = case.judged()
+    assert not any(own_error(profile.name) in judged for profile in case.profiles)
+    out = {}
+    for profile in case.profiles:
+        word = verdict(judged[profile.name], found[profile.name]).word
+        if out.get(profile.quantity) != "disagrees":
+            out[profile.quantity] = word if out.get(profile.quantity) in (None, "agrees", word) else "inconclusive"
+        if word == "disagrees":
+            out[profile.quantity] = word
+    return out
