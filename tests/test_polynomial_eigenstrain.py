@@ -6,7 +6,6 @@ import pytest
 import eigencontact as ec
 from eigencontact.core.tensors import INDICES, to_mandel, to_matrix
 from eigencontact.halfspace.moments import moment_field
-from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact_verification.oracles.polynomial_eigenstrain import PolynomialEllipsoid
 from moment_faults import FAULTS, planted
 
@@ -84,7 +83,6 @@ def test_ball(ball, nu, space):
     assert errors(ball, oracle, reference_of(oracle, nu, space), nu, space).max() < 1e-7
 
 
-@pytest.mark.skipif(not isinstance(ELLIPSOID, HasMomentPotentials), reason="ellipsoids have no moment potentials")
 @pytest.mark.parametrize("nu", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_turned_ellipsoid(nu):
     region = {"center": CENTER, "semi_axes": ELLIPSOID.semi_axes, "rotation": ELLIPSOID.axes}

@@ -47,7 +47,11 @@ def center(result):
 
 
 # p(0)/p0 of the theory page, degree 16 by an axisymmetric solution with an exact contact: ratio, radius, depth in a
-ROWS = {"void": (VOID, 0.33, 0.5, 0.23068), "twice": (stiff(2), 0.33, 0.5, 1.34198), "half": (stiff(0.5), 0.33, 0.5, 0.70527)}
+ROWS = {
+    "void": (VOID, 0.33, 0.5, 0.23068),
+    "twice": (stiff(2), 0.33, 0.5, 1.34198),
+    "half": (stiff(0.5), 0.33, 0.5, 0.70527),
+}
 
 
 @pytest.mark.parametrize(("case", "degree", "bound"), [("void", 6, 1e-3), ("twice", 4, 1e-3), ("half", 4, 1e-3)])
@@ -123,7 +127,10 @@ def test_an_error_that_no_degree_reaches_is_refused():
     ("inclusion", "message"),
     [
         ({"type": "cuboid", "center": [0, 0, A], "edges": [A, A, A], "material": VOID}, "must be a ball"),
-        (ball({"type": "j2", **stiff(1.0), "hardening": {"type": "perfect", "yield-stress": 1e9}}, 0.2, 0.5), "one linear"),
+        (
+            ball({"type": "j2", **stiff(1.0), "hardening": {"type": "perfect", "yield-stress": 1e9}}, 0.2, 0.5),
+            "one linear",
+        ),
     ],
 )
 def test_what_is_no_whole_is_refused(inclusion, message):

@@ -92,7 +92,14 @@ def test_a_ball_alone_under_tension(material, equator, pole):
 
 
 # Stress zz between two equal balls 0.1 radii apart on the axis of a unit tension, from the theory page (axisymmetric).
-PAIR = {("rigid", 2): 6.12, ("rigid", 4): 8.82, ("ten", 2): 4.39, ("ten", 4): 5.59, ("two", 2): 1.870, ("two", 4): 1.959}
+PAIR = {
+    ("rigid", 2): 6.12,
+    ("rigid", 4): 8.82,
+    ("ten", 2): 4.39,
+    ("ten", 4): 5.59,
+    ("two", 2): 1.870,
+    ("two", 4): 1.959,
+}
 
 
 @pytest.mark.parametrize(("material", "degree"), PAIR)
