@@ -111,15 +111,23 @@ def test_friction_two_bodies_and_a_prestrain_agree_with_cells():
 def test_the_degree_follows_the_error_that_is_allowed():
     near, far = ball(VOID, 0.2, 0.3, x=-0.6), ball(VOID, 0.2, 1.0, x=0.6)
     explained = ec.explain(scene(near, far, whole="auto", error=0.01))
-    assert "polynomial eigenstrain of degrees 3 to 5" in explained
-    assert "foretold error" in explained
+    assert "2 inhomogeneities of polynomial eigenstrain of degrees 3 to 5, 210 unknowns, foretold error" in explained
+    assert "nothing (a void), with one polynomial eigenstrain of degree chosen by its error" in explained
+
+
+def test_a_uniform_eigenstrain_states_no_small_error():
+    """There is no lower degree: all that the void does to the pressure stands for the error."""
+    result = run(ball(VOID, 0.33, 0.5), whole=0, cells=21)
+    per_degree = np.exp(-np.arccosh(0.5 / 0.33))
+    assert result.summary["inclusion_degree_error"] == close(per_degree / (1 - per_degree), rel=1e-6)
+    assert 0.7 < result.summary["degree_pressure_error"] / P0 < 0.9
 
 
 def test_an_error_that_no_degree_reaches_is_refused():
     with pytest.raises(SceneError, match=r"must be farther from the surface .* falls by 0.8\d per degree"):
         ec.plan(scene(ball(VOID, 0.33, 0.335), whole="auto"))
+    pair = [ball(stiff(1e6), 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
     with pytest.raises(SceneError, match=r"must be farther from 'sphere 2'"):
-        pair = [ball(stiff(1e6), 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
         ec.plan(scene(*pair, whole="auto"))
 
 
@@ -146,7 +154,8 @@ def test_a_degree_out_of_range_is_refused():
 def test_nothing_of_it_is_imported_without_it():
     code = (
         "import sys, eigencontact as ec; ec.run('hertz');"
-        "print([m for m in ('solvers.polynomial_inclusions', 'halfspace.moments') if 'eigencontact.' + m in sys.modules])"
+        "names = 'solvers.polynomial_inclusions', 'halfspace.moments';"
+        "print([m for m in names if 'eigencontact.' + m in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "[]"

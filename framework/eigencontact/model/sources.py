@@ -21,6 +21,7 @@ from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShap
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import eigenstrain_table
 from eigencontact.scene.schema import Scene
+from eigencontact.scene.whole import Whole
 
 __all__ = [
     "Inhomogeneity",
@@ -157,9 +158,17 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Inhomogeneity(Source):
-    """A region with a constitutive law of its own; `field` is then its prestrain."""
+    """A region with a constitutive law of its own; `field` is then its prestrain.
+
+    Attributes
+    ----------
+    law : ConstitutiveLaw
+    whole : Whole or None
+        Degree of its eigenstrain, where that is one polynomial.
+    """
 
     law: ConstitutiveLaw
+    whole: Whole | None = None
 
     @property
     def material(self) -> str | None:
@@ -184,6 +193,9 @@ class Inhomogeneity(Source):
     @property
     def how(self) -> str:
         """Resolution of the region, in words."""
+        if self.whole is not None:
+            degree = "chosen by its error" if self.whole.whole == "auto" else f"{self.whole.whole}"
+            return f"{self.law.words}, with one polynomial eigenstrain of degree {degree}"
         if self.lattice is None:
             return f"one eigenstrain of {self.law.words}"
         nz, ny, nx = self.lattice.shape
@@ -217,6 +229,8 @@ def build_inclusions(
     """Inclusions with eigenstrain alone, and inclusions of another material; see `build_sources`."""
     prescribed: list[Source] = []
     inhomogeneities: list[Inhomogeneity] = []
+    resolution = scene.numerics.inclusion_resolution
+    whole = resolution if isinstance(resolution, Whole) else None
     for number, item in enumerate(scene.inclusions):
         where = _place("inclusions", number, scene.inclusions)
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
@@ -231,7 +245,7 @@ def build_inclusions(
             if law is None:
                 prescribed.append(Source(**facts, shape=shape, field=field))
             else:
-                inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law))
+                inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law, whole=whole))
             if scene.numerics.half_space != "full-space":
                 _refuse_above((prescribed if law is None else inhomogeneities)[-1])
     _refuse_clashes(inhomogeneities)
