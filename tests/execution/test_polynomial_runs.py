@@ -123,6 +123,14 @@ def test_a_uniform_eigenstrain_states_no_small_error():
     assert 0.7 < result.summary["degree_pressure_error"] / P0 < 0.9
 
 
+def test_alone_in_full_space_nothing_reflects():
+    numerics = {"half-space": "full-space", "inclusion-resolution": {"whole": "auto"}}
+    result = run(ball(VOID, 0.33, 0.5), cells=21, numerics=numerics)
+    below = run(ball(VOID, 0.33, 0.5), cells=21)
+    assert result.summary["max_pressure"] != close(below.summary["max_pressure"], rel=1e-3)
+    assert "polynomial eigenstrain of degree 3" in ec.explain(scene(ball(VOID, 0.33, 0.5), cells=21, numerics=numerics))
+
+
 def test_an_error_that_no_degree_reaches_is_refused():
     with pytest.raises(SceneError, match=r"must be farther from the surface .* falls by 0.8\d per degree"):
         ec.plan(scene(ball(VOID, 0.33, 0.335), whole="auto"))
