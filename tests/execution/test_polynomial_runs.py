@@ -15,6 +15,9 @@ E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
 P0 = 1.5 * LOAD / (np.pi * A**2)
 VOID = {"void": True}
+YIELDS = {
+    "type": "j2", "young-modulus": E, "poisson-ratio": NU, "hardening": {"type": "perfect", "yield-stress": 1e9},
+}  # fmt: skip
 
 
 def stiff(ratio):
@@ -118,8 +121,8 @@ def test_the_degree_follows_the_error_that_is_allowed():
 def test_an_error_that_no_degree_reaches_is_refused():
     with pytest.raises(SceneError, match=r"must be farther from the surface .* falls by 0.8\d per degree"):
         ec.plan(scene(ball(VOID, 0.33, 0.335), whole="auto"))
+    pair = [ball(stiff(1e6), 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
     with pytest.raises(SceneError, match=r"must be farther from 'sphere 2'"):
-        pair = [ball(stiff(1e6), 0.2, 1.0, x=x) for x in (-0.202, 0.202)]
         ec.plan(scene(*pair, whole="auto"))
 
 
@@ -146,7 +149,8 @@ def test_a_degree_out_of_range_is_refused():
 def test_nothing_of_it_is_imported_without_it():
     code = (
         "import sys, eigencontact as ec; ec.run('hertz');"
-        "print([m for m in ('solvers.polynomial_inclusions', 'halfspace.moments') if 'eigencontact.' + m in sys.modules])"
+        "names = 'eigencontact.solvers.polynomial_inclusions', 'eigencontact.halfspace.moments';"
+        "print([name for name in names if name in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "[]"
