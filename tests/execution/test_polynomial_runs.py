@@ -126,6 +126,13 @@ def test_an_error_that_no_degree_reaches_is_refused():
         ec.plan(scene(*pair, whole="auto"))
 
 
+def test_a_degree_that_misses_the_error_is_refused_or_warned_of():
+    with pytest.raises(SceneError, match=r"with error = 0.001 .* with degree 2: .* take a higher degree"):
+        ec.plan(scene(ball(VOID, 0.33, 0.5), whole=2, error=1e-3))
+    codes = {caution["code"]: caution["error"] for caution in run(ball(VOID, 0.33, 0.4), whole=2).summary["warnings"]}
+    assert codes["inclusion-degree"] > 0.05
+
+
 @pytest.mark.parametrize(
     ("inclusion", "message"),
     [

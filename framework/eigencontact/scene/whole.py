@@ -28,3 +28,8 @@ class Whole(Table):
 
     whole: Literal["auto"] | Annotated[int, AfterValidator(in_range(0, HIGHEST_DEGREE, "[-]"))]
     error: Annotated[float, AfterValidator(in_range(1e-8, 0.5, "[-]"))] = 1e-3
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether an error is asked for: given, or the one that ``"auto"`` aims at."""
+        return self.whole == "auto" or "error" in self.model_fields_set
