@@ -104,8 +104,8 @@ def _degree(model: Model, last: StepRecord) -> Iterator[Caution]:
     whole, error = model.numerics.inclusion_resolution, last.scalars.get("inclusion_degree_error", 0.0)
     if isinstance(whole, Whole) and error > (whole.error if whole.is_asked else _DEGREE):
         words = (
-            f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give a "
-            "higher degree, or allow that error"
+            f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give "
+            "a higher degree, or allow that error"
         )
         yield Caution("inclusion-degree", words, error)
 
