@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
@@ -23,6 +20,7 @@ from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solved
+from eigencontact.execution.mechanics.degree_error import PRESSURE_ERROR, pressure_error
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import Solids
@@ -83,13 +81,6 @@ _PLASTIC_ERROR = Number(
     meaning="estimated error of the strain of cells that flow, by halving, in parts of the load's",
 )  # fmt: skip
 
-_PRESSURE_ERROR = Number(
-    name="degree_pressure_error", unit="Pa", role="error", over="max", estimates="max_pressure",
-    meaning="estimated error of the contact pressure by the degree of whole inhomogeneities",
-)  # fmt: skip
-
-#: Cells from the edge of the contact in which its error is not asked for: a moved edge would hide it.
-_EDGE = 2
 #: Times that a load step may be halved.
 _HALVINGS = 5
 
@@ -161,7 +152,7 @@ class Mechanics(Block):
         if contact is not None:
             yield from (*(_OF_COUPLING if any(interior.responds for interior in interiors) else ()), *_OF_CONTACT)
             if any(interior.estimates_degree for interior in interiors):
-                yield _PRESSURE_ERROR
+                yield PRESSURE_ERROR
         if self.numerics.plastic_error is not None:
             yield _PLASTIC_ERROR
 
@@ -234,7 +225,8 @@ class RunningMechanics:
         if self._contact is not None:
             self._store(step, self._contact, answers)
             if any(interior.estimates_degree for interior in self._interiors):
-                spent["degree_pressure_error"] = self._degree_error(step, last.displacement)
+                sunk = last.displacement["z"]
+                spent[PRESSURE_ERROR.name] = pressure_error(self._contact, self._interiors, step, sunk)
             spent["solve_seconds"] = perf_counter() - began
             spent["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
@@ -303,30 +295,6 @@ class RunningMechanics:
             refuse_edge(fields["pressure"], self._grid)
         step.fields |= fields
         step.scalars |= scalars
-
-    def _degree_error(self, step: Step, displaced: Mapping[str, FloatArray]) -> float:
-        """Estimated error [Pa] of the pressure by the degree of whole inhomogeneities.
-
-        With one degree less, and with two, their surface moves and the pressure follows; what that does to them in turn
-        is left out. The largest change, or half of the one before if that is larger, stands for all higher degrees.
-        """
-        from scipy.ndimage import binary_erosion
-
-        assert self._contact is not None
-        assert step.surface.separation is not None
-        assert step.control is not None
-        pressure = step.fields["pressure"]
-        loaded = binary_erosion(pressure > 0.0, iterations=_EDGE)
-        moved, total = step.surface.separation + displaced["z"], 0.0
-        for interior in self._interiors:
-            factor, changes = interior.normal_displacement_by_less()
-            found = [pressure]
-            for change in changes:
-                found.append(self._contact.pressed(step.control, moved + change, step.fields, None, found[-1]))
-            steps = [float(np.abs(b - a)[loaded].max(initial=0.0)) for a, b in pairwise(found)]
-            if steps:
-                total += factor * max(steps[0], 0.5 * steps[1])
-        return total
 
     def _before(self, step: Step, increment: Increment) -> Solved:
         """State of the interiors before the step, from what is stored of the last one alone."""
