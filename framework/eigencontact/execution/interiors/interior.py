@@ -121,8 +121,8 @@ class Interior(Part):
             Outermost cells, which were to stay elastic, did not.
         """
 
-    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
-        """Of the present state, by law: what its cells remember, and the volume of one [m^3]."""
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
+        """Of the present state, by law: what its cells remember, the volume of one [m^3], and the law's share of each."""
         yield from ()
 
     def scalars(self) -> dict[str, float]:

@@ -1,0 +1,77 @@
+"""Cells that a boundary cuts beside a law that is not linear: two laws as one, with all that it asks of its points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from eigencontact.core.array_types import FloatArray, IntArray
+from eigencontact.core.elasticity import isotropic_stiffness
+from eigencontact.core.material import Material
+from eigencontact.execution.interiors.material_cells import MaterialCells
+from eigencontact.plugin import ConstitutiveLaw, LawStep, LinearLaw
+from eigencontact.solvers.laminate import Laminate
+
+__all__ = ["CutCells", "matrix_law"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class CutStep(LawStep):
+    """Points and time of an evaluation in cut cells; see `eigencontact.solvers.laminate.Cut`."""
+
+    fraction: FloatArray
+    normal: FloatArray
+    difference: FloatArray
+
+    def of(self, points: slice) -> CutStep:
+        """The same of some of the points."""
+        cut = {name: getattr(self, name)[..., points] for name in ("x", "y", "z", "fraction", "normal", "difference")}
+        return replace(self, means={}, **cut)
+
+
+@dataclass(frozen=True, eq=False)
+class CutCells:
+    """Cut cells of one pair of laws, as flat indices."""
+
+    law: Any
+    cells: IntArray
+    fraction: FloatArray
+    normal: FloatArray
+
+    @classmethod
+    def of(cls, content: MaterialCells, first: ConstitutiveLaw, second: ConstitutiveLaw, cells: IntArray) -> CutCells:
+        """Those of the content of a box."""
+        return cls(Laminate(first, second), cells, content.fraction.ravel()[cells], content.across(cells))
+
+    def step(self, step: LawStep, content: MaterialCells) -> CutStep:
+        """The step of these cells, with what the laminate asks for."""
+        return CutStep(
+            x=step.x, y=step.y, z=step.z, time=step.time, duration=step.duration, fraction=self.fraction,
+            normal=self.normal, difference=content.difference(self.cells, step.time),
+        )  # fmt: skip
+
+    def parts(
+        self, variables: Mapping[str, FloatArray]
+    ) -> Iterator[tuple[ConstitutiveLaw, FloatArray, Mapping[str, FloatArray]]]:
+        """Each law, its shares of the cells, and what it remembers."""
+        shares = self.fraction, 1.0 - self.fraction
+        yield from zip((self.law.first, self.law.second), shares, self.law.parts(variables), strict=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Matrix(LinearLaw):
+    """Elasticity of the matrix."""
+
+    key = "matrix"
+
+    material: Material
+
+    def stiffness_matrix(self) -> FloatArray:
+        """See `LinearLaw.stiffness_matrix`."""
+        return isotropic_stiffness(self.material.young_modulus, self.material.poisson_ratio)
+
+
+def matrix_law(matrix: Material) -> LinearLaw | None:
+    """Law of the matrix; none of an incompressible one, whose stiffness is not finite."""
+    return _Matrix(material=matrix) if matrix.poisson_ratio < 0.5 else None
