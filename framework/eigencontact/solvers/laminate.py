@@ -1,17 +1,17 @@
-r"""Law of a cell that a boundary cuts: two materials in flat layers, each with its own strain, stress and memory.
+r"""Law of a cell that a boundary cuts: two materials as one, each with its own strain, stress and memory.
 
-Of the cell a share f is of the first material, the rest of the second, and n is the normal of the boundary between
-them. The strain in the plane of the boundary and the traction on it are continuous:
+Of the cell a share f is of the first material, the rest of the second. With the jump d of their strains,
 
-    ε_1 = ε + (1-f) [a],    ε_2 = ε - f [a],    [a] = sym(a n),    (σ_1 - σ_2) n = 0,    σ = f σ_1 + (1-f) σ_2.
+    ε_1 = ε + (1-f) d,    ε_2 = ε - f d,    σ_1 - σ_2 + K d = 0,    σ = f σ_1 + (1-f) σ_2,
 
-The jump a, three equations, is found by Newton's method. The energy is that of a real field, so that two materials
-whose tangents are definite make one whose tangent is. A material that is less than some hundredths of the cell may flow
-along n at no cost as long as the other one is soft: slivers are better merged.
+and K = T (I - M T)^-1, M the compliance of the matrix, T as in `eigencontact.solvers.cell_conditions`: for linear laws
+the conditions there follow, and for flat layers, where K is infinite but for ``d = sym(a n)``, equal tractions on the
+boundary of the normal n and equal strains in its plane. The six equations for d are found by Newton's method. They are
+those of a least energy with ``f (1-f) d K d / 2``, so that materials with definite tangents make one that has one too.
 
 References
 ----------
-G. W. Milton 2002, The Theory of Composites, chapter 9 (laminates).
+G. W. Milton 2002, The Theory of Composites, chapter 9 (laminates); R. Hill 1965, J. Mech. Phys. Solids 13, 89 (K).
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.tensors import INDICES, SQRT2
+from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged
+from eigencontact.solvers.cell_conditions import compliance, constraint_of_cut
 from eigencontact.solvers.law_answers import Answer, Law, answer_of, place_of, refuse
 
-__all__ = ["BESIDE", "Cut", "Laminate"]
+__all__ = ["BESIDE", "Cut", "Laminate", "resistance"]
 
 #: What follows the name of a variable of the second material where the first has one of that name.
 BESIDE = "_beside"
 #: Most Newton steps for the jump, and most halvings of one.
 _STEPS, _HALVINGS = 40, 12
-#: Difference of the tractions that is round-off, in parts of stiffness times strain.
+#: Residual that is round-off, in parts of stiffness times strain.
 _ROUND_OFF = 1e-14
 
 
@@ -45,8 +46,8 @@ class Cut(Protocol):
     z: FloatArray
     #: Share of the first material, ``(n,)``.
     fraction: FloatArray
-    #: Unit normal of the boundary, ``(3, n)``.
-    normal: FloatArray
+    #: K [Pa], ``(6, 6, n)``.
+    resistance: FloatArray
     #: Prestrain of the first material less that of the second, ``(6, n)`` [-].
     difference: FloatArray
 
@@ -89,19 +90,19 @@ class Laminate:
 
     @property
     def variables(self) -> dict[str, Any]:
-        """What both remember: those of the second under the name that `names` gives."""
-        second, names = self.second.variables, self._names
-        return {**self.first.variables, **{name: second[own] for own, name in names.items()}}
+        """What both remember, those of the second material under their `stored` names."""
+        second = self.second.variables
+        return {**self.first.variables, **{name: second[own] for own, name in self.stored.items()}}
 
     @property
-    def _names(self) -> dict[str, str]:
-        """Stored names of the variables of the second material."""
+    def stored(self) -> dict[str, str]:
+        """Stored name of each variable of the second material."""
         return {name: name + BESIDE if name in self.first.variables else name for name in self.second.variables}
 
     def parts(self, variables: Mapping[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Variables of each material by its own names."""
         first = {name: variables[name] for name in self.first.variables}
-        return first, {own: variables[name] for own, name in self._names.items()}
+        return first, {own: variables[name] for own, name in self.stored.items()}
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Cut) -> _Response:
         """Stress, tangent and variables for the mean strain less the mean prestrain, ``(6, n)``.
@@ -109,11 +110,10 @@ class Laminate:
         Raises
         ------
         NotConverged
-            No jump makes the tractions equal.
+            No jump is found.
         """
         question = _Question(self, strain, self.parts(before), step)
-        jump = np.zeros((3, strain.shape[1]))
-        state = question.at(jump)
+        state = question.at(np.zeros_like(strain))
         for _ in range(_STEPS):
             for law, asked, answer in zip((self.first, self.second), state.strains, state.answers, strict=True):
                 refuse(law, asked, answer, step)
@@ -122,18 +122,25 @@ class Laminate:
             state = question.nearer(state)
         worst = int(np.argmax(state.error / state.limit))
         raise NotConverged(
-            f"constitutive law {self.key!r} found no common traction {place_of(worst, step)} in {_STEPS} steps; "
+            f"constitutive law {self.key!r} found no strains of its parts {place_of(worst, step)} in {_STEPS} steps; "
             "take smaller load steps"
         )
 
 
+def resistance(matrix: Material, normals: FloatArray) -> FloatArray:
+    """K [Pa] of cut cells ``(6, 6, n)``, by the normals of the boundaries in them ``(3, n)``; zero if unknown."""
+    constraint = constraint_of_cut(matrix, normals.T)
+    give = np.eye(6) - compliance(matrix) @ constraint
+    return np.moveaxis(np.linalg.solve(give.swapaxes(1, 2), constraint.swapaxes(1, 2)), (0, 1, 2), (2, 1, 0))
+
+
 class _State(NamedTuple):
-    """Jump in each cell, and how far the tractions of the two materials differ."""
+    """Jump of the strains in each cell, and how far the stresses are from what it asks for."""
 
     jump: FloatArray
     strains: tuple[FloatArray, FloatArray]
     answers: tuple[Answer, Answer]
-    difference: FloatArray
+    residual: FloatArray
     error: FloatArray
     limit: FloatArray
 
@@ -145,34 +152,33 @@ class _Question:
         self, law: Laminate, strain: FloatArray, before: tuple[dict[str, FloatArray], dict[str, FloatArray]], step: Cut
     ) -> None:
         places = step.x, step.y, step.z
-        self._laws = [part.at(*places) if part.linear else part for part in (law.first, law.second)]  # type: ignore[attr-defined]
+        self._laws: list[Any] = [law.first, law.second]
+        self._laws = [part.at(*places) if part.linear else part for part in self._laws]
         self._law, self._strain, self._before, self._step = law, strain, before, step
-        self._share = step.fraction
-        self._across = jump_strains(step.normal.T)
+        self._share, self._resistance = step.fraction, np.moveaxis(step.resistance, 2, 0)
 
     def at(self, jump: FloatArray) -> _State:
-        """Both laws under a jump ``(3, n)``."""
-        relative = np.einsum("nij,jn->in", self._across, jump) - self._step.difference
+        """Both laws under a jump ``(6, n)``."""
+        relative = jump - self._step.difference
         strains = self._strain + (1.0 - self._share) * relative, self._strain - self._share * relative
         first, second = (
             answer_of(law, strain, before, self._step)
             for law, strain, before in zip(self._laws, strains, self._before, strict=True)
         )
-        difference = np.einsum("nij,in->jn", self._across, first.stress - second.stress)
-        error = np.where(first.finite & second.finite, np.linalg.norm(difference, axis=0), np.inf)
-        limit = np.finfo(float).tiny + _ROUND_OFF * sum(
-            np.linalg.norm(answer.tangent, axis=(1, 2)) * np.linalg.norm(asked, axis=0)
-            for answer, asked in zip((first, second), strains, strict=True)
-        )
-        return _State(jump, strains, (first, second), difference, error, np.asarray(limit))
+        residual = first.stress - second.stress + np.einsum("nij,jn->in", self._resistance, jump)
+        error = np.where(first.finite & second.finite, np.linalg.norm(residual, axis=0), np.inf)
+        stiff = (first.tangent, strains[0]), (second.tangent, strains[1]), (self._resistance, jump)
+        scale = sum(np.linalg.norm(matrix, axis=(1, 2)) * np.linalg.norm(tensor, axis=0) for matrix, tensor in stiff)
+        return _State(jump, strains, (first, second), residual, error, np.finfo(float).tiny + _ROUND_OFF * scale)
 
     def nearer(self, state: _State) -> _State:
-        """Newton's step, halved in the cells where it does not lower the difference, unless to round-off."""
+        """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
         try:
-            change = -np.linalg.solve(self._acoustic(state), state.difference.T[..., None])[..., 0].T
+            change = -np.linalg.solve(self._jacobian(state), state.residual.T[..., None])[..., 0].T
         except np.linalg.LinAlgError:
             raise NotConverged(
-                f"constitutive law {self._law.key!r}: both materials flow along their boundary; take smaller load steps"
+                f"constitutive law {self._law.key!r}: parts of cells are so soft that their strain is not determined; "
+                "take smaller load steps"
             ) from None
         fraction, enough = np.ones(change.shape[1]), np.maximum(state.error, state.limit)
         for _ in range(_HALVINGS):
@@ -183,34 +189,16 @@ class _Question:
             fraction = np.where(worse, 0.5 * fraction, fraction)
         return trial
 
-    def _acoustic(self, state: _State) -> FloatArray:
-        """Derivative of the difference of tractions by the jump, ``(n, 3, 3)``."""
+    def _jacobian(self, state: _State) -> FloatArray:
         f, (first, second) = self._share[:, None, None], state.answers
-        return self._across.swapaxes(1, 2) @ ((1.0 - f) * first.tangent + f * second.tangent) @ self._across
+        return np.asarray((1.0 - f) * first.tangent + f * second.tangent + self._resistance)
 
     def response(self, state: _State) -> _Response:
         """Of the cells as a whole."""
         f, (first, second) = self._share[:, None, None], state.answers
         unlike = first.tangent - second.tangent
-        moved = np.linalg.solve(self._acoustic(state), self._across.swapaxes(1, 2) @ unlike)
-        tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ self._across @ moved
+        moved = np.linalg.solve(self._jacobian(state), unlike)
+        tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
         stress = self._share * first.stress + (1.0 - self._share) * second.stress
-        names = self._law._names
-        variables = {**first.variables, **{names[own]: values for own, values in second.variables.items()}}
-        return _Response(stress, np.moveaxis(tangent, 0, 2), variables)
-
-
-def jump_strains(normals: FloatArray) -> FloatArray:
-    """Mandel strain sym(a n) by the jump a, ``(n, 6, 3)``, for unit normals ``(n, 3)``; transposed, stress to traction.
-
-    Examples
-    --------
-    >>> jump_strains(np.array([[0.0, 0.0, 1.0]]))[0, 2].tolist()
-    [0.0, 0.0, 1.0]
-    """
-    out = np.zeros((len(normals), 6, 3))
-    for row, (i, j) in enumerate(INDICES):
-        weight = 0.5 if i == j else 0.5 * SQRT2
-        out[:, row, i] += weight * normals[:, j]
-        out[:, row, j] += weight * normals[:, i]
-    return out
+        second_variables = {self._law.stored[own]: values for own, values in second.variables.items()}
+        return _Response(stress, np.moveaxis(tangent, 0, 2), {**first.variables, **second_variables})

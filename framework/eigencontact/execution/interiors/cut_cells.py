@@ -11,7 +11,7 @@ from eigencontact.core.elasticity import isotropic_stiffness
 from eigencontact.core.material import Material
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.plugin import ConstitutiveLaw, LawStep, LinearLaw
-from eigencontact.solvers.laminate import Laminate
+from eigencontact.solvers.laminate import Laminate, resistance
 
 __all__ = ["CutCells", "matrix_law"]
 
@@ -21,12 +21,12 @@ class CutStep(LawStep):
     """Points and time of an evaluation in cut cells; see `eigencontact.solvers.laminate.Cut`."""
 
     fraction: FloatArray
-    normal: FloatArray
+    resistance: FloatArray
     difference: FloatArray
 
     def of(self, points: slice) -> CutStep:
         """The same of some of the points."""
-        cut = {name: getattr(self, name)[..., points] for name in ("x", "y", "z", "fraction", "normal", "difference")}
+        cut = {name: getattr(self, name)[..., points] for name in ("x", "y", "z", "fraction", "resistance", "difference")}
         return replace(self, means={}, **cut)
 
 
@@ -37,18 +37,21 @@ class CutCells:
     law: Any
     cells: IntArray
     fraction: FloatArray
-    normal: FloatArray
+    resistance: FloatArray
 
     @classmethod
-    def of(cls, content: MaterialCells, first: ConstitutiveLaw, second: ConstitutiveLaw, cells: IntArray) -> CutCells:
+    def all_of(cls, content: MaterialCells, matrix: Material) -> list[CutCells]:
         """Those of the content of a box."""
-        return cls(Laminate(first, second), cells, content.fraction.ravel()[cells], content.across(cells))
+        return [
+            cls(Laminate(*laws), cells, content.fraction.ravel()[cells], resistance(matrix, content.across(cells)))
+            for *laws, cells in content.cuts()
+        ]
 
     def step(self, step: LawStep, content: MaterialCells) -> CutStep:
         """The step of these cells, with what the laminate asks for."""
         return CutStep(
             x=step.x, y=step.y, z=step.z, time=step.time, duration=step.duration, fraction=self.fraction,
-            normal=self.normal, difference=content.difference(self.cells, step.time),
+            resistance=self.resistance, difference=content.difference(self.cells, step.time),
         )  # fmt: skip
 
     def parts(

@@ -77,7 +77,7 @@ class SweptCells(Cells):
 
         super()._fill()
         whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
-        self._cut = [CutCells.of(self._content, *pair) for pair in self._content.cuts()]
+        self._cut = CutCells.all_of(self._content, self._half_space.material)
         self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
         self._rim = self._content.rim(self._averages.width).ravel()
