@@ -50,6 +50,8 @@ class Cut(Protocol):
     resistance: FloatArray
     #: Prestrain of the first material less that of the second, ``(6, n)`` [-].
     difference: FloatArray
+    #: Written to: strain, jump and its derivative, as they were found last. Begins empty.
+    found: dict[str, FloatArray]
 
 
 class _Response(NamedTuple):
@@ -113,7 +115,7 @@ class Laminate:
             No jump is found.
         """
         question = _Question(self, strain, self.parts(before), step)
-        state = question.at(np.zeros_like(strain))
+        state = question.at(question.start())
         for _ in range(_STEPS):
             for law, asked, answer in zip((self.first, self.second), state.strains, state.answers, strict=True):
                 refuse(law, asked, answer, step)
@@ -157,6 +159,13 @@ class _Question:
         self._law, self._strain, self._before, self._step = law, strain, before, step
         self._share, self._resistance = step.fraction, np.moveaxis(step.resistance, 2, 0)
 
+    def start(self) -> FloatArray:
+        """Jump that the last one lets expect: within an increment the strain changes less and less."""
+        if not self._step.found:
+            return np.zeros_like(self._strain)
+        strain, jump, moved = (self._step.found[name] for name in ("strain", "jump", "moved"))
+        return jump - np.einsum("nij,jn->in", moved, self._strain - strain)
+
     def at(self, jump: FloatArray) -> _State:
         """Both laws under a jump ``(6, n)``."""
         relative = jump - self._step.difference
@@ -198,6 +207,7 @@ class _Question:
         f, (first, second) = self._share[:, None, None], state.answers
         unlike = first.tangent - second.tangent
         moved = np.linalg.solve(self._jacobian(state), unlike)
+        self._step.found.update(strain=self._strain, jump=state.jump, moved=moved)
         tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
         stress = self._share * first.stress + (1.0 - self._share) * second.stress
         second_variables = {self._law.stored[own]: values for own, values in second.variables.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eigencontact.core.array_types import FloatArray, IntArray
@@ -23,11 +23,12 @@ class CutStep(LawStep):
     fraction: FloatArray
     resistance: FloatArray
     difference: FloatArray
+    found: dict[str, FloatArray] = field(default_factory=dict)
 
     def of(self, points: slice) -> CutStep:
         """The same of some of the points."""
         cut = {name: getattr(self, name)[..., points] for name in ("x", "y", "z", "fraction", "resistance", "difference")}
-        return replace(self, means={}, **cut)
+        return replace(self, means={}, found={}, **cut)
 
 
 @dataclass(frozen=True, eq=False)
