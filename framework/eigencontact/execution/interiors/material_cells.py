@@ -164,26 +164,20 @@ class MaterialCells:
         return law.laws_at(*places)
 
     def across(self, cells: IntArray) -> FloatArray:
-        """Unit normals ``(3, n)``, towards the first material, of the boundaries in cut cells of one pair of laws."""
-        first, second = (int(names.ravel()[cells[0]]) for names in (self.index, self.beside))
-        return steepest(self._amount(first) - self._amount(second), self._box.lattice.edges)[:, cells]
+        """Unit normals ``(3, n)`` of the boundaries in cut cells of one pair of laws; their sign means nothing.
 
-    def _amount(self, number: int) -> FloatArray:
-        """Share of a law or, 0, of the matrix in each cell, with the neighbours of the box: ``(nz + 2, ...)``."""
-        if not number:
-            others = sum(self._amount(other) for other in range(1, len(self.laws) + 1))
-            return np.asarray(1.0 - others)
-        members = [member for member, own in enumerate(self._numbers) if own == number]
-        total = np.zeros(self.shape)
-        for member in members:
+        Where regions overlap the later one wins: their boundary is that of the later one.
+        """
+        pair = {int(names.ravel()[cells[0]]) for names in (self.index, self.beside)}
+        later = next(number for number in reversed(self._numbers) if number in pair)
+        padded = np.zeros([count + 2 for count in self.shape])
+        inner = padded[1:-1, 1:-1, 1:-1]
+        for member in (member for member, number in enumerate(self._numbers) if number == later):
             place, share = self._risen_to(member, self._new[member][1])
-            total[place] += share
-        # The region of a law of the body has no bounds of its own.
-        guessed = any(self._sources[member].guessed for member in members)
-        padded = np.pad(total, 1, mode="edge" if guessed else "constant")
+            inner[place] += share
         if self._box.lattice.first[0] == 0:
             padded[0] = padded[1]
-        return padded
+        return steepest(padded, self._box.lattice.edges)[:, cells]
 
     @property
     def linear(self) -> LinearContent:
