@@ -1,6 +1,7 @@
 """Cells of inhomogeneities: whose law fills them, how far, beside what, and which laws take whole cells only."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -144,7 +145,7 @@ def test_slivers_are_merged(share, cut):
 
 def test_a_law_of_a_neighbourhood_has_whole_cells():
     class Wide(Yielding):
-        averaged = {"hardening": 2.0}
+        averaged: ClassVar = {"hardening": 2.0}
 
     wide = Wide(young_modulus=2e11, poisson_ratio=0.3, yield_stress=2e8, hardening_modulus=1e10)
     content = cells_of(block(wide, (-2, -2, 1), (2, 2, 2.6)), block(SOFT, (-2, -2, 2.6), (2, 2, 4)))

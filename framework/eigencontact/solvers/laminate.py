@@ -133,7 +133,8 @@ def resistance(matrix: Material, normals: FloatArray) -> FloatArray:
     """K [Pa] of cut cells ``(6, 6, n)``, by the normals of the boundaries in them ``(3, n)``; zero if unknown."""
     constraint = constraint_of_cut(matrix, normals.T)
     give = np.eye(6) - compliance(matrix) @ constraint
-    return np.moveaxis(np.linalg.solve(give.swapaxes(1, 2), constraint.swapaxes(1, 2)), (0, 1, 2), (2, 1, 0))
+    out = np.linalg.solve(give.swapaxes(1, 2), constraint.swapaxes(1, 2)).T
+    return np.asarray(out, dtype=float)
 
 
 class _State(NamedTuple):
@@ -164,7 +165,7 @@ class _Question:
         if not self._step.found:
             return np.zeros_like(self._strain)
         strain, jump, moved = (self._step.found[name] for name in ("strain", "jump", "moved"))
-        return jump - np.einsum("nij,jn->in", moved, self._strain - strain)
+        return np.asarray(jump - np.einsum("nij,jn->in", moved, self._strain - strain))
 
     def at(self, jump: FloatArray) -> _State:
         """Both laws under a jump ``(6, n)``."""
@@ -206,7 +207,7 @@ class _Question:
         """Of the cells as a whole."""
         f, (first, second) = self._share[:, None, None], state.answers
         unlike = first.tangent - second.tangent
-        moved = np.linalg.solve(self._jacobian(state), unlike)
+        moved = np.asarray(np.linalg.solve(self._jacobian(state), unlike), dtype=float)
         self._step.found.update(strain=self._strain, jump=state.jump, moved=moved)
         tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
         stress = self._share * first.stress + (1.0 - self._share) * second.stress

@@ -27,8 +27,8 @@ class CutStep(LawStep):
 
     def of(self, points: slice) -> CutStep:
         """The same of some of the points."""
-        cut = {name: getattr(self, name)[..., points] for name in ("x", "y", "z", "fraction", "resistance", "difference")}
-        return replace(self, means={}, found={}, **cut)
+        names = "x", "y", "z", "fraction", "resistance", "difference"
+        return replace(self, means={}, found={}, **{name: getattr(self, name)[..., points] for name in names})
 
 
 @dataclass(frozen=True, eq=False)

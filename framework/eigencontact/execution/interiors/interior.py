@@ -122,7 +122,7 @@ class Interior(Part):
         """
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
-        """Of the present state, by law: what its cells remember, the volume of one [m^3], and the law's share of each."""
+        """Of the present state, by law: what its cells remember, the volume of one [m^3], and its share of each."""
         yield from ()
 
     def scalars(self) -> dict[str, float]:
