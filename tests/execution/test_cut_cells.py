@@ -61,6 +61,13 @@ def test_what_never_yields_is_elastic(ball, bound):
     assert float(found["max_plastic_strain"][-1]) == 0.0
 
 
+def test_without_load_and_strain_the_law_holds():
+    """What is left of the stress is the tolerance of the eigenstrain that was: no stress to measure a misfit by."""
+    ball = {**BALL, "material": {**NEVER, **HARD}}
+    data = ec.run(scene(6, [ball], steps=[{"normal_load": LOAD}, {"normal_load": 0.0}])).dataset
+    assert float(data["law_residual"].max()) < 1e-4
+
+
 def test_a_soft_ball_yields_with_its_own_volume():
     """All of it flows, nothing else may: what is counted is its share of each cell."""
     soft = {**BALL, "radius": "8 um", "center": [0, 0, "16 um"], "material": {**perfect("2 GPa"), **HARD}}

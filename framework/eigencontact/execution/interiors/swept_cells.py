@@ -166,8 +166,9 @@ class SweptCells(Cells):
         """See `Interior.scalars`; with the certificate of laws that are not linear."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
-            misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._prestrain, self._before, self._steps)
-            scalars["law_residual"] = misfit
+            scalars["law_residual"] = self._sweeps.misfit(
+                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start
+            )
         return scalars
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
