@@ -92,6 +92,26 @@ def test_a_stiff_ball_in_what_yields(per_radius, depth):
     assert float(data["law_residual"].max()) < 1e-4
 
 
+@pytest.mark.parametrize("seed", [0, 7])
+def test_cells_beside_what_breaks_have_an_answer(seed):
+    """Damage without a length: where a layer resists alone, cells cut by a stiff ball find no strains of parts."""
+    draw = np.random.default_rng(seed)
+    damage = {"type": "mazars", "threshold": 1e-4, "A": 0.7, "B": 2e3}
+    radius = float(draw.uniform(2e-3, 4e-3))
+    ball = {"type": "sphere", "center": [0, 0, 1.5 * radius], "radius": radius}
+    stone = {"young_modulus": "30 GPa", "poisson_ratio": 0.2}
+    data = ec.run(
+        scene(
+            5, [ball | {"material": {**stone, "young_modulus": "210 GPa"}}], steps=[{"normal_load": 3000}],
+            body1={**stone, "law": {"type": "brittle", "damage": damage}},
+            grid={"cells": 16, "spacing": ["1.5 mm"] * 2},
+            geometry={"type": "sphere", "radius": 2.0}, numerics={"inclusion_pitch": 1.5e-3, "tolerance": 1e-5},
+        )
+    ).dataset  # fmt: skip
+    assert 0.1 < float(data["max_damage"][0]) < 0.9
+    assert float(data["law_residual"][0]) < 1e-3
+
+
 BOTH = [{**BALL, "material": {**perfect("6 GPa"), **HARD}}], perfect("5 GPa")
 PRESS, FREE, AGAIN = {"normal_load": LOAD}, {"normal_load": 0.0}, {"normal_load": 0.8 * LOAD}
 

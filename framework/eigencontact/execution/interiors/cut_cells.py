@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.elasticity import isotropic_stiffness
 from eigencontact.core.material import Material
@@ -43,10 +45,14 @@ class CutCells:
     @classmethod
     def all_of(cls, content: MaterialCells, matrix: Material) -> list[CutCells]:
         """Those of the content of a box."""
-        return [
-            cls(Laminate(*laws), cells, content.fraction.ravel()[cells], resistance(matrix, content.across(cells)))
-            for *laws, cells in content.cuts()
-        ]
+        found = []
+        for first, second, cells in content.cuts():
+            # What degrades may lose its stiffness across a layer, and no answer is left: a ball around it resists.
+            layered = first.symmetric and second.symmetric
+            normals = content.across(cells) if layered else np.zeros((3, cells.size))
+            share = content.fraction.ravel()[cells]
+            found.append(cls(Laminate(first, second), cells, share, resistance(matrix, normals)))
+        return found
 
     def step(self, step: LawStep, content: MaterialCells) -> CutStep:
         """The step of these cells, with what the laminate asks for."""
