@@ -16,6 +16,7 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.interiors.cut_cells import matrix_law
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
@@ -123,7 +124,7 @@ class Cells(Responding):
             **self._half_space.options("stress"),
         )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
-        self._content = MaterialCells(self._box, self.sources, grid)
+        self._content = MaterialCells(self._box, self.sources, grid, matrix_law(self._half_space.material))
         self._lost = np.zeros(grid.shape)
         self._fill()
         self._joint = None

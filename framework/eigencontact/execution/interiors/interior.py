@@ -136,8 +136,8 @@ class Interior(Part):
         """
         return 0.0, ()
 
-    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
-        """Of the present state, by law: what its cells remember, and the volume of one [m^3]."""
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
+        """Of the present state, by law: what its cells remember, the volume of one [m^3], and its share of each."""
         yield from ()
 
     def scalars(self) -> dict[str, float]:
