@@ -1,0 +1,204 @@
+"""Stress at points in regions of other material and beside their boundaries, from the material that is there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.material import Material
+from eigencontact.errors import SceneError
+from eigencontact.execution.fields.within_regions import Content, Points, number_at
+from eigencontact.execution.routes.cell_strain import Place
+from eigencontact.execution.routes.route import Route
+from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.overlaps import bounds_meet
+from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sources import Inhomogeneity, Source
+from eigencontact.solvers.beside_boundaries import Between, continued, outer_stress, outward
+from eigencontact.solvers.cell_conditions import compliance
+from eigencontact.solvers.cells import Cells
+from eigencontact.solvers.compatible_stress import CompatibleStress
+
+__all__ = ["MaterialPoints"]
+
+#: The eigenstrain of a region tells its stress where no strain takes a stress so near to that of the body.
+_DIFFERENT = 0.02
+#: A region is stiff where every strain takes this many times the stress of the body.
+_STIFF = 1.5
+#: Cells of a region whose stress is made compatible: seconds and 100 MB; larger ones keep that of their cells.
+_MOST = 200_000
+#: Cells beyond the box that points between middles may need.
+_ROOM = 2
+
+
+class _Region(NamedTuple):
+    """One region that tells its stress by its eigenstrain: its points, its cells with one more on each side, shares."""
+
+    source: Inhomogeneity
+    points: NDArray[np.intp]
+    place: Place
+    share: FloatArray
+    stress_of_strain: FloatArray
+    compatible: CompatibleStress | None
+
+
+class MaterialPoints:
+    """Points of one lattice in and beside the regions of a body.
+
+    Parameters
+    ----------
+    subsurface : Subsurface
+        With inhomogeneities in cells.
+    content : Content
+        Region and share of each cell.
+    points : three of (n,)
+        x, y, z [m].
+    """
+
+    def __init__(self, subsurface: Subsurface, content: Content, points: Points) -> None:
+        half_space, lattice = subsurface.half_space, subsurface.box.lattice
+        top = _ROOM if half_space.full else min(_ROOM, lattice.first[0])
+        self._room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
+        cells = subsurface.box.cells(half_space.grid)
+        shift = (_ROOM, _ROOM, top)
+        first = [at - room * d for at, room, d in zip(cells.first, shift, cells.pitch, strict=True)]
+        self._cells = Cells(
+            first=(first[0], first[1], first[2]),
+            pitch=cells.pitch,
+            shape=tuple(n + sum(room) for n, room in zip(cells.shape, self._room, strict=True)),  # type: ignore[arg-type]
+        )
+        self._subsurface, self._half_space, self._sources = subsurface, half_space, subsurface.inhomogeneities
+        self._number, self._share = (np.pad(values, self._room) for values in content)
+        self._flush = not half_space.full and lattice.first[0] == 0
+        self._between = Between(self._cells, points)
+        self._regions: list[_Region] = []
+        self._outside = self._split(points, subsurface.prescribed)
+
+    @property
+    def any(self) -> bool:
+        """Whether the stress of any point is to be amended."""
+        return bool(self._regions or self._outside.size)
+
+    def _split(self, points: Points, prescribed: Sequence[Source]) -> NDArray[np.intp]:
+        """Set up the regions that have points in them; points outside of all, and beside a cut boundary."""
+        number, share, between = self._number.ravel(), self._share.ravel(), self._between
+        own, own_share = number[between.on], share[between.on]
+        inside = number_at(self._sources, points)  # also in slivers that the cells leave out
+        at = np.where((own == 0).all(axis=0) & (number[between.about] == inside).any(axis=0), inside, own[0])
+        in_region = (own_share == 1.0).all(axis=0) | (inside == at)
+        in_region &= (at > 0) & ((own == own[0]).all(axis=0))
+        matrix = self._half_space.material
+        for region in np.unique(at[in_region]).tolist():
+            source, where = self._sources[region - 1], np.flatnonzero(in_region & (at == region))
+            stiffness = _stiffness(source, matrix)
+            if stiffness is not None:
+                self._regions.append(self._region(source, region, where, stiffness, prescribed))
+        known = (number[between.about] >= 0).all(axis=0) & (own >= 0).all(axis=0) & (own_share < 1.0).all(axis=0)
+        about = share[between.about]
+        cut = ((about > 0.0) & (about < 1.0)).any(axis=0)
+        return np.flatnonzero(known & cut & (inside == 0))
+
+    def _region(
+        self, source: Inhomogeneity, number: int, where: NDArray[np.intp], stiffness: FloatArray,
+        prescribed: Sequence[Source],
+    ) -> _Region:  # fmt: skip
+        place = tuple(slice(max(part.start - 1, 0), part.stop + 1) for part in self._places[number])
+        share = np.where(self._number[place] == number, self._share[place], 0.0)
+        ratio = stiffness @ compliance(self._half_space.material)
+        stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
+        alone = not any(bounds_meet(source, other) for other in prescribed)
+        compatible = CompatibleStress(share, stiffness, self._cells.pitch) if stiff and alone else None
+        return _Region(source, where, place, share, np.linalg.solve(np.eye(6) - ratio, stiffness), compatible)  # type: ignore[arg-type]
+
+    @cached_property
+    def _places(self) -> dict[int, Place]:
+        """Part of the lattice that each region takes."""
+        from scipy.ndimage import find_objects
+
+        found = find_objects(np.maximum(self._number, 0))
+        return {number: place for number, place in enumerate(found, 1) if place is not None}
+
+    def amend(self, stress: FloatArray, caused: FloatArray, eigenstrain: FloatArray, time: float) -> None:
+        """Replace the stress at points of the regions, and beside boundaries that cut cells.
+
+        Parameters
+        ----------
+        stress, caused : (6, n)
+            Of all causes, changed, and the part of it that the eigenstrain was computed to cause [Pa].
+        eigenstrain : (6, nz, ny, nx)
+            Of the cells, prestrain included [-].
+        """
+        padded = np.pad(eigenstrain, ((0, 0), *self._room))
+        if self._outside.size:
+            where = self._outside
+            stress[:, where] += self._between.values(self._outer(eigenstrain, padded), where) - caused[:, where]
+        field = np.zeros_like(padded)
+        for region in self._regions:
+            self._fill(field, region, padded, time)
+            stress[:, region.points] = self._between.values(field, region.points)
+
+    def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
+        """Put the stress of a region [Pa] into its cells of a field and those beside them that its points need."""
+        share, where = region.share, (slice(None), *region.place)
+        own = np.where(share > 0.0, eigenstrain[where] / np.where(share > 0.0, share, 1.0), 0.0)
+        prestrain = region.source.uniform_eigenstrain(time).reshape(6, 1, 1, 1)
+        stress = np.einsum("ij,jzyx->izyx", region.stress_of_strain, own - prestrain)
+        if region.compatible is not None:
+            stress = region.compatible.of(stress)
+        needed = np.zeros(self._cells.shape, dtype=bool)
+        needed.reshape(-1)[self._between.about[:, region.points]] = True
+        beyond = np.flatnonzero(needed[region.place] & (share < 1.0))
+        if beyond.size:
+            stress.reshape(6, -1)[:, beyond] = continued(stress, share**2, beyond)
+        field[where] = stress
+
+    def _outer(self, eigenstrain: FloatArray, padded: FloatArray) -> FloatArray:
+        """Stress [Pa] by the eigenstrain in the body around, in the middles of cells about the points outside."""
+        place, route = self._middles
+        out = np.zeros((6, *self._cells.shape))
+        where = (slice(None), *place)
+        values, own = route.field(eigenstrain), padded[where]
+        normal = self._normals[where].reshape(3, -1)
+        stress = outer_stress(values.reshape(6, -1), own.reshape(6, -1), normal, self._half_space.material)
+        out[where] = stress.reshape(own.shape)
+        return out
+
+    @cached_property
+    def _middles(self) -> tuple[Place, Route]:
+        """Part of the lattice about the points outside, and the route from the eigenstrain to its middles."""
+        about = np.unravel_index(np.unique(self._between.about[:, self._outside]), self._cells.shape)
+        k, j, i = (slice(int(axis.min()), int(axis.max()) + 1) for axis in about)
+        x, y, z = (self._cells.centres(axis)[part] for axis, part in enumerate((i, j, k)))
+        row, column = (at - _ROOM for at in self._subsurface.box.lattice.first[1:])
+        lattice = RegionLattice(
+            target=(y.size, x.size), origin=(float(row + j.start), float(column + i.start)), x=x, y=y, depths=z
+        )  # fmt: skip
+        return (k, j, i), self._subsurface.route("stress", lattice)
+
+    @cached_property
+    def _normals(self) -> FloatArray:
+        """Vectors out of the region of each cell."""
+        out = np.zeros((3, *self._cells.shape))
+        for number, place in self._places.items():
+            cells = self._number[place] == number
+            share, flush = np.where(cells, self._share[place], 0.0), self._flush and place[0].start == 0
+            out[(slice(None), *place)] += np.where(cells, outward(share, self._cells.pitch, flush=flush), 0.0)
+        return out
+
+
+def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
+    """Mandel stiffness of a region of one stiffness and prestrain, none of it that of the body; else None."""
+    law = source.uniform_law
+    if law is None or not source.field.uniform:
+        return None
+    try:
+        stiffness = law.stiffness_matrix()
+    except SceneError:  # it is not finite
+        return None
+    ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real
+    return stiffness if np.abs(ratios - 1.0).min() >= _DIFFERENT else None
