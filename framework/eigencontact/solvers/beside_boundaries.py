@@ -31,11 +31,13 @@ from eigencontact.solvers.cells import Cells
 __all__ = ["Between", "continued", "outer_stress", "outward"]
 
 #: Cells on either side that a linear continuation is fitted to.
-_REACH = 2
+_REACH = 3
 #: Slopes are drawn to zero by this part of the sum of the weights: a region of one layer has none across it.
 _LEVEL = 1e-3
-#: A point so near to a face, in cells, lies on it.
-_ON_FACE = 1e-9
+#: A point so near to a face or a middle, in cells, lies on it.
+_SNAP = 1e-9
+#: Cell before a face, and behind it.
+_SIDES = ((np.ceil, -0.5), (np.floor, 0.5))
 
 
 class Between:
@@ -51,24 +53,25 @@ class Between:
     Attributes
     ----------
     about : (8, n) of int
-        Flat indices of the cells.
+        Flat indices of the cells; those without weight are replaced by the nearest.
     on : (8, n) of int
         Flat indices of the cells that a point lies in: the same, but for points on faces.
     """
 
     def __init__(self, cells: Cells, points: tuple[FloatArray, FloatArray, FloatArray]) -> None:
-        placed = [(at - first) / d for at, first, d in zip(points, cells.first, cells.pitch, strict=True)]
+        placed = [_snapped((at - first) / d) for at, first, d in zip(points, cells.first, cells.pitch, strict=True)]
         lower = [np.floor(at).astype(int) for at in placed]
-        ceiling = [np.ceil(at - 0.5 - _ON_FACE).astype(int) for at in placed]
-        floor = [np.floor(at + 0.5 + _ON_FACE).astype(int) for at in placed]
+        before, after = ([rounded(at + half).astype(int) for at in placed] for rounded, half in _SIDES)
         about, on, weights = [], [], []
         for side in product((0, 1), repeat=3):
             cell = [low + upper for low, upper in zip(lower, side, strict=True)]
             parts = [1.0 - np.abs(at - index) for at, index in zip(placed, cell, strict=True)]
             about.append(_flat(cell, cells.shape))
-            on.append(_flat([(b if s else a) for a, b, s in zip(ceiling, floor, side, strict=True)], cells.shape))
+            on.append(_flat([(b if s else a) for a, b, s in zip(before, after, side, strict=True)], cells.shape))
             weights.append(parts[0] * parts[1] * parts[2])
-        self.about, self.on, self._weights = np.array(about), np.array(on), np.array(weights)
+        self.on, self._weights = np.array(on), np.array(weights)
+        most = np.take_along_axis(np.array(about), self._weights.argmax(axis=0)[None], axis=0)
+        self.about = np.where(self._weights > 0.0, about, most)
 
     def values(self, field: FloatArray, where: NDArray[np.intp]) -> FloatArray:
         """Values ``(c, len(where))`` of a field ``(c, nz, ny, nx)`` at some of the points."""
@@ -108,7 +111,7 @@ def outer_stress(stress: FloatArray, eigenstrain: FloatArray, normal: FloatArray
 
 
 def continued(values: FloatArray, weight: FloatArray, where: IntArray) -> FloatArray:
-    """Values ``(c, m)`` in cells `where` (flat indices), on the straight fit to weighted cells two about each.
+    """Values ``(c, m)`` in cells `where` (flat indices), on the straight fit to weighted cells about each.
 
     Parameters
     ----------
@@ -129,6 +132,12 @@ def continued(values: FloatArray, weight: FloatArray, where: IntArray) -> FloatA
     slopes = np.arange(1, 4)
     system[:, slopes, slopes] += _LEVEL * system[:, :1, 0]
     return np.asarray(np.linalg.solve(system, right)[:, 0].T)
+
+
+def _snapped(placed: FloatArray) -> FloatArray:
+    """Places in cells, multiples of a half where they are some to rounding."""
+    near = np.rint(2.0 * placed) / 2.0
+    return np.where(np.abs(placed - near) <= _SNAP, near, placed)
 
 
 def _flat(cell: list[IntArray], shape: tuple[int, int, int]) -> IntArray:

@@ -45,6 +45,7 @@ class EigenstrainField(Cause):
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
         self.precisions: list[Precision] = []
+        self._caused: FloatArray | None = None
         for quantity in request.fields:
             if subsurface.prescribed:
                 field = subsurface.prescribed_field(quantity, lattice)
@@ -82,16 +83,15 @@ class EigenstrainField(Cause):
         return fields
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct the stress of all causes: zero in voids, that of the material at points in and beside regions."""
-        if "stress" not in fields or not self._solved or self._subsurface.recedes:
+        """Correct fields of all causes: by the material at points in and beside regions, no stress in voids."""
+        if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
-        stress = fields["stress"].reshape(6, -1)
         if self._material_points is not None:
-            stress = stress.copy()
-            self._material_points.amend(stress, self._caused, step.history[self._name].values, step.time)
-        if self._empty is not None:
-            stress = np.where(self._empty, 0.0, stress)
-        fields["stress"] = stress.reshape(fields["stress"].shape)
+            eigenstrain = step.history[self._name].values
+            self._material_points.amend(fields, self._caused, eigenstrain, step.time)
+        if self._empty is not None and "stress" in fields:
+            stress = fields["stress"].reshape(6, -1)
+            fields["stress"] = np.where(self._empty, 0.0, stress).reshape(fields["stress"].shape)
 
     @cached_property
     def _empty(self) -> NDArray[np.bool_] | None:

@@ -1,4 +1,4 @@
-"""Stress at points in regions of other material and beside their boundaries, from the material that is there."""
+"""Stress and strain at points in regions of other material and beside them, from the material that is there."""
 
 from __future__ import annotations
 
@@ -37,13 +37,28 @@ _ROOM = 2
 
 
 class _Region(NamedTuple):
-    """One region that tells its stress by its eigenstrain: its points, its cells with one more on each side, shares."""
+    """One region that tells its stress by its eigenstrain.
+
+    Attributes
+    ----------
+    points : (n,)
+        Points in it.
+    place, share
+        Its cells with one more on each side, and its share of them.
+    stress_of_strain : (6, 6)
+        Stress by eigenstrain less prestrain [Pa].
+    compliance : (6, 6) or None
+        [1/Pa]; None where strain is not told: in voids, and where other eigenstrain is prescribed.
+    compatible : CompatibleStress or None
+        What makes the stress of a stiff region compatible.
+    """
 
     source: Inhomogeneity
     points: NDArray[np.intp]
     place: Place
     share: FloatArray
     stress_of_strain: FloatArray
+    compliance: FloatArray | None
     compatible: CompatibleStress | None
 
 
@@ -113,7 +128,9 @@ class MaterialPoints:
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
         alone = not any(bounds_meet(source, other) for other in prescribed)
         compatible = CompatibleStress(share, stiffness, self._cells.pitch) if stiff and alone else None
-        return _Region(source, where, place, share, np.linalg.solve(np.eye(6) - ratio, stiffness), compatible)  # type: ignore[arg-type]
+        soft = None if source.is_empty or not alone else np.linalg.inv(stiffness)
+        stress_of_strain = np.linalg.solve(np.eye(6) - ratio, stiffness)
+        return _Region(source, where, place, share, stress_of_strain, soft, compatible)  # type: ignore[arg-type]
 
     @cached_property
     def _places(self) -> dict[int, Place]:
@@ -123,24 +140,36 @@ class MaterialPoints:
         found = find_objects(np.maximum(self._number, 0))
         return {number: place for number, place in enumerate(found, 1) if place is not None}
 
-    def amend(self, stress: FloatArray, caused: FloatArray, eigenstrain: FloatArray, time: float) -> None:
-        """Replace the stress at points of the regions, and beside boundaries that cut cells.
+    def amend(
+        self, fields: dict[str, FloatArray], caused: FloatArray | None, eigenstrain: FloatArray, time: float
+    ) -> None:
+        """Replace stress and strain at points of the regions, and the stress beside boundaries that cut cells.
 
         Parameters
         ----------
-        stress, caused : (6, n)
-            Of all causes, changed, and the part of it that the eigenstrain was computed to cause [Pa].
+        fields : dict of (6, ...) arrays
+            ``"stress"`` [Pa] and ``"strain"`` of all causes, or one of them; replaced by amended ones.
+        caused : (6, n), optional
+            The part of the stress that the eigenstrain was computed to cause [Pa].
         eigenstrain : (6, nz, ny, nx)
             Of the cells, prestrain included [-].
         """
+        amended = {name: fields[name].reshape(6, -1).copy() for name in ("stress", "strain") if name in fields}
         padded = np.pad(eigenstrain, ((0, 0), *self._room))
-        if self._outside.size:
+        if caused is not None and self._outside.size:
             where = self._outside
-            stress[:, where] += self._between.values(self._outer(eigenstrain, padded), where) - caused[:, where]
+            outer = self._between.values(self._outer(eigenstrain, padded), where)
+            amended["stress"][:, where] += outer - caused[:, where]
         field = np.zeros_like(padded)
         for region in self._regions:
             self._fill(field, region, padded, time)
-            stress[:, region.points] = self._between.values(field, region.points)
+            stress = self._between.values(field, region.points)
+            if "stress" in amended:
+                amended["stress"][:, region.points] = stress
+            if "strain" in amended and region.compliance is not None:
+                prestrain = region.source.uniform_eigenstrain(time)
+                amended["strain"][:, region.points] = region.compliance @ stress + prestrain[:, None]
+        fields |= {name: values.reshape(fields[name].shape) for name, values in amended.items()}
 
     def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
         """Put the stress of a region [Pa] into its cells of a field and those beside them that its points need."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
-from eigencontact.execution.routes.cell_strain import fractions_in, place_in
+from eigencontact.execution.interiors.material_cells import share_of
+from eigencontact.execution.routes.cell_strain import place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
@@ -51,7 +52,7 @@ def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, point
         assert source.lattice is not None
         if not _near(source, points, 2.0 * max(source.lattice.edges)).size:
             continue
-        share = fractions_in(source, source.shape, grid)
+        share = share_of(sources, name - 1, grid)
         place = place_in(box, source.lattice)
         there, whole = share > _LEAST, share > 1.0 - _LEAST
         alone = (whole | (number[place] == 0)) & (source.uniform_law is not None)
