@@ -29,7 +29,7 @@ __all__ = ["MaterialPoints"]
 #: The eigenstrain of a region tells its stress where no strain takes a stress so near to that of the body.
 _DIFFERENT = 0.02
 #: A region is stiff where every strain takes this many times the stress of the body.
-_STIFF = 1.5
+_STIFF = 3.0
 #: Cells of a region whose stress is made compatible: seconds and 100 MB; larger ones keep that of their cells.
 _MOST = 200_000
 #: Cells beyond the box that points between middles may need.
