@@ -46,7 +46,7 @@ class Between:
     Parameters
     ----------
     cells : Cells
-        Beyond the outermost middles values are those of the outermost cells.
+        Above the middles of the first layer values go on linearly; the box must reach beyond all other points.
     points : three of (n,)
         x, y, z [m].
 
@@ -61,17 +61,19 @@ class Between:
     def __init__(self, cells: Cells, points: tuple[FloatArray, FloatArray, FloatArray]) -> None:
         placed = [_snapped((at - first) / d) for at, first, d in zip(points, cells.first, cells.pitch, strict=True)]
         lower = [np.floor(at).astype(int) for at in placed]
+        lower[2] = np.maximum(lower[2], 0)
+        ahead = [at - low for at, low in zip(placed, lower, strict=True)]
         before, after = ([rounded(at + half).astype(int) for at in placed] for rounded, half in _SIDES)
         about, on, weights = [], [], []
         for side in product((0, 1), repeat=3):
             cell = [low + upper for low, upper in zip(lower, side, strict=True)]
-            parts = [1.0 - np.abs(at - index) for at, index in zip(placed, cell, strict=True)]
+            parts = [at if upper else 1.0 - at for at, upper in zip(ahead, side, strict=True)]
             about.append(_flat(cell, cells.shape))
             on.append(_flat([(b if s else a) for a, b, s in zip(before, after, side, strict=True)], cells.shape))
             weights.append(parts[0] * parts[1] * parts[2])
         self.on, self._weights = np.array(on), np.array(weights)
         most = np.take_along_axis(np.array(about), self._weights.argmax(axis=0)[None], axis=0)
-        self.about = np.where(self._weights > 0.0, about, most)
+        self.about = np.where(self._weights != 0.0, about, most)
 
     def values(self, field: FloatArray, where: NDArray[np.intp]) -> FloatArray:
         """Values ``(c, len(where))`` of a field ``(c, nz, ny, nx)`` at some of the points."""

@@ -14,7 +14,7 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.fields.cause import Cause
-from eigencontact.execution.fields.within_regions import Content, content_of, empty_points
+from eigencontact.execution.fields.within_regions import Content, content_of, empty_points, read_by_own_laws
 from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import Route
@@ -60,6 +60,10 @@ class EigenstrainField(Cause):
                 self.kernels.append(KernelUse(_WORDS[quantity], f"eigenstrain of {who}", first.key, layout))
                 self._solved[quantity] = route
                 self._add(route)
+        if "stress" in self._solved and subsurface.in_cells and not subsurface.recedes:
+            from eigencontact.execution.fields.material_points import cost_beside
+
+            self.cost += cost_beside(subsurface, lattice.flat_points())
 
     def _add(self, contribution: PrescribedField | Route) -> None:
         """Add the cost and precisions of a contribution; keep the first note."""
@@ -86,8 +90,12 @@ class EigenstrainField(Cause):
         """Correct fields of all causes: by the material at points in and beside regions, no stress in voids."""
         if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
+        subsurface, eigenstrain = self._subsurface, step.history[self._name].values
+        if "stress" in fields and self._within is not None:
+            stress, material = fields["stress"].reshape(6, -1).copy(), subsurface.half_space.material
+            read_by_own_laws(stress, self._within, eigenstrain, subsurface.inhomogeneities, material, step.time)
+            fields["stress"] = stress.reshape(fields["stress"].shape)
         if self._material_points is not None:
-            eigenstrain = step.history[self._name].values
             self._material_points.amend(fields, self._caused, eigenstrain, step.time)
         if self._empty is not None and "stress" in fields:
             stress = fields["stress"].reshape(6, -1)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.fields.within_regions import Content, Points, number_at
 from eigencontact.execution.routes.cell_strain import Place
 from eigencontact.execution.routes.route import Route
@@ -24,7 +26,9 @@ from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.compatible_stress import CompatibleStress
 
-__all__ = ["MaterialPoints"]
+__all__ = ["MaterialPoints", "cost_beside"]
+
+Room = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]
 
 #: The eigenstrain of a region tells its stress where no strain takes a stress so near to that of the body.
 _DIFFERENT = 0.02
@@ -77,16 +81,7 @@ class MaterialPoints:
 
     def __init__(self, subsurface: Subsurface, content: Content, points: Points) -> None:
         half_space, lattice = subsurface.half_space, subsurface.box.lattice
-        top = _ROOM if half_space.full else min(_ROOM, lattice.first[0])
-        self._room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
-        cells = subsurface.box.cells(half_space.grid)
-        shift = (_ROOM, _ROOM, top)
-        first = [at - room * d for at, room, d in zip(cells.first, shift, cells.pitch, strict=True)]
-        self._cells = Cells(
-            first=(first[0], first[1], first[2]),
-            pitch=cells.pitch,
-            shape=tuple(n + sum(room) for n, room in zip(cells.shape, self._room, strict=True)),  # type: ignore[arg-type]
-        )
+        self._cells, self._room = _with_room(subsurface)
         self._subsurface, self._half_space, self._sources = subsurface, half_space, subsurface.inhomogeneities
         self._number, self._share = (np.pad(values, self._room) for values in content)
         self._flush = not half_space.full and lattice.first[0] == 0
@@ -107,30 +102,37 @@ class MaterialPoints:
         at = np.where((own == 0).all(axis=0) & (number[between.about] == inside).any(axis=0), inside, own[0])
         in_region = (own_share == 1.0).all(axis=0) | (inside == at)
         in_region &= (at > 0) & ((own == own[0]).all(axis=0))
-        matrix = self._half_space.material
-        for region in np.unique(at[in_region]).tolist():
-            source, where = self._sources[region - 1], np.flatnonzero(in_region & (at == region))
-            stiffness = _stiffness(source, matrix)
-            if stiffness is not None:
-                self._regions.append(self._region(source, region, where, stiffness, prescribed))
-        known = (number[between.about] >= 0).all(axis=0) & (own >= 0).all(axis=0) & (own_share < 1.0).all(axis=0)
         about = share[between.about]
-        cut = ((about > 0.0) & (about < 1.0)).any(axis=0)
+        cut: BoolArray = ((about > 0.0) & (about < 1.0)).any(axis=0)
+        for region in np.unique(at[in_region]).tolist():
+            mine = in_region & (at == region)
+            found = self._region(self._sources[region - 1], region, mine, cut, prescribed)
+            if found is not None:
+                self._regions.append(found)
+        known = (number[between.about] >= 0).all(axis=0) & (own >= 0).all(axis=0) & (own_share < 1.0).all(axis=0)
         return np.flatnonzero(known & cut & (inside == 0))
 
     def _region(
-        self, source: Inhomogeneity, number: int, where: NDArray[np.intp], stiffness: FloatArray,
-        prescribed: Sequence[Source],
-    ) -> _Region:  # fmt: skip
+        self, source: Inhomogeneity, number: int, inside: BoolArray, cut: BoolArray, prescribed: Sequence[Source]
+    ) -> _Region | None:
+        """Region of points, all of them where its stress is made compatible, else those next to a cut cell."""
+        stiffness = _stiffness(source, self._half_space.material)
+        if stiffness is None:
+            return None
         place = tuple(slice(max(part.start - 1, 0), part.stop + 1) for part in self._places[number])
         share = np.where(self._number[place] == number, self._share[place], 0.0)
         ratio = stiffness @ compliance(self._half_space.material)
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
         alone = not any(bounds_meet(source, other) for other in prescribed)
-        compatible = CompatibleStress(share, stiffness, self._cells.pitch) if stiff and alone else None
+        # Cells that fill a region wholly leave no such stress in it.
+        projected = stiff and alone and bool(((share > 0.0) & (share < 1.0)).any())
+        points = np.flatnonzero(inside if projected else inside & cut)
+        if not points.size:
+            return None
+        compatible = CompatibleStress(share, stiffness, self._cells.pitch) if projected else None
         soft = None if source.is_empty or not alone else np.linalg.inv(stiffness)
         stress_of_strain = np.linalg.solve(np.eye(6) - ratio, stiffness)
-        return _Region(source, where, place, share, stress_of_strain, soft, compatible)  # type: ignore[arg-type]
+        return _Region(source, points, place, share, stress_of_strain, soft, compatible)  # type: ignore[arg-type]
 
     @cached_property
     def _places(self) -> dict[int, Place]:
@@ -202,11 +204,7 @@ class MaterialPoints:
         """Part of the lattice about the points outside, and the route from the eigenstrain to its middles."""
         about = np.unravel_index(np.unique(self._between.about[:, self._outside]), self._cells.shape)
         k, j, i = (slice(int(axis.min()), int(axis.max()) + 1) for axis in about)
-        x, y, z = (self._cells.centres(axis)[part] for axis, part in enumerate((i, j, k)))
-        row, column = (at - _ROOM for at in self._subsurface.box.lattice.first[1:])
-        lattice = RegionLattice(
-            target=(y.size, x.size), origin=(float(row + j.start), float(column + i.start)), x=x, y=y, depths=z
-        )  # fmt: skip
+        lattice = _middles_in(self._subsurface, self._cells, (k, j, i))
         return (k, j, i), self._subsurface.route("stress", lattice)
 
     @cached_property
@@ -218,6 +216,47 @@ class MaterialPoints:
             share, flush = np.where(cells, self._share[place], 0.0), self._flush and place[0].start == 0
             out[(slice(None), *place)] += np.where(cells, outward(share, self._cells.pitch, flush=flush), 0.0)
         return out
+
+
+def cost_beside(subsurface: Subsurface, points: Points) -> Cost:
+    """Cost of the stress in the middles of cells about points: none where all regions fill their bounds."""
+    if not any(_is_cut(source) for source in subsurface.inhomogeneities):
+        return Cost()
+    cells, _ = _with_room(subsurface)
+    place = []
+    for at, axis in zip(points[::-1], (2, 1, 0), strict=True):
+        placed, count = (at - cells.first[axis]) / cells.pitch[axis], cells.shape[2 - axis]
+        place.append(slice(max(int(np.floor(placed.min())), 0), min(int(np.ceil(placed.max())) + 1, count)))
+    if any(part.start >= part.stop for part in place):
+        return Cost()
+    return subsurface.route("stress", _middles_in(subsurface, cells, (place[0], place[1], place[2]))).cost
+
+
+def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
+    """Cells of the box and beyond it, below the surface, and how many these are on either side along z, y, x."""
+    half_space, layer = subsurface.half_space, subsurface.box.lattice.first[0]
+    box, top = subsurface.box.cells(half_space.grid), _ROOM if half_space.full else min(_ROOM, layer)
+    room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
+    x, y, z = (at - before * d for at, (before, _), d in zip(box.first, room[::-1], box.pitch, strict=True))
+    nz, ny, nx = (n + sum(beyond) for n, beyond in zip(box.shape, room, strict=True))
+    return Cells(first=(x, y, z), pitch=box.pitch, shape=(nz, ny, nx)), room
+
+
+def _middles_in(subsurface: Subsurface, cells: Cells, place: Place) -> RegionLattice:
+    """Middles of a part of the cells as points of a region."""
+    k, j, i = place
+    row, column = (at - _ROOM for at in subsurface.box.lattice.first[1:])
+    x, y, z = (cells.centres(axis)[part] for axis, part in enumerate((i, j, k)))
+    return RegionLattice(
+        target=(y.size, x.size), origin=(float(row + j.start), float(column + i.start)), x=x, y=y, depths=z
+    )  # fmt: skip
+
+
+def _is_cut(source: Inhomogeneity) -> bool:
+    """Whether a region leaves out a corner of its bounds, so that its boundary cuts cells."""
+    low, high = (np.array(corner) for corner in source.shape.bounds)
+    parts = np.array(list(product((1e-3, 1.0 - 1e-3), repeat=3)))
+    return not np.all(source.shape.contains(*(low + parts * (high - low)).T))
 
 
 def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:

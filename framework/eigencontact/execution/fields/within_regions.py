@@ -1,22 +1,31 @@
-"""Regions of other material at points of a body: the cells that each fills, and where there is nothing."""
+"""Regions of other material at points of a body: the cells that each fills, where there is nothing, softer laws."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.material_cells import share_of
 from eigencontact.execution.routes.cell_strain import place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
+from eigencontact.solvers.cell_conditions import compliance
 
-__all__ = ["Content", "Points", "content_of", "empty_points", "number_at"]
+if TYPE_CHECKING:
+    from eigencontact.solvers.within_cells import WithinCells
+
+__all__ = ["Content", "Points", "content_of", "empty_points", "number_at", "read_by_own_laws"]
+
+#: A region is softer than the body where no strain takes more than this share of the body's stress.
+_SOFTER = 1.0 - 1e-9
 
 #: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
 _LEAST = 1e-3
@@ -79,6 +88,50 @@ def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> ND
     empty = np.array([False, *(source.is_empty for source in sources)])
     out = empty[number_at(sources, lattice.flat_points())]
     return out if out.any() else None
+
+
+def read_by_own_laws(
+    stress: FloatArray,
+    within: WithinCells,
+    eigenstrain: FloatArray,
+    sources: Sequence[Inhomogeneity],
+    matrix: Material,
+    time: float,
+) -> None:
+    """Replace the stress in softer regions by the stress of their own law, C_i (M σ + ε* - ε_p).
+
+    What cells leave of an error of the stress then counts by the ratio of the stiffnesses. In stiffer regions it would
+    grow by that: they are left.
+
+    Parameters
+    ----------
+    stress : (6, n)
+        Of all causes, at the points of `within` [Pa]; changed.
+    eigenstrain : (6, nz, ny, nx)
+        ε* of the cells, prestrain ε_p included [-].
+    """
+    stiffnesses = {n: tensor for n, source in enumerate(sources, 1) if (tensor := _softer(source, matrix)) is not None}
+    if not stiffnesses:
+        return
+    where, number, smooth = within.inside(eigenstrain)
+    strain = compliance(matrix) @ stress[:, where] + smooth
+    for region, stiffness in stiffnesses.items():
+        mask = number == region
+        prestrain = sources[region - 1].uniform_eigenstrain(time)
+        stress[:, where[mask]] = stiffness @ (strain[:, mask] - prestrain[:, None])
+
+
+def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
+    """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
+    law = source.uniform_law
+    if law is None or not source.field.uniform:
+        return None
+    try:
+        stiffness = law.stiffness_matrix()
+    except SceneError:  # it is not finite
+        return None
+    ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real
+    return stiffness if ratios.max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:
