@@ -84,8 +84,11 @@ class CompatibleStress:
 
     def _solved(self, load: FloatArray, start: FloatArray) -> FloatArray:
         """Displacement of the corners of cells, by conjugate gradients; rigid motions are free."""
-        answer, residual = start.copy(), load - self._force(start)
-        bound = _TOLERANCE * float(np.linalg.norm(load))
+        size, answer = float(np.linalg.norm(load)), start.copy()
+        residual = load - self._force(answer)
+        if np.linalg.norm(residual) >= size:  # nothing is gained: perhaps the region was unloaded
+            answer, residual = np.zeros_like(load), load.copy()
+        bound = _TOLERANCE * size
         direction = scaled = self._inverse * residual
         energy = float(np.vdot(residual, scaled))
         for _ in range(_MOST_ITERATIONS):

@@ -103,7 +103,7 @@ class MaterialPoints:
         in_region = (own_share == 1.0).all(axis=0) | (inside == at)
         in_region &= (at > 0) & ((own == own[0]).all(axis=0))
         about = share[between.about]
-        cut: BoolArray = ((about > 0.0) & (about < 1.0)).any(axis=0)
+        cut = np.asarray(((about > 0.0) & (about < 1.0)).any(axis=0))
         for region in np.unique(at[in_region]).tolist():
             mine = in_region & (at == region)
             found = self._region(self._sources[region - 1], region, mine, cut, prescribed)
