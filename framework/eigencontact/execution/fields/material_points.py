@@ -36,6 +36,8 @@ _DIFFERENT = 0.02
 _STIFF = 3.0
 #: Cells of a region whose stress is made compatible: seconds and 100 MB; larger ones keep that of their cells.
 _MOST = 200_000
+#: Bytes for a point: eight cells about it, their weights, and the eight that it lies in.
+_OF_POINT = 192.0
 #: Cells beyond the box that points between middles may need.
 _ROOM = 2
 
@@ -46,7 +48,7 @@ class _Region(NamedTuple):
     Attributes
     ----------
     points : (n,)
-        Points in it.
+        Those in it, of the points near the cells.
     place, share
         Its cells with one more on each side, and its share of them.
     stress_of_strain : (6, 6)
@@ -85,6 +87,8 @@ class MaterialPoints:
         self._subsurface, self._half_space, self._sources = subsurface, half_space, subsurface.inhomogeneities
         self._number, self._share = (np.pad(values, self._room) for values in content)
         self._flush = not half_space.full and lattice.first[0] == 0
+        self._near = _points_in(self._cells, points)
+        points = (points[0][self._near], points[1][self._near], points[2][self._near])
         self._between = Between(self._cells, points)
         self._regions: list[_Region] = []
         self._outside = self._split(points, subsurface.prescribed)
@@ -159,18 +163,18 @@ class MaterialPoints:
         amended = {name: fields[name].reshape(6, -1).copy() for name in ("stress", "strain") if name in fields}
         padded = np.pad(eigenstrain, ((0, 0), *self._room))
         if caused is not None and self._outside.size:
-            where = self._outside
-            outer = self._between.values(self._outer(eigenstrain, padded), where)
+            where = self._near[self._outside]
+            outer = self._between.values(self._outer(eigenstrain, padded), self._outside)
             amended["stress"][:, where] += outer - caused[:, where]
         field = np.zeros_like(padded)
         for region in self._regions:
             self._fill(field, region, padded, time)
-            stress = self._between.values(field, region.points)
+            stress, where = self._between.values(field, region.points), self._near[region.points]
             if "stress" in amended:
-                amended["stress"][:, region.points] = stress
+                amended["stress"][:, where] = stress
             if "strain" in amended and region.compliance is not None:
                 prestrain = region.source.uniform_eigenstrain(time)
-                amended["strain"][:, region.points] = region.compliance @ stress + prestrain[:, None]
+                amended["strain"][:, where] = region.compliance @ stress + prestrain[:, None]
         fields |= {name: values.reshape(fields[name].shape) for name, values in amended.items()}
 
     def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
@@ -223,13 +227,24 @@ def cost_beside(subsurface: Subsurface, points: Points) -> Cost:
     if not any(_is_cut(source) for source in subsurface.inhomogeneities):
         return Cost()
     cells, _ = _with_room(subsurface)
-    place = []
-    for at, axis in zip(points[::-1], (2, 1, 0), strict=True):
-        placed, count = (at - cells.first[axis]) / cells.pitch[axis], cells.shape[2 - axis]
-        place.append(slice(max(int(np.floor(placed.min())), 0), min(int(np.ceil(placed.max())) + 1, count)))
-    if any(part.start >= part.stop for part in place):
+    near = _points_in(cells, points)
+    if not near.size:
         return Cost()
-    return subsurface.route("stress", _middles_in(subsurface, cells, (place[0], place[1], place[2]))).cost
+    place = []
+    for axis in (2, 1, 0):
+        placed, count = (points[axis][near] - cells.first[axis]) / cells.pitch[axis], cells.shape[2 - axis]
+        place.append(slice(max(int(np.floor(placed.min())), 0), min(int(np.ceil(placed.max())) + 1, count)))
+    route = subsurface.route("stress", _middles_in(subsurface, cells, (place[0], place[1], place[2])))
+    return route.cost + Cost(memory=_OF_POINT * near.size)
+
+
+def _points_in(cells: Cells, points: Points) -> NDArray[np.intp]:
+    """Numbers of the points in a box of cells."""
+    near = [
+        (at >= first - 0.5001 * d) & (at <= first + (count - 0.4999) * d)
+        for at, first, d, count in zip(points, cells.first, cells.pitch, cells.shape[::-1], strict=True)
+    ]
+    return np.flatnonzero(np.logical_and.reduce(near))
 
 
 def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
