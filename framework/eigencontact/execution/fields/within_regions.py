@@ -12,7 +12,6 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
-from eigencontact.execution.interiors.material_cells import share_of
 from eigencontact.execution.routes.cell_strain import place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
@@ -56,6 +55,8 @@ class Content(NamedTuple):
 
 def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> Content:
     """Content of the cells; cells of regions that have no point in or next to them are left empty."""
+    from eigencontact.execution.interiors.material_cells import share_of
+
     number, filled = np.zeros(box.lattice.shape, dtype=int), np.zeros(box.lattice.shape)
     for name, source in enumerate(sources, 1):
         assert source.lattice is not None
