@@ -23,7 +23,7 @@ from eigencontact.plugin import ConstitutiveLaw
 if TYPE_CHECKING:
     from eigencontact.halfspace.voxels import Region
 
-__all__ = ["LinearContent", "MaterialCells", "risen"]
+__all__ = ["LinearContent", "MaterialCells", "risen", "share_of"]
 
 IntArray = NDArray[np.int_]
 
@@ -216,16 +216,7 @@ class MaterialCells:
         """Place of an inhomogeneity in the box, and its volume fractions there, less those of later inhomogeneities."""
         source = self._sources[member]
         assert source.lattice is not None
-        later = [
-            inhomogeneity.shape for inhomogeneity in self._sources[member + 1 :] if bounds_meet(source, inhomogeneity)
-        ]
-        # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
-        region = _filled(source.lattice, self._grid) if source.guessed else source.shape
-        fractions = fractions_in(source, _Without(region, later) if later else region, self._grid)
-        if not later:
-            rule = f"fine enough to find {source.name!r}"
-            require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
-        return place_in(self._box, source.lattice), np.minimum(fractions, 1.0)
+        return place_in(self._box, source.lattice), share_of(self._sources, member, self._grid)
 
     def _numbered(self) -> list[int]:
         """Number of the law of each source."""
@@ -264,6 +255,26 @@ class MaterialCells:
         for names, part in ((self.index, share), (self.beside, share - 1.0)):
             out += self.prestrain(time, int(names.ravel()[cells[0]])).reshape(6, -1)[:, cells] / part
         return out
+
+
+def share_of(sources: Sequence[Inhomogeneity], member: int, grid: Grid) -> FloatArray:
+    """Share of each cell of an inhomogeneity that is its own, ``(nz, ny, nx)``: less those that come later.
+
+    Raises
+    ------
+    SceneError
+        The cells do not find it.
+    """
+    source = sources[member]
+    assert source.lattice is not None
+    later = [other.shape for other in sources[member + 1 :] if bounds_meet(source, other)]
+    # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
+    region = _filled(source.lattice, grid) if source.guessed else source.shape
+    fractions = fractions_in(source, _Without(region, later) if later else region, grid)
+    if not later:
+        rule = f"fine enough to find {source.name!r}"
+        require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
+    return np.minimum(fractions, 1.0)
 
 
 def _filled(lattice: Lattice, grid: Grid) -> Patch:
