@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,18 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.interiors.cut_cells import matrix_law
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.boxes import CellBox
 from eigencontact.model.kernels import KernelUse
+from eigencontact.model.matrix_law import matrix_law
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
+
+if TYPE_CHECKING:
+    from eigencontact.execution.interiors.beside_cells import BesideCells
 
 __all__ = ["Cells"]
 
@@ -50,10 +54,16 @@ class Cells(Responding):
         With inhomogeneities in cells.
     directions : str
         Directions, of ``"xyz"``, of the surface displacement.
+
+    Attributes
+    ----------
+    beside : BesideCells or None
+        Wholes of the same body.
     """
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         self._box = subsurface.box
+        self.beside: BesideCells | None = None
         super().__init__(subsurface, directions, self._box.centres(subsurface.half_space.grid))
         self._settle_precision()
         self._kernels, count = subsurface.kernels, len(self.sources)
@@ -110,6 +120,11 @@ class Cells(Responding):
             uses.append(KernelUse(words, who, key, f"surface, {self._surface.words}"))
         self.kernels = tuple(uses)
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
+
+    @property
+    def box(self) -> CellBox:
+        """Box of the cells."""
+        return self._box
 
     def start(self) -> None:
         """See `Interior.start`."""
@@ -181,6 +196,8 @@ class Cells(Responding):
         total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:
             total += self._prescribed.at(self._time)
+        if self.beside is not None:
+            total += self.beside.stress()
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
             total += self.at_centres(self._joint.stress(loads(self.body, self._tractions, tractions)))
         return total

@@ -145,9 +145,9 @@ class Interior(Part):
         return {}
 
 
-def eigenstrain_name(body: int) -> str:
-    """Name under which the equivalent eigenstrain of a body is remembered."""
-    return f"equivalent_eigenstrain_{body}"
+def eigenstrain_name(body: int, *, beside: bool = False) -> str:
+    """Name under which the equivalent eigenstrain of a body is remembered; `beside` of wholes beside its cells."""
+    return f"whole_eigenstrain_{body}" if beside else f"equivalent_eigenstrain_{body}"
 
 
 def by_direction(body: int, directions: Sequence[str], rows: FloatArray) -> dict[str, FloatArray]:
