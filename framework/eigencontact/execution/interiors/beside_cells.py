@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.interior import Interior
 from eigencontact.execution.interiors.polynomial_wholes import PolynomialWholes
@@ -74,7 +74,7 @@ class BesideCells:
         out[:, :, far] = self._stress_at(number, [axis[far] for axis in at])
         return out
 
-    def _near(self, number: int, at: Sequence[FloatArray]) -> np.ndarray:
+    def _near(self, number: int, at: Sequence[FloatArray]) -> IntArray:
         """Cells that the box of an inclusion, and a cell around it, holds."""
         low, high = self._wholes.sources[number].shape.bounds
         edges = self.cells.box.lattice.edges[::-1]
@@ -95,8 +95,10 @@ class BesideCells:
 
 def join_wholes(interiors: Sequence[Interior]) -> None:
     """Make tables for wholes and cells of one body that do not know each other yet; all are started."""
+    all_cells = [cells for cells in interiors if isinstance(cells, Cells)]
     for wholes in interiors:
-        for cells in interiors:
-            pair = isinstance(wholes, PolynomialWholes) and isinstance(cells, Cells) and cells.body == wholes.body
-            if pair and (wholes.beside is None or wholes.beside.cells is not cells):
+        if isinstance(wholes, PolynomialWholes):
+            cells = next((cells for cells in all_cells if cells.body == wholes.body), None)
+            if cells is not None and (wholes.beside is None or wholes.beside.cells is not cells):
                 wholes.beside = cells.beside = BesideCells(wholes, cells)
+                wholes.is_beside = cells.is_beside = True

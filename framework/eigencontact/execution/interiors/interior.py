@@ -45,6 +45,8 @@ class Interior(Part):
         Whether it answers the tractions.
     remembers : frozenset of str
         Names of what is stored of its state: those of `remembered`.
+    is_beside : bool
+        Whether it answers another interior of its body.
     estimates_degree : bool
         Whether `normal_displacement_by_less` tells something.
     """
@@ -53,6 +55,7 @@ class Interior(Part):
     responds: bool = True
     remembers: frozenset[str] = frozenset()
     estimates_degree: bool = False
+    is_beside: bool = False
 
     def start(self) -> None:
         """Build the operators."""

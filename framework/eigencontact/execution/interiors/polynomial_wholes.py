@@ -24,9 +24,7 @@ from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.overlaps import overlapping
 from eigencontact.model.regions import RegionLattice
-from eigencontact.model.sources import Inhomogeneity
 from eigencontact.model.whole_degrees import degrees_of
-from eigencontact.plugin import LinearLaw
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.whole import Whole
 from eigencontact.solvers.whole_surface import WholeSurface, table_key
@@ -50,8 +48,7 @@ class PolynomialWholes(Responding):
     Raises
     ------
     SceneError
-        A shape without moment potentials, a law or a prestrain that is not uniform and linear, inclusions that overlap,
-        or an error that no degree reaches.
+        Inclusions that overlap, or an error that no degree reaches.
     """
 
     estimates_degree = True
@@ -69,8 +66,6 @@ class PolynomialWholes(Responding):
         whole = self._numerics.inclusion_resolution
         assert isinstance(whole, Whole)
         self.beside: BesideCells | None = None
-        for source in self.sources:
-            _refuse(source)
         for first, second in overlapping(self.sources):
             raise SceneError(
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
@@ -236,13 +231,3 @@ class PolynomialWholes(Responding):
         name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities per density of their shapes, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
-
-
-def _refuse(source: Inhomogeneity) -> None:
-    whole = isinstance(source.shape, HasMomentPotentials) and source.field.uniform
-    if not (whole and isinstance(source.law, LinearLaw) and not source.law.varies):
-        raise SceneError(
-            f"{source.where} ({source.name!r}) must be a ball or another shape with moment potentials, of one linear "
-            "law and a uniform prestrain, for a polynomial in numerics.inclusion-resolution "
-            f"(got {source.key!r} of {source.law.key!r}); set it to 'cells'"
-        )
