@@ -157,9 +157,18 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Inhomogeneity(Source):
-    """A region with a constitutive law of its own; `field` is then its prestrain."""
+    """A region with a constitutive law of its own; `field` is then its prestrain.
+
+    Attributes
+    ----------
+    law : ConstitutiveLaw
+    whole : bool
+        Whether it has one eigenstrain, uniform or a polynomial; cells, if any, are then those that it takes from what
+        lies around it.
+    """
 
     law: ConstitutiveLaw
+    whole: bool = False
 
     @property
     def material(self) -> str | None:
@@ -184,8 +193,9 @@ class Inhomogeneity(Source):
     @property
     def how(self) -> str:
         """Resolution of the region, in words."""
-        if self.lattice is None:
+        if self.whole:
             return f"one eigenstrain of {self.law.words}"
+        assert self.lattice is not None
         nz, ny, nx = self.lattice.shape
         return f"{nx} x {ny} x {nz} cells of {self.law.words}"
 

@@ -57,14 +57,14 @@ def degrees_of(
     found = []
     for number, source in enumerate(sources):
         quality, beside = _closest(number, centers, halves, radii, surface=surface)
-        needed = degree_for(contrasts[number], quality, whole.error)
+        needed = degree_for(contrasts[number], quality, whole.allowed)
         degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
         if degree < needed and whole.is_asked:
             who = "the surface" if beside is None else repr(sources[beside].name)
             raise SceneError(
                 f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution "
-                f"with error = {whole.error:g} (got an error of {error:.2g} with degree {degree}: it falls by "
+                f"with error = {whole.allowed:g} (got an error of {error:.2g} with degree {degree}: it falls by "
                 f"{quality:.2f} per degree); allow that error, "
                 + ("take a higher degree, " if degree < HIGHEST_DEGREE else "")
                 + 'move it, or set "cells"'

@@ -102,7 +102,7 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
 def _degree(model: Model, last: StepRecord) -> Iterator[Caution]:
     """Whole inhomogeneities whose degree does not reach the error that the scene allows."""
     whole, error = model.numerics.inclusion_resolution, last.scalars.get("inclusion_degree_error", 0.0)
-    if isinstance(whole, Whole) and error > (whole.error if whole.is_asked else _DEGREE):
+    if isinstance(whole, Whole) and error > (whole.allowed if whole.is_asked else _DEGREE):
         words = (
             f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give "
             "a higher degree, or allow that error"

@@ -150,7 +150,7 @@ def worst_above(model: Model, body: int) -> Above | None:
     None without a contact, and where every inhomogeneity touches the surface, has no cells, or has no linear law.
     """
     regions = model.cells.inhomogeneities
-    sources = [source for source in regions if source.body == body and source.lattice is not None]
+    sources = [source for source in regions if source.body == body and source.lattice is not None and not source.whole]
     if not (sources and model.interface):
         return None
     from eigencontact.execution.interiors.swept_cells import stiffness_ratios

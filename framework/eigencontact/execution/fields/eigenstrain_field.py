@@ -38,7 +38,11 @@ class EigenstrainField(Cause):
 
     def __init__(self, subsurface: Subsurface, request: StressRequest, lattice: RegionLattice) -> None:
         where, inhomogeneities = lattice.words, subsurface.inhomogeneities
-        self._subsurface, self._lattice, self._name = subsurface, lattice, eigenstrain_name(subsurface.body)
+        self._subsurface, self._lattice, self._name = (
+            subsurface,
+            lattice,
+            eigenstrain_name(subsurface.body, beside=subsurface.beside),
+        )
         self.requires = frozenset({self._name} if inhomogeneities else ())
         self.kernels: list[KernelUse] = []
         self.cost = Cost()
@@ -47,7 +51,7 @@ class EigenstrainField(Cause):
         self.precisions: list[Precision] = []
         self._caused: FloatArray | None = None
         for quantity in request.fields:
-            if subsurface.prescribed:
+            if subsurface.prescribed and not subsurface.beside:
                 field = subsurface.prescribed_field(quantity, lattice)
                 self.kernels += field.uses(_WORDS[quantity], where)
                 self._prescribed[quantity] = field

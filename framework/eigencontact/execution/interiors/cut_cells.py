@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray, IntArray
-from eigencontact.core.elasticity import isotropic_stiffness
 from eigencontact.core.material import Material
 from eigencontact.execution.interiors.material_cells import MaterialCells
-from eigencontact.plugin import ConstitutiveLaw, LawStep, LinearLaw
+from eigencontact.plugin import ConstitutiveLaw, LawStep
 from eigencontact.solvers.laminate import Laminate, resistance
 
-__all__ = ["CutCells", "matrix_law"]
+__all__ = ["CutCells"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -67,21 +66,3 @@ class CutCells:
         """Each law, its shares of the cells, and what it remembers."""
         shares = self.fraction, 1.0 - self.fraction
         yield from zip((self.law.first, self.law.second), shares, self.law.parts(variables), strict=True)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Matrix(LinearLaw):
-    """Elasticity of the matrix."""
-
-    key = "matrix"
-
-    material: Material
-
-    def stiffness_matrix(self) -> FloatArray:
-        """See `LinearLaw.stiffness_matrix`."""
-        return isotropic_stiffness(self.material.young_modulus, self.material.poisson_ratio)
-
-
-def matrix_law(matrix: Material) -> LinearLaw | None:
-    """Law of the matrix; none of an incompressible one, whose stiffness is not finite."""
-    return _Matrix(material=matrix) if matrix.poisson_ratio < 0.5 else None

@@ -12,7 +12,7 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.core.peaks import peak_of_means
-from eigencontact.errors import NotConverged
+from eigencontact.errors import NotConverged, SceneError
 from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
@@ -130,6 +130,11 @@ class Mechanics(Block):
         self.provides = surface | frozenset(lifts).union(*(interior.remembers for interior in interiors))
 
     @property
+    def wholes_beside_cells(self) -> bool:
+        """Whether a body has whole inhomogeneities beside cells."""
+        return any(subsurface.beside for subsurface in self.subsurfaces)
+
+    @property
     def parts(self) -> Sequence[Part]:
         """See `Block.parts`."""
         return self._parts
@@ -198,6 +203,10 @@ class RunningMechanics:
 
     def _couple(self) -> None:
         """Join the contact and the interiors as they are now."""
+        if self._plan.wholes_beside_cells:
+            from eigencontact.execution.interiors.beside_cells import join_wholes
+
+            join_wholes(self._interiors)
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def _follow(self, solids: Solids | None) -> None:
@@ -357,6 +366,11 @@ def mechanics_of(model: Model) -> Mechanics | None:
         subsurfaces = subsurfaces_of(model)
     if surface is None and not subsurfaces:
         return None
+    if surface is None and any(subsurface.beside for subsurface in subsurfaces):
+        raise SceneError(
+            'numerics.inclusion-resolution must be "cells" without a contact where some inhomogeneities of a body are '
+            "no whole (got a degree); or leave those out"
+        )
     everything = surface is None or model.scene.output.tangential_displacement or bool(surface.coupling.components)
     contact_of = partial(
         _contact_of, window=model.window, numerics=model.numerics, exposed=model.exposed, ramps=model.scene.ramps,
@@ -384,7 +398,7 @@ def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Int
     """Interiors of both bodies: prescribed eigenstrain first, then inhomogeneities."""
     interiors: list[Interior] = []
     for subsurface in subsurfaces:
-        if subsurface.prescribed:
+        if subsurface.prescribed and not subsurface.beside:
             from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
 
             interiors.append(PrescribedEigenstrain(subsurface, directions))
