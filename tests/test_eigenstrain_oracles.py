@@ -7,6 +7,8 @@ import pytest
 
 from close import close
 from eigencontact_verification.oracles import cuboid_quadrature, eshelby, mindlin, volume_quadrature
+from eigencontact_verification.oracles.eshelby import apply, sphere_tensor
+from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, stress_about_sphere
 
 POISSON = (0.0, 0.3, 0.49, 0.4999999, 0.5)
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -258,3 +260,22 @@ def test_long_bar():
     mu = 50e9 / 2.6
     stress = 2 * mu * (elastic + 0.75 * np.trace(elastic) * np.eye(3))
     np.testing.assert_allclose(stress, np.diag([bar.axial, bar.transverse, bar.transverse]), atol=1e-6 * bar.von_mises)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
+def test_stress_about_a_sphere(nu):
+    """On the sphere its traction is that inside; outside it is in equilibrium, by differences."""
+    rng = np.random.default_rng(3)
+    eigenstrain = rng.normal(size=(3, 3))
+    eigenstrain += eigenstrain.T
+    way = rng.normal(size=(9, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    inside = apply(isotropic_stiffness(2.0, nu), apply(sphere_tensor(nu), eigenstrain) - eigenstrain)
+    outside = stress_about_sphere(eigenstrain, 2.0, nu, way)
+    np.testing.assert_allclose(np.einsum("ijn,nj->ni", outside, way), way @ inside, atol=1e-13)
+    step, points = 1e-4, 1.4 * way
+    sides = [
+        [stress_about_sphere(eigenstrain, 2.0, nu, points + sign * step * np.eye(3)[j])[:, j] for sign in (1, -1)]
+        for j in range(3)
+    ]
+    assert np.abs(sum(ahead - behind for ahead, behind in sides)).max() / (2 * step) < 1e-6

@@ -116,7 +116,7 @@ def test_friction_takes_the_zone_to_the_surface(finished):
     peak = data.isel(step=9)
     assert float(peak["approach"]) == close(1995.8e-9, rel=0.01)  # Hertz, too, errs by 0.7 % on four cells a radius
     assert float(peak["plastic_zone_shallowest"]) < 1e-12
-    assert 0.74 < float(peak["stick_radius_ratio"]) < 0.95
+    assert 0.7 < float(peak["stick_radius_ratio"]) < 0.95  # in steps of a seventh
 
 
 @pytest.mark.slow

@@ -140,7 +140,8 @@ asked = []
 class Watched(Yielding):
     key = "watched"
     def update(self, strain, before, step):
-        asked.append((step.time - step.duration, step.time, before["hardening"].sum()))
+        times = step.time - step.duration, step.time
+        asked.append((times, hasattr(step, "fraction"), before["hardening"].sum()))  # whole and cut cells
         if step.duration > 0.5:
             raise NotConverged("in haste")
         return super().update(strain, before, step)
@@ -149,11 +150,16 @@ class Watched(Yielding):
     import eigencontact_toy_laws as module
 
     sums = {}
-    for start, end, total in module.asked:
-        sums.setdefault((start, end), set()).add(float(total))
+    for times, cut, total in module.asked:
+        sums.setdefault(times, {}).setdefault(cut, set()).add(float(total))
     assert set(sums) == {(0.0, 0.0), (0.0, 1.0), (0.0, 0.5), (0.5, 1.0)}
-    assert sums[0.0, 0.0] == sums[0.0, 1.0] == sums[0.0, 0.5] == {0.0}
-    (middle,) = sums[0.5, 1.0]
+    for times in ((0.0, 0.0), (0.0, 1.0), (0.0, 0.5)):
+        assert set.union(*sums[times].values()) == {0.0}
+    assert set(sums[0.5, 1.0]) == {False, True}
+    middle = 0.0
+    for totals in sums[0.5, 1.0].values():
+        (total,) = totals
+        middle += total
     assert 0.0 < middle < step.history["hardening_1"].values.sum()
 
 

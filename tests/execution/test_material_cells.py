@@ -1,5 +1,8 @@
 """Cells of inhomogeneities: whose law fills them, how far, beside what, and which laws take whole cells only."""
 
+from dataclasses import replace
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -12,8 +15,10 @@ from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact_plugins.eigenstrain_fields.uniform import Uniform
 from eigencontact_plugins.laws.isotropic import Isotropic
 from eigencontact_plugins.laws.map import ElasticityMap
+from eigencontact_plugins.laws.rigid import Rigid
 from eigencontact_plugins.laws.void import Void
 from eigencontact_plugins.shapes.cuboid import Cuboid
+from eigencontact_plugins.shapes.sphere import SphericalInclusion
 from toy_laws import Stiffening, Yielding
 
 GRID = Grid(nx=8, ny=8, dx=1.0, dy=1.0)
@@ -99,12 +104,82 @@ def test_a_law_that_is_not_linear_fills_whole_cells_from_a_half_on():
     np.testing.assert_array_equal(linear.index[3:5, 2:6, 2:6], 1)
 
 
-def test_beside_a_law_that_is_not_linear_a_linear_one_has_the_matrix():
-    """A cell of 60 % void and 40 % steel that yields: void cut against the matrix, and no cell of the steel."""
-    content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 3.4)), block(Void(), (-2, -2, 3.4), (2, 2, 5)))
+def test_beside_a_law_that_is_not_linear_a_rigid_material_has_the_matrix():
+    """A cell of 60 % rigid and 40 % steel that yields: rigid cut against the matrix, and no cell of the steel."""
+    content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 3.4)), block(Rigid(), (-2, -2, 3.4), (2, 2, 5)))
     np.testing.assert_array_equal(content.linear.index[3, 2:6, 2:6], 1)
     np.testing.assert_array_equal(content.linear.beside, 0)
     assert not content.others[0][1][3].any()
+    assert not content.cut.any()
+
+
+def test_two_materials_share_a_cell_beside_a_law_that_is_not_linear():
+    """Void in 60 % of a layer of cells above, steel in 40 % of them: neither fills them."""
+    content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 3.4)), block(Void(), (-2, -2, 3.4), (2, 2, 5)))
+    expected = np.zeros((6, 8, 8), dtype=bool)
+    expected[3, 2:6, 2:6] = True
+    np.testing.assert_array_equal(content.cut, expected)
+    ((first, second, cells),) = content.cuts()
+    assert (first, second) == (Void(), STEEL)
+    np.testing.assert_array_equal(cells, np.flatnonzero(expected))
+    np.testing.assert_allclose(content.fraction[content.cut], 0.6, rtol=1e-12)
+    middle = content.across(cells)[:, cells == np.ravel_multi_index((3, 3, 3), expected.shape)]
+    np.testing.assert_allclose(middle[:, 0], [0.0, 0.0, 1.0], atol=1e-15)
+    assert not content.linear.index[content.cut].any()
+    assert not content.others[0][1][content.cut].any()
+
+
+def test_the_matrix_is_beside_a_law_only_if_it_has_one():
+    steel = block(STEEL, (-2, -2, 1), (2, 2, 2.6))
+    assert not cells_of(steel).cut.any()
+    content = MaterialCells(CellBox((steel,), WHOLE), [steel], GRID, SOFT)
+    ((first, second, cells),) = content.cuts()
+    assert (first, second, cells.size) == (STEEL, SOFT, 16)
+
+
+@pytest.mark.parametrize(("share", "cut"), [(0.04, False), (0.06, True), (0.94, True), (0.96, False)])
+def test_slivers_are_merged(share, cut):
+    content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 2 + share)), block(SOFT, (-2, -2, 2 + share), (2, 2, 4)))
+    np.testing.assert_array_equal(content.cut[2, 2:6, 2:6], cut)
+
+
+def test_a_law_of_a_neighbourhood_has_whole_cells():
+    class Wide(Yielding):
+        averaged: ClassVar = {"hardening": 2.0}
+
+    wide = Wide(young_modulus=2e11, poisson_ratio=0.3, yield_stress=2e8, hardening_modulus=1e10)
+    content = cells_of(block(wide, (-2, -2, 1), (2, 2, 2.6)), block(SOFT, (-2, -2, 2.6), (2, 2, 4)))
+    assert not content.cut.any()
+    assert content.others[0][1][2, 3, 3]
+
+
+def test_normals_of_a_ball_are_its_radii():
+    """Within 5 degrees in every cell that is cut, 2 in the mean; cells are flat: 1 x 1 x .7."""
+    lattice = Lattice(first=(0, 0, 0), shape=(14, 8, 8), edges=(0.7, 1.0, 1.0))
+    around, ball = (
+        replace(block(law, (-4, -4, 0), (4, 4, 9.8)), shape=shape, lattice=lattice)
+        for law, shape in (
+            (STEEL, Cuboid(center=(0, 0, 4.9), edges=(8, 8, 9.8))),
+            (SOFT, SphericalInclusion(center=(0.2, 0.1, 4.5), radius=3.3)),
+        )
+    )
+    content = MaterialCells(CellBox((around, ball), lattice), [around, ball], GRID)
+    for _, _, cells in content.cuts():
+        k, j, i = np.unravel_index(cells, lattice.shape)
+        away = np.stack([i - 3.5 - 0.2, j - 3.5 - 0.1, 0.7 * (k + 0.5) - 4.5])
+        away /= np.linalg.norm(away, axis=0)
+        angles = np.degrees(np.arccos(np.minimum(np.abs(np.sum(away * content.across(cells), axis=0)), 1.0)))
+        assert cells.size > 30
+        assert angles.max() < 5.0
+        assert angles.mean() < 2.0
+
+
+def test_the_difference_of_prestrains_is_that_of_the_materials():
+    one, two = block(STEEL, (-2, -2, 1), (2, 2, 2.3), strain=1e-3), block(HARD, (-2, -2, 2.3), (2, 2, 3), strain=3e-3)
+    content = cells_of(one, two)
+    ((first, _, cells),) = content.cuts()
+    assert first == HARD
+    np.testing.assert_allclose(content.difference(cells, 1.0)[:3], 2e-3, rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [STEEL, RUBBER], ids=["steel", "rubber"])

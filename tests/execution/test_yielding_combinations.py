@@ -125,9 +125,11 @@ def test_an_inclusion_that_yields(law):
     found = run(law, inclusions=[ball], stress=CENTRES)
     elastic = run(None, inclusions=[{**BALL, "material": HARD}], stress=CENTRES)
     inside = abs(found["cut_z"].values - 16e-6) < 7e-6
+    whole = abs(found["cut_z"].values - 16e-6) < 3e-6  # the cells above and below are partly of the matrix
     before, after = (data["cut_von_mises"][0].values for data in (elastic, found))
     assert before[inside].min() > 5e9
-    assert after[inside].max() < 2.7e9
+    assert after[whole].max() < 2.7e9
+    assert after[inside].max() < before[inside].min()
     assert after[~inside].max() > 5e9
     strain = found["equivalent_plastic_strain_1"][0]
     r = np.sqrt(strain["cells_1_x"] ** 2 + strain["cells_1_y"] ** 2 + (strain["cells_1_z"] - 16e-6) ** 2)

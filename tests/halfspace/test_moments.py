@@ -1,4 +1,4 @@
-"""Polynomial eigenstrain by potentials of polynomial densities: against the uniform theorem, equilibrium, the surface."""
+"""Polynomial eigenstrain by potentials of densities: against the uniform theorem, equilibrium, the surface."""
 
 import numpy as np
 import pytest

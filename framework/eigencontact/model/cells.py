@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
+from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies
 from eigencontact.model.boxes import with_cells, with_lattices
@@ -98,11 +99,32 @@ def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[i
     """
     grid, inhomogeneities = window.grid, sources.inhomogeneities
     prescribed = with_lattices(sources.prescribed, scene, grid)
-    if scene.numerics.in_cells:
-        heights = {body: state.height for body, state in initial.items()}
-        inhomogeneities = with_cells(inhomogeneities, scene, grid, heights)
+    heights = {body: state.height for body, state in initial.items()}
+    inhomogeneities = _resolved_by_whom(inhomogeneities, scene)
+    for body in (1, 2):
+        members = [source for source in inhomogeneities if source.body == body]
+        if not all(source.whole for source in members):
+            celled = dict(zip(map(id, members), with_cells(members, scene, grid, heights), strict=True))
+            inhomogeneities = tuple(celled.get(id(source), source) for source in inhomogeneities)
     regions = (*prescribed, *inhomogeneities)
     if not scene.numerics.allow_coarse:
         refuse_coarse_regions(regions)
     requests = tuple(resolved(scene.stress, regions, grid))
     return Cells(prescribed=prescribed, inhomogeneities=inhomogeneities, requests=requests)
+
+
+def _resolved_by_whom(sources: Sequence[Inhomogeneity], scene: Scene) -> tuple[Inhomogeneity, ...]:
+    """Mark inhomogeneities that are wholes; by degree these are linear ones whose shape has moment potentials."""
+    resolution = scene.numerics.inclusion_resolution
+    if resolution == "cells":
+        return tuple(sources)
+    if resolution == "whole":
+        return tuple(replace(source, whole=True) for source in sources)
+    return tuple(
+        replace(source, whole=True, degree=resolution.whole) if _has_polynomials(source) else source
+        for source in sources
+    )
+
+
+def _has_polynomials(source: Inhomogeneity) -> bool:
+    return isinstance(source.shape, HasMomentPotentials) and source.field.uniform and source.uniform_law is not None

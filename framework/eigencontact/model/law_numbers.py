@@ -27,23 +27,25 @@ def numbers_of_laws(laws: Iterable[ConstitutiveLaw]) -> tuple[Number, ...]:
     return tuple(by_name(listed).values())
 
 
-def measured(states: Iterable[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]) -> dict[str, float]:
+def measured(
+    states: Iterable[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]],
+) -> dict[str, float]:
     """Numbers of laws, over all bodies.
 
     Parameters
     ----------
-    states : iterable of (law, mapping of str to (components, n), float)
-        What n cells of one law remember, and the volume of a cell [m^3].
+    states : iterable of (law, mapping of str to (components, n), float, (n,) or float)
+        What n cells of one law remember, the volume of a cell [m^3], and the law's share of each cell.
     """
     numbers: dict[str, float] = {}
-    for law, values, volume in states:
+    for law, values, volume, share in states:
         for name, variable in law.variables.items():
             cells = values[name]
             if variable.largest and cells.size:
                 numbers[variable.largest] = max(numbers.get(variable.largest, 0.0), float(cells.max()))
             if variable.extent:
-                filled = volume * float(np.count_nonzero(cells.any(axis=0)))
+                filled = volume * float(np.sum(share * cells.any(axis=0)))
                 numbers[variable.extent] = numbers.get(variable.extent, 0.0) + filled
             if variable.total:
-                numbers[variable.total[0]] = numbers.get(variable.total[0], 0.0) + volume * float(cells.sum())
+                numbers[variable.total[0]] = numbers.get(variable.total[0], 0.0) + volume * float((share * cells).sum())
     return numbers

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShap
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import eigenstrain_table
 from eigencontact.scene.schema import Scene
-from eigencontact.scene.whole import Whole
 
 __all__ = [
     "Inhomogeneity",
@@ -163,12 +162,16 @@ class Inhomogeneity(Source):
     Attributes
     ----------
     law : ConstitutiveLaw
-    whole : Whole or None
-        Degree of its eigenstrain, where that is one polynomial.
+    whole : bool
+        Whether it has one eigenstrain, uniform or a polynomial; cells, if any, are then those that it takes from what
+        lies around it.
+    degree : int or "auto" or None
+        Degree of that polynomial as the scene has it; None for a uniform eigenstrain.
     """
 
     law: ConstitutiveLaw
-    whole: Whole | None = None
+    whole: bool = False
+    degree: int | Literal["auto"] | None = None
 
     @property
     def material(self) -> str | None:
@@ -193,11 +196,12 @@ class Inhomogeneity(Source):
     @property
     def how(self) -> str:
         """Resolution of the region, in words."""
-        if self.whole is not None:
-            degree = "chosen by its error" if self.whole.whole == "auto" else f"{self.whole.whole}"
+        if self.degree is not None:
+            degree = "chosen by its error" if self.degree == "auto" else f"{self.degree}"
             return f"{self.law.words}, with one polynomial eigenstrain of degree {degree}"
-        if self.lattice is None:
+        if self.whole:
             return f"one eigenstrain of {self.law.words}"
+        assert self.lattice is not None
         nz, ny, nx = self.lattice.shape
         return f"{nx} x {ny} x {nz} cells of {self.law.words}"
 
@@ -229,8 +233,6 @@ def build_inclusions(
     """Inclusions with eigenstrain alone, and inclusions of another material; see `build_sources`."""
     prescribed: list[Source] = []
     inhomogeneities: list[Inhomogeneity] = []
-    resolution = scene.numerics.inclusion_resolution
-    whole = resolution if isinstance(resolution, Whole) else None
     for number, item in enumerate(scene.inclusions):
         where = _place("inclusions", number, scene.inclusions)
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
@@ -245,7 +247,7 @@ def build_inclusions(
             if law is None:
                 prescribed.append(Source(**facts, shape=shape, field=field))
             else:
-                inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law, whole=whole))
+                inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law))
             if scene.numerics.half_space != "full-space":
                 _refuse_above((prescribed if law is None else inhomogeneities)[-1])
     _refuse_clashes(inhomogeneities)

@@ -48,7 +48,7 @@ def degrees_of(
     Raises
     ------
     SceneError
-        Inclusions so close to each other or to the surface that no degree reaches the error that the scene allows.
+        Inclusions so close to each other or to the surface that the degree misses the error that the scene allows.
     """
     bounds = np.array([source.shape.bounds for source in sources], dtype=float)
     centers, halves = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0])
@@ -57,15 +57,17 @@ def degrees_of(
     found = []
     for number, source in enumerate(sources):
         quality, beside = _closest(number, centers, halves, radii, surface=surface)
-        needed = degree_for(contrasts[number], quality, whole.error)
+        needed = degree_for(contrasts[number], quality, whole.allowed)
         degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
-        if whole.whole == "auto" and needed > HIGHEST_DEGREE:
+        if degree < needed and whole.is_asked:
             who = "the surface" if beside is None else repr(sources[beside].name)
             raise SceneError(
-                f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution = "
-                f'{{ whole = "auto", error = {whole.error:g} }} (got an error of {error:.2g} with degree '
-                f'{HIGHEST_DEGREE}: it falls by {quality:.2f} per degree); allow that error, move it, or set "cells"'
+                f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution "
+                f"with error = {whole.allowed:g} (got an error of {error:.2g} with degree {degree}: it falls by "
+                f"{quality:.2f} per degree); allow that error, "
+                + ("take a higher degree, " if degree < HIGHEST_DEGREE else "")
+                + 'move it, or set "cells"'
             )
         found.append(WholeDegree(degree=degree, quality=quality, error=error))
     return found

@@ -44,11 +44,14 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
     for name, variable in file.items():
         if str(variable.attrs.get("role")) == "history":
             body = int(np.ravel(variable.attrs["body"])[0])  # an array of one in joined results
-            if "surface" in variable.attrs:
+            by_density = "densities" in variable.attrs
+            if by_density:
+                coords = {}
+            elif "surface" in variable.attrs:
                 coords = {axis: file[axis][...] for axis in "yx"}
             else:
                 coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
-            values, points = variable[steps.index(index)], len(coords) or 1 + ("densities" in variable.attrs)
+            values, points = variable[steps.index(index)], len(coords) or 1 + by_density
             records[name] = HistoryRecord(
                 name=name,
                 body=body,

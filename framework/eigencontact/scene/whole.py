@@ -13,6 +13,8 @@ __all__ = ["HIGHEST_DEGREE", "Whole"]
 
 #: Degree up to which potentials of polynomials keep their digits and matrices stay small (582 unknowns each).
 HIGHEST_DEGREE = 12
+#: Error that ``"auto"`` aims at where none is given.
+_ALLOWED = 1e-3
 
 
 class Whole(Table):
@@ -22,9 +24,20 @@ class Whole(Table):
     ----------
     whole : int or "auto"
         Degree of the polynomial; ``"auto"`` takes for each the least whose foretold error is within `error`.
-    error : float
-        Error of the stress in them that is allowed, in parts of what the load causes there.
+    error : float, optional
+        Error of the stress in them that is allowed, in parts of what the load causes there: ``"auto"`` aims at 0.001 by
+        default; a degree that misses the error that is given is refused.
     """
 
     whole: Literal["auto"] | Annotated[int, AfterValidator(in_range(0, HIGHEST_DEGREE, "[-]"))]
-    error: Annotated[float, AfterValidator(in_range(1e-8, 0.5, "[-]"))] = 1e-3
+    error: Annotated[float, AfterValidator(in_range(1e-8, 0.5, "[-]"))] | None = None
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether an error is asked for: given, or the one that ``"auto"`` aims at."""
+        return self.whole == "auto" or self.error is not None
+
+    @property
+    def allowed(self) -> float:
+        """Error that is asked for."""
+        return _ALLOWED if self.error is None else self.error

@@ -50,6 +50,7 @@ __all__ = [
     "compliance",
     "condition_of",
     "constraint_of_ball",
+    "constraint_of_cut",
     "constraint_of_layer",
     "mixed",
 ]
@@ -157,14 +158,10 @@ class Conditions:
 
     def _cut(self, cells: NDArray[np.intp], index: IntArray, shares: Shares) -> Condition:
         first, second = self._by_cell(index[cells], cells), self._by_cell(shares.beside[cells], cells)
-        constraint = np.broadcast_to(constraint_of_ball(self.matrix), (cells.size, 6, 6))
+        normals = np.zeros((cells.size, 3))
         if shares.normal is not None:
-            normal = shares.normal[:, cells].T
-            flat = (np.abs(normal).max(axis=1) > 0.0) & (shares.beside[cells] == 0)
-            constraint = constraint.copy()
-            layer = constraint_of_layer(self.matrix, normal[flat])
-            constraint[flat] = _ROUND * constraint[flat] + (1.0 - _ROUND) * layer
-        return mixed(first, second, shares.fraction[cells], constraint)
+            normals[shares.beside[cells] == 0] = shares.normal[:, cells[shares.beside[cells] == 0]].T
+        return mixed(first, second, shares.fraction[cells], constraint_of_cut(self.matrix, normals))
 
 
 def condition_of(material: Elasticity | ArrayLike, matrix: Material) -> Condition:
@@ -194,6 +191,14 @@ def constraint_of_ball(matrix: Material) -> FloatArray:
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
     of_volume = 4.0 * G * (1.0 + nu) / (3.0 * (1.0 - nu))
     return isotropic(np.array(of_volume), np.array(2.0 * G * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))))
+
+
+def constraint_of_cut(matrix: Material, normals: FloatArray) -> FloatArray:
+    """T [Pa] of cut cells, ``(n, 6, 6)``, by the normals of the boundaries in them ``(n, 3)``; zero if unknown."""
+    constraint = np.broadcast_to(constraint_of_ball(matrix), (len(normals), 6, 6)).copy()
+    flat = np.abs(normals).max(axis=1) > 0.0
+    constraint[flat] = _ROUND * constraint[flat] + (1.0 - _ROUND) * constraint_of_layer(matrix, normals[flat])
+    return constraint
 
 
 def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:

@@ -115,16 +115,22 @@ class CellSweeps:
         prestrain: FloatArray,
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
+        start: FloatArray | None = None,
     ) -> float:
         """Largest difference of the stress of cells from the response of their laws, relative to the largest stress.
 
-        See `sweep` for the parameters; of laws that are linear the residual of a sweep says the same.
+        Where all is unloaded a hundredth of the stress 2G ε of the eigenstrain at the start counts instead if it is
+        more, as in the residual of a sweep. See `sweep` for the parameters; of laws that are linear its residual says
+        the same.
         """
         if not self._laws.cells.size:
             return 0.0
         stress = applied_stress + self._caused(eigenstrain)
         e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
+        if start is not None:
+            left = float(np.linalg.norm(start.reshape(6, -1), axis=0).max())
+            largest = max(largest, _LEFT * 2.0 * self._linear.matrix.shear_modulus * left)
         return self._laws.misfit(e, sigma, prescribed, before, steps) / largest if largest > 0.0 else 0.0
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:

@@ -66,9 +66,9 @@ def counts_between(
     more = 0
     if not alone:
         # An expansion about the middle converges as (within / distance)^l. The factors were fitted to balls 1.02 to 1.5
-        # radii deep, whose eigenstrain is then right to 1e-8.
+        # radii deep, whose eigenstrain is then right to 1e-9.
         near = max(distance - 0.5 * reach, 1.02 * within)
-        more = ceil(0.35 * log(1.0 / _QUADRATURE) / log(max(near / within, 1.15)))
+        more = ceil(0.45 * log(1.0 / _QUADRATURE) / log(max(near / within, 1.15)))
     polar = degree + 2 + more
     return 2 + (degree + polar) // 2, polar, 2 * polar
 

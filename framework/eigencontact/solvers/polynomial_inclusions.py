@@ -19,28 +19,25 @@ J. D. Eshelby 1961, Progress in Solid Mechanics 2, 89; Z. A. Moschovidis and T. 
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells, factors_of_stiffness
 from eigencontact.core.material import Material
 from eigencontact.core.products import norm_of
 from eigencontact.errors import NotConverged, require
-from eigencontact.halfspace.cloud import cloud_sources, likeness
-from eigencontact.halfspace.moments import densities_up_to, moment_field
-from eigencontact.halfspace.potentials import HasMomentPotentials, HasPotentials
-from eigencontact.halfspace.region_means import is_ball
-from eigencontact.solvers.distant_work import DistantWork
+from eigencontact.halfspace.cloud import likeness
+from eigencontact.halfspace.moments import densities_up_to
+from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.inclusion_basis import InclusionBasis, basis_of
-from eigencontact.solvers.inclusion_reach import counts_between
+from eigencontact.solvers.inclusion_pairs import ALIKE, InclusionPairs
 from eigencontact.solvers.inclusion_system import InclusionReport
 from eigencontact.solvers.report import Progress
 
@@ -49,10 +46,6 @@ __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 #: Eigenvalue of an inclusion's own matrix, over its volume, that is rounding: functions without eigenstrain, as a
 #: change of volume where both materials resist it alike.
 _ROUNDING = 1e-12
-#: Offsets in radii that are alike.
-_ALIKE = 1e-9
-#: Inclusions from which on distant ones act by their mean eigenstrain; how far that is, in radii of the largest.
-_MANY, _NEAR = 40, 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,15 +66,6 @@ class PolynomialAnswer:
     eigenstrain: FloatArray
     amplitudes: FloatArray
     report: InclusionReport
-
-
-@dataclass(slots=True)
-class _Blocks:
-    """Equal interactions: one matrix for many pairs of a target and a source."""
-
-    matrix: FloatArray
-    targets: list[int] = field(default_factory=list)
-    sources: list[int] = field(default_factory=list)
 
 
 class PolynomialInclusions:
@@ -140,12 +124,8 @@ class PolynomialInclusions:
         self.starts = np.cumsum([0, *(basis.size for basis in self.bases)])
         bounds = np.array([shape.bounds for shape in shapes], dtype=float)
         self.centers, self.radii = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)
-        self._halves = 0.5 * (bounds[:, 1, 2] - bounds[:, 0, 2])
-        self._own: dict[Hashable, FloatArray] = {}
-        self._distant = None
-        if count > _MANY and all(cloud_sources(cast("HasPotentials", shape)) is not None for shape in shapes):
-            self._distant = DistantWork(self)
-        self._blocks = list(self._interactions().values())
+        self.halves = 0.5 * (bounds[:, 1, 2] - bounds[:, 0, 2])
+        self._pairs = InclusionPairs(self)
         self._inverses: dict[tuple[Hashable, int], FloatArray] = {}
 
     @property
@@ -297,7 +277,7 @@ class PolynomialInclusions:
         for number, basis in enumerate(self.bases):
             key = self.key_of(number), lower
             if key not in self._inverses:
-                matrix = self._own[key[0]][:, : basis.size]
+                matrix = self._pairs.own[key[0]][:, : basis.size]
                 kept = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
                 self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept], basis.volume)
@@ -307,106 +287,12 @@ class PolynomialInclusions:
 
     def _applied(self, amplitudes: FloatArray, prestrain: FloatArray | None = None) -> FloatArray:
         """Left side of the system, ``(unknowns,)``, in units of the matrix's shear modulus."""
-        out = np.zeros(self.size)
-        uniform = np.zeros((6, len(self.shapes))) if prestrain is None else prestrain
-        for block in self._blocks:
-            rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
-            sources, targets = np.array(block.sources), np.array(block.targets)
-            every = np.concatenate(
-                (amplitudes[self.starts[sources] + np.arange(columns)[:, None]], uniform[:, sources])
-            )
-            np.add.at(out, self.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
-        if self._distant is not None:
-            means = [
-                basis.mean @ np.concatenate((self.of(amplitudes, number), uniform[:, number]))
-                for number, basis in enumerate(self.bases)
-            ]
-            out -= self._distant.work(np.array(means))
-        return out
+        return self._pairs.apply(amplitudes, np.zeros((6, len(self.shapes))) if prestrain is None else prestrain)
 
     def key_of(self, number: int) -> Hashable:
         """Key that inclusions share whose shape, constants, degree and depth are alike."""
-        depth = round(self.centers[number, 2] / (_ALIKE * self.radii[number])) if self.space == "half" else 0
+        depth = round(self.centers[number, 2] / (ALIKE * self.radii[number])) if self.space == "half" else 0
         return self.kinds[number], depth
-
-    def _interactions(self) -> dict[Hashable, _Blocks]:
-        """Matrices of near pairs, each inclusion with itself first; those of like pairs once."""
-        blocks: dict[Hashable, _Blocks] = {}
-        for number, basis in enumerate(self.bases):
-            key = self.key_of(number)
-            if key not in self._own:
-                caused = self._stress_work(number, number)[: basis.size]
-                self._own[key] = -caused
-                self._own[key][:, : basis.size] += basis.work[:, : basis.size]
-                blocks[key] = _Blocks(self._own[key] + self._counted(number, number))
-            blocks[key].targets.append(number)
-            blocks[key].sources.append(number)
-        for target, source in self._near_pairs():
-            self._add_pair(blocks, target, source)
-        return blocks
-
-    def _near_pairs(self) -> list[tuple[int, int]]:
-        """Pairs (lower, higher) that act on each other by all their functions; others by their mean eigenstrain."""
-        count = len(self.shapes)
-        if self._distant is None:
-            return [(target, source) for source in range(count) for target in range(source)]
-        reach = _NEAR * float(self.radii.max())
-        tree = cKDTree(self.centers)
-        pairs = {(int(low), int(high)) for low, high in tree.query_pairs(reach)}
-        if self.space == "half":
-            images = cKDTree(self.centers * (1.0, 1.0, -1.0)).query_ball_tree(tree, reach)
-            pairs |= {(min(i, j), max(i, j)) for i, near in enumerate(images) for j in near if i != j}
-        return sorted(pairs)
-
-    def _counted(self, target: int, source: int) -> FloatArray | float:
-        """What the sum over mean eigenstrains holds of a pair, ``(n, n + 6)``."""
-        return 0.0 if self._distant is None else self._distant.pair(target, source)
-
-    def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
-        """Both directions of a pair: one matrix is the other's transpose."""
-        scale = _ALIKE * max(self.radii[target], self.radii[source])
-        offset = np.round((self.centers[source] - self.centers[target]) / scale)
-        depth = round(self.centers[target, 2] / scale) if self.space == "half" else 0
-        key = (self.kinds[target], self.kinds[source], offset.tobytes(), depth)
-        there, back = (*key, "there"), (*key, "back")
-        if there not in blocks:
-            caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self.bases[target].size] + self._counted(target, source))
-            transposed = np.ascontiguousarray(caused[:, : self.bases[source].size].T)
-            blocks[back] = _Blocks(transposed + self._counted(source, target))
-        blocks[there].targets.append(target)
-        blocks[there].sources.append(source)
-        blocks[back].targets.append(source)
-        blocks[back].sources.append(target)
-
-    def _stress_work(self, target: int, source: int) -> FloatArray:
-        """Integrals over the target of its functions with the stress of the source's, ``(n + 6, n + 6)``."""
-        first, second = self.bases[target], self.bases[source]
-        distance = 2.0 * self.centers[source, 2] if target == source else self._distance(target, source)
-        reach = self._halves[source] if target == source else self.radii[source]
-        within = self._halves[target] if target == source else self.radii[target]
-        degree = max(first.degree, second.degree)
-        counts = counts_between(distance, within, reach, degree, alone=target == source and self.space == "full")
-        if target == source and is_ball(self.shapes[source]):
-            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
-        points, weights = self.shapes[target].density_rule(counts)
-        x, y, z = points.T
-        stress = moment_field(
-            self.shapes[source], second.eigenstrain, (x, y, z), degree=second.degree,
-            poisson_ratio=self.matrix.poisson_ratio, quantity="stress", space=self.space, threads=self.threads,
-        )  # fmt: skip
-        densities = self.shapes[target].densities(first.degree, x, y, z)
-        moments = np.einsum("kim,dm->kid", stress * weights, densities, optimize=True)
-        return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
-
-    def _distance(self, target: int, source: int) -> float:
-        """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
-        offset = self.centers[source] - self.centers[target]
-        gap = float(np.linalg.norm(offset))
-        if self.space == "half":
-            above = self.centers[source, 2] + self.centers[target, 2]
-            gap = min(gap, float(np.hypot(np.hypot(offset[0], offset[1]), above)))
-        return gap
 
 
 def _constants(material: Any, shear_modulus: float) -> Hashable:

@@ -17,6 +17,7 @@ from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.steps import spaced_by_radius
+from eigencontact.scene.whole import Whole
 from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing
 
 __all__ = ["noticed"]
@@ -34,6 +35,8 @@ _NEAR = 1.5
 _ALONG_RADIUS, _ALONG_EVEN, _EXCESS, _ORDER = 1.2, 6.0, 0.04, 2.5
 #: Such an error that is not warned of.
 _PLASTIC = 0.05
+#: Error of the eigenstrain of whole inhomogeneities that is not warned of where the scene allows none in particular.
+_DEGREE = 0.05
 
 Row = Mapping[str, float]
 
@@ -53,7 +56,7 @@ def noticed(model: Model, blocks: Sequence[Block], last: StepRecord, history: Se
         Scalars of every step, in order.
     """
     cautions = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
-    cautions += [*_taken_for_elastic(model, history), *_plastic_steps(model, history)]
+    cautions += [*_degree(model, last), *_taken_for_elastic(model, history), *_plastic_steps(model, history)]
     cautions += [caution for block in blocks for caution in block.noticed(model, last, history)]
     codes = {caution.code for caution in cautions} - {"load-steps"}
     return (*(caution for caution in foreseen(model, blocks) if caution.code not in codes), *cautions)
@@ -94,6 +97,17 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
             "resolved; give finer cells"
         )
         yield Caution("slip-cells", words)
+
+
+def _degree(model: Model, last: StepRecord) -> Iterator[Caution]:
+    """Whole inhomogeneities whose degree does not reach the error that the scene allows."""
+    whole, error = model.numerics.inclusion_resolution, last.scalars.get("inclusion_degree_error", 0.0)
+    if isinstance(whole, Whole) and error > (whole.allowed if whole.is_asked else _DEGREE):
+        words = (
+            f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give "
+            "a higher degree, or allow that error"
+        )
+        yield Caution("inclusion-degree", words, error)
 
 
 def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.audit.shares import mean_of_parts
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.model import Layer, Region
@@ -203,6 +204,9 @@ def _body(
     own_law = _law_of_body(stored, registry, number, material)
     cells, damaged = _memory(stored, number, remembers=own_law or _yielding(inhomogeneities, number))
     others = [source for source in inhomogeneities if source.body == number and hasattr(source.shape, "key")]
+    beside = stored.history.get(f"plastic_strain_beside_{number}")
+    other_parts = None if beside is None else _tensor(np.nan_to_num(beside))
+    cells = tuple(mean_of_parts(block, other_parts, others, own_law=own_law) for block in cells)
     smooth = tuple(_smooth(block, others, material, own_law=own_law) for block in cells)
     stress_errors = tuple(_difference(block, other, material) for block, other in zip(cells, smooth, strict=True))
     cells = smooth

@@ -7,7 +7,8 @@ Conventions: plain tensors (3, 3) and (3, 3, 3, 3), tension positive.
 
 References
 ----------
-J. D. Eshelby 1957, Proc. R. Soc. A 241, 376; T. Mura 1987, Micromechanics of Defects in Solids, section 22.
+J. D. Eshelby 1957, Proc. R. Soc. A 241, 376; T. Mura 1987, Micromechanics of Defects in Solids, section 22;
+J. W. Ju and L. Z. Sun 1999, J. Appl. Mech. 66, 570 (the tensor outside a sphere).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.oracles.eshelby import apply, sphere_tensor
 
-__all__ = ["cubic_stiffness", "isotropic_stiffness", "sphere_in_body", "turned"]
+__all__ = ["cubic_stiffness", "isotropic_stiffness", "sphere_in_body", "stress_about_sphere", "turned"]
 
 FloatArray = NDArray[np.float64]
 
@@ -85,3 +86,35 @@ def sphere_in_body(
     for amount, (i, j) in zip(amounts, _PAIRS, strict=True):
         answer[i, j] = answer[j, i] = amount
     return apply(body, far + apply(S, answer) - answer), answer
+
+
+def stress_about_sphere(eigenstrain: ArrayLike, young: float, nu: float, points: ArrayLike) -> FloatArray:
+    """Stress ``(3, 3, n)`` outside a sphere of radius 1 about the origin by its uniform eigenstrain, without a load.
+
+    Parameters
+    ----------
+    eigenstrain : (3, 3)
+        Equivalent eigenstrain of the sphere.
+    young, nu : float
+        Of the body, -1 < nu < 0.5.
+    points : (n, 3)
+        Outside, or on the sphere: there the outer limit.
+    """
+    x, one = np.asarray(points, dtype=float).T, np.eye(3)
+    distance = np.linalg.norm(x, axis=0)
+    n, s = x / distance, distance**-2.0
+    pairs = np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one)
+    mixed = np.einsum("ik,jn,ln->ijkln", one, n, n)
+    mixed = mixed + mixed.swapaxes(0, 1)
+    mixed = mixed + mixed.swapaxes(2, 3)
+    tensor = (
+        np.einsum("n,ij,kl->ijkln", 3 * s + 10 * nu - 5, one, one)
+        + np.einsum("n,ijkl->ijkln", 3 * s - 10 * nu + 5, pairs)
+        + 15 * np.einsum("n,ij,kn,ln->ijkln", 1 - s, one, n, n)
+        + 15 * np.einsum("n,kl,in,jn->ijkln", 1 - 2 * nu - s, one, n, n)
+        + 15 * (nu - s) * mixed
+        + 15 * np.einsum("n,in,jn,kn,ln->ijkln", 7 * s - 5, n, n, n, n)
+    )
+    tensor = tensor * distance**-3.0 / (30 * (1 - nu))
+    strain = np.einsum("ijkln,kl->ijn", tensor, np.asarray(eigenstrain, dtype=float))
+    return np.asarray(np.einsum("ijkl,kln->ijn", isotropic_stiffness(young, nu), strain))

@@ -14,16 +14,17 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.fields.cause import Cause
-from eigencontact.execution.fields.within_regions import empty_points, read_by_own_laws, whole_cells
+from eigencontact.execution.fields.within_regions import Content, content_of, empty_points, read_by_own_laws
 from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.routes.prescribed import PrescribedField
-from eigencontact.execution.routes.route import CellRoute, Route
+from eigencontact.execution.routes.route import Route
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.regions import RegionLattice
 from eigencontact.scene.schema import StressRequest
 
 if TYPE_CHECKING:
+    from eigencontact.execution.fields.material_points import MaterialPoints
     from eigencontact.solvers.within_cells import WithinCells
 
 __all__ = ["EigenstrainField"]
@@ -37,15 +38,20 @@ class EigenstrainField(Cause):
 
     def __init__(self, subsurface: Subsurface, request: StressRequest, lattice: RegionLattice) -> None:
         where, inhomogeneities = lattice.words, subsurface.inhomogeneities
-        self._subsurface, self._lattice, self._name = subsurface, lattice, eigenstrain_name(subsurface.body)
+        self._subsurface, self._lattice, self._name = (
+            subsurface,
+            lattice,
+            eigenstrain_name(subsurface.body, beside=subsurface.beside),
+        )
         self.requires = frozenset({self._name} if inhomogeneities else ())
         self.kernels: list[KernelUse] = []
         self.cost = Cost()
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
         self.precisions: list[Precision] = []
+        self._caused: FloatArray | None = None
         for quantity in request.fields:
-            if subsurface.prescribed:
+            if subsurface.prescribed and not subsurface.beside:
                 field = subsurface.prescribed_field(quantity, lattice)
                 self.kernels += field.uses(_WORDS[quantity], where)
                 self._prescribed[quantity] = field
@@ -58,6 +64,10 @@ class EigenstrainField(Cause):
                 self.kernels.append(KernelUse(_WORDS[quantity], f"eigenstrain of {who}", first.key, layout))
                 self._solved[quantity] = route
                 self._add(route)
+        if "stress" in self._solved and subsurface.in_cells and not subsurface.recedes:
+            from eigencontact.execution.fields.material_points import cost_beside
+
+            self.cost += cost_beside(subsurface, lattice.flat_points())
 
     def _add(self, contribution: PrescribedField | Route) -> None:
         """Add the cost and precisions of a contribution; keep the first note."""
@@ -75,20 +85,25 @@ class EigenstrainField(Cause):
             values = route.field(eigenstrain)
             if quantity != "displacement" and self._within is not None:
                 values = values + self._within.difference(quantity, eigenstrain).reshape(values.shape)
+            if quantity == "stress":
+                self._caused = values.reshape(6, -1)
             fields[quantity] = fields[quantity] + values if quantity in fields else values
         return fields
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct the stress of all causes: zero in voids, by its own law in a softer region."""
-        if "stress" not in fields or not self._solved or self._subsurface.recedes:
+        """Correct fields of all causes: by the material at points in and beside regions, no stress in voids."""
+        if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
-        stress, sources = fields["stress"].reshape(6, -1), self._subsurface.inhomogeneities
-        if self._within is not None:
-            stress, material = stress.copy(), self._subsurface.half_space.material
-            read_by_own_laws(stress, self._within, step.history[self._name].values, sources, material, step.time)
-        if self._empty is not None:
-            stress = np.where(self._empty, 0.0, stress)
-        fields["stress"] = stress.reshape(fields["stress"].shape)
+        subsurface, eigenstrain = self._subsurface, step.history[self._name].values
+        if "stress" in fields and self._within is not None:
+            stress, material = fields["stress"].reshape(6, -1).copy(), subsurface.half_space.material
+            read_by_own_laws(stress, self._within, eigenstrain, subsurface.inhomogeneities, material, step.time)
+            fields["stress"] = stress.reshape(fields["stress"].shape)
+        if self._material_points is not None:
+            self._material_points.amend(fields, self._caused, eigenstrain, step.time)
+        if self._empty is not None and "stress" in fields:
+            stress = fields["stress"].reshape(6, -1)
+            fields["stress"] = np.where(self._empty, 0.0, stress).reshape(fields["stress"].shape)
 
     @cached_property
     def _empty(self) -> NDArray[np.bool_] | None:
@@ -98,19 +113,36 @@ class EigenstrainField(Cause):
     @cached_property
     def _within(self) -> WithinCells | None:
         """Continuation of the eigenstrain between the cells of a region; None where it is not needed."""
-        route = next(iter(self._solved.values()))
-        if not (route.steps and isinstance(route, CellRoute)) or self._subsurface.recedes:
+        content, route = self._content, next(iter(self._solved.values()))
+        if content is None or not (route.steps and content.whole.any()):
             return None
         from eigencontact.solvers.within_cells import WithinCells
 
-        box, grid, points = route.box, route.half_space.grid, self._lattice.flat_points()
-        material = route.half_space.material
-        region = whole_cells(box, self._subsurface.inhomogeneities, grid, points)
-        if not region.any():
-            return None
+        half_space = self._subsurface.half_space
+        cells, material = self._subsurface.box.cells(half_space.grid), half_space.material
         return WithinCells(
-            box.cells(grid), region, points, poisson_ratio=material.poisson_ratio, shear_modulus=material.shear_modulus
+            cells, content.whole, self._lattice.flat_points(),
+            poisson_ratio=material.poisson_ratio, shear_modulus=material.shear_modulus,
         )  # fmt: skip
+
+    @cached_property
+    def _material_points(self) -> MaterialPoints | None:
+        """Points in and beside regions; None where there are none."""
+        if self._content is None or not self._content.share.any():
+            return None
+        from eigencontact.execution.fields.material_points import MaterialPoints
+
+        found = MaterialPoints(self._subsurface, self._content, self._lattice.flat_points())
+        return found if found.any else None
+
+    @cached_property
+    def _content(self) -> Content | None:
+        """Regions in the cells; None where regions are whole or rise."""
+        subsurface = self._subsurface
+        if not subsurface.in_cells or subsurface.recedes:
+            return None
+        sources, grid = subsurface.inhomogeneities, subsurface.half_space.grid
+        return content_of(subsurface.box, sources, grid, self._lattice.flat_points())
 
     def _follow(self, step: Step) -> None:
         """Take routes from the cells in the history of a step: those of the scene, or those of a box that grew."""
@@ -122,5 +154,6 @@ class EigenstrainField(Cause):
             )
         if subsurface is not self._subsurface:
             self._subsurface = subsurface
-            self.__dict__.pop("_within", None)
+            for name in ("_content", "_within", "_material_points"):
+                self.__dict__.pop(name, None)
             self._solved = {quantity: subsurface.route(quantity, self._lattice) for quantity in self._solved}

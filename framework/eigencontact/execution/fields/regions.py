@@ -140,9 +140,11 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
             yield TractionField(interface, model.window, model.numerics, request, lattice, moves=moving)
         if any(source.body == request.body for source in model.sources):
             from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
-            from eigencontact.execution.routes.subsurface import Subsurface
+            from eigencontact.execution.routes.subsurface import subsurfaces_of
 
-            yield EigenstrainField(Subsurface.of(model, request.body), request, lattice)
+            for subsurface in subsurfaces_of(model):
+                if subsurface.body == request.body:
+                    yield EigenstrainField(subsurface, request, lattice)
 
     return Region(request, lattice, causes, model.interface, asker)
 

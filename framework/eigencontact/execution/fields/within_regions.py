@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
-from eigencontact.execution.routes.cell_strain import fractions_in, place_in
+from eigencontact.execution.routes.cell_strain import place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
@@ -21,32 +21,64 @@ from eigencontact.solvers.cell_conditions import compliance
 if TYPE_CHECKING:
     from eigencontact.solvers.within_cells import WithinCells
 
-__all__ = ["empty_points", "read_by_own_laws", "whole_cells"]
-
-#: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
-_LEAST = 1e-3
+__all__ = ["Content", "Points", "content_of", "empty_points", "number_at", "read_by_own_laws"]
 
 #: A region is softer than the body where no strain takes more than this share of the body's stress.
 _SOFTER = 1.0 - 1e-9
 
+#: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
+_LEAST = 1e-3
+
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> NDArray[np.int_]:
-    """Number (from 1) of the region of one stiffness that fills a cell wholly, else 0, ``(nz, ny, nx)``.
+class Content(NamedTuple):
+    """Regions in the cells of a box, ``(nz, ny, nx)``.
 
-    Cells of regions that have no point in or next to them are left 0.
+    Attributes
+    ----------
+    number : array of int
+        Number (from 1) of the one region in a cell, 0 where there is none. -1 are cells of several regions, or of one
+        whose stiffness is not the same all over.
+    share : array
+        Part of the cell that it fills.
     """
-    out = np.zeros(box.lattice.shape, dtype=int)
-    for number, source in enumerate(sources, 1):
+
+    number: NDArray[np.int_]
+    share: FloatArray
+
+    @property
+    def whole(self) -> NDArray[np.int_]:
+        """Number of the region of one stiffness that fills a cell wholly, else 0."""
+        return np.where((self.number > 0) & (self.share == 1.0), self.number, 0)
+
+
+def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> Content:
+    """Content of the cells; cells of regions that have no point in or next to them are left empty."""
+    from eigencontact.execution.interiors.material_cells import share_of
+
+    number, filled = np.zeros(box.lattice.shape, dtype=int), np.zeros(box.lattice.shape)
+    for name, source in enumerate(sources, 1):
         assert source.lattice is not None
         if not _near(source, points, 2.0 * max(source.lattice.edges)).size:
             continue
-        share = fractions_in(source, source.shape, grid)
-        cells = out[place_in(box, source.lattice)]
-        cells[share > _LEAST] = 0
-        if source.uniform_law is not None:
-            cells[share > 1.0 - _LEAST] = number
+        share = share_of(sources, name - 1, grid)
+        place = place_in(box, source.lattice)
+        there, whole = share > _LEAST, share > 1.0 - _LEAST
+        alone = (whole | (number[place] == 0)) & (source.uniform_law is not None)
+        number[place] = np.where(there, np.where(alone, name, -1), number[place])
+        filled[place] = np.where(there, np.where(whole, 1.0, share), filled[place])
+    return Content(number, filled)
+
+
+def number_at(sources: Sequence[Inhomogeneity], points: Points) -> NDArray[np.int_]:
+    """Number (from 1) of the region that points lie in, ``(n,)``, or 0; where regions overlap the later one counts."""
+    out = np.zeros(points[0].size, dtype=int)
+    for number, source in enumerate(sources, 1):
+        where = _near(source, points)
+        if where.size:
+            x, y, z = (axis[where] for axis in points)
+            out[where[source.shape.contains(x, y, z)]] = number
     return out
 
 
@@ -54,13 +86,8 @@ def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> ND
     """Whether points of a lattice lie in a void, ``(n,)``, or None; of regions that overlap the later one counts."""
     if not any(source.is_empty for source in sources):
         return None
-    points = lattice.flat_points()
-    out = np.zeros(points[0].size, dtype=bool)
-    for source in sources:
-        where = _near(source, points)
-        if where.size:
-            x, y, z = (axis[where] for axis in points)
-            out[where[source.shape.contains(x, y, z)]] = source.is_empty
+    empty = np.array([False, *(source.is_empty for source in sources)])
+    out = empty[number_at(sources, lattice.flat_points())]
     return out if out.any() else None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,14 @@ from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.boxes import CellBox
 from eigencontact.model.kernels import KernelUse
+from eigencontact.model.matrix_law import matrix_law
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
+from eigencontact.scene.whole import Whole
+
+if TYPE_CHECKING:
+    from eigencontact.execution.interiors.beside_cells import BesideCells
 
 __all__ = ["Cells"]
 
@@ -35,6 +41,8 @@ _ITERATIONS, _ROUNDS = 15, 8
 _ALONE, _TOGETHER = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
 #: Times as many where some cells are empty: a void near the surface takes 340 under its contact.
 _EMPTY = 5.0
+#: Seconds of one component of the stress by one function of a whole inclusion at one point.
+_FUNCTION = 3e-7
 #: Time of mean kernels by that of kernels at points, and seconds of a step for each cell of a law that has no answer of
 #: its own: 30 sweeps of 4 us (11760 cells that break under a contact).
 _MEANS, _ANSWER = 6.0, 1.2e-4
@@ -49,10 +57,16 @@ class Cells(Responding):
         With inhomogeneities in cells.
     directions : str
         Directions, of ``"xyz"``, of the surface displacement.
+
+    Attributes
+    ----------
+    beside : BesideCells or None
+        Wholes of the same body.
     """
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         self._box = subsurface.box
+        self.beside: BesideCells | None = None
         super().__init__(subsurface, directions, self._box.centres(subsurface.half_space.grid))
         self._settle_precision()
         self._kernels, count = subsurface.kernels, len(self.sources)
@@ -107,8 +121,28 @@ class Cells(Responding):
             cost += self._surface.cost
             words = f"displacement {', '.join(self._centres)}"
             uses.append(KernelUse(words, who, key, f"surface, {self._surface.words}"))
+        if self._subsurface.wholes is not None:
+            cost += self._beside_wholes(self._subsurface.wholes)
         self.kernels = tuple(uses)
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
+
+    def _beside_wholes(self, wholes: Subsurface) -> Cost:
+        """Price of tables of the stress in the cells by each function of wholes."""
+        from eigencontact.model.whole_degrees import degrees_of
+
+        whole, material = self._numerics.inclusion_resolution, self._half_space.material
+        assert isinstance(whole, Whole)
+        degrees = [item.degree for item in degrees_of(wholes.inhomogeneities, whole, material)]
+        values = sum(6 * (3 * (degree + 1) * (degree + 3) + 3) * self._box.lattice.cells for degree in degrees)
+        seconds = _FUNCTION * values
+        return Cost(
+            memory=8.0 * 1.5 * values, seconds_once=seconds, seconds_per_step=1e-9 * self._applications * values
+        )
+
+    @property
+    def box(self) -> CellBox:
+        """Box of the cells."""
+        return self._box
 
     def start(self) -> None:
         """See `Interior.start`."""
@@ -123,7 +157,7 @@ class Cells(Responding):
             **self._half_space.options("stress"),
         )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
-        self._content = MaterialCells(self._box, self.sources, grid)
+        self._content = MaterialCells(self._box, self.sources, grid, matrix_law(self._half_space.material))
         self._lost = np.zeros(grid.shape)
         self._fill()
         self._joint = None
@@ -180,6 +214,8 @@ class Cells(Responding):
         total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:
             total += self._prescribed.at(self._time)
+        if self.beside is not None:
+            total += self.beside.stress()
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
             total += self.at_centres(self._joint.stress(loads(self.body, self._tractions, tractions)))
         return total

@@ -45,6 +45,8 @@ class Interior(Part):
         Whether it answers the tractions.
     remembers : frozenset of str
         Names of what is stored of its state: those of `remembered`.
+    is_beside : bool
+        Whether it answers another interior of its body.
     estimates_degree : bool
         Whether `normal_displacement_by_less` tells something.
     """
@@ -53,6 +55,7 @@ class Interior(Part):
     responds: bool = True
     remembers: frozenset[str] = frozenset()
     estimates_degree: bool = False
+    is_beside: bool = False
 
     def start(self) -> None:
         """Build the operators."""
@@ -136,8 +139,8 @@ class Interior(Part):
         """
         return 0.0, ()
 
-    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
-        """Of the present state, by law: what its cells remember, and the volume of one [m^3]."""
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
+        """Of the present state, by law: what its cells remember, the volume of one [m^3], and its share of each."""
         yield from ()
 
     def scalars(self) -> dict[str, float]:
@@ -145,9 +148,9 @@ class Interior(Part):
         return {}
 
 
-def eigenstrain_name(body: int) -> str:
-    """Name under which the equivalent eigenstrain of a body is remembered."""
-    return f"equivalent_eigenstrain_{body}"
+def eigenstrain_name(body: int, *, beside: bool = False) -> str:
+    """Name under which the equivalent eigenstrain of a body is remembered; `beside` of wholes beside its cells."""
+    return f"whole_eigenstrain_{body}" if beside else f"equivalent_eigenstrain_{body}"
 
 
 def by_direction(body: int, directions: Sequence[str], rows: FloatArray) -> dict[str, FloatArray]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
+from eigencontact.execution.interiors.boundaries import can_be_layer, steepest
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
@@ -21,14 +23,16 @@ from eigencontact.plugin import ConstitutiveLaw
 if TYPE_CHECKING:
     from eigencontact.halfspace.voxels import Region
 
-__all__ = ["LinearContent", "MaterialCells", "risen"]
+__all__ = ["LinearContent", "MaterialCells", "risen", "share_of"]
 
 IntArray = NDArray[np.int_]
 
 #: A share of a cell smaller than this is left out.
 _LEAST = 1e-3
-#: A law that is not linear fills cells of which it has this share at least.
+#: A law that is not linear fills cells of which it has this share at least, where no laminate stands for both.
 _HALF = 0.5
+#: A smaller share is merged with the rest of its cell: a sliver flows along its boundary at no cost.
+_SLIVER = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +60,20 @@ class MaterialCells:
         Share of the first.
     normal : (3, nz, ny, nx)
         Across the boundary in cut cells.
+    cut : (nz, ny, nx) of bool
+        Cells that a boundary cuts beside a law that is not linear, and of which `cuts` tells.
+
+    Parameters
+    ----------
+    box, sources, grid
+    matrix : ConstitutiveLaw, optional
+        Law of the matrix beside laws that are not linear; without it such laws fill whole cells there.
     """
 
-    def __init__(self, box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid) -> None:
-        self._box, self._sources, self._grid = box, sources, grid
+    def __init__(
+        self, box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, matrix: ConstitutiveLaw | None = None
+    ) -> None:
+        self._box, self._sources, self._grid, self._matrix = box, sources, grid, matrix
         self.shape = box.lattice.shape
         self._numbers = self._numbered()
         self._new = [self._share(member) for member in range(len(sources))]
@@ -120,13 +134,58 @@ class MaterialCells:
         self.fraction = np.where(filled, np.minimum(first / np.where(both, first + second, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
+        self.cut = self._cut()
+
+    def _cut(self) -> NDArray[np.bool_]:
+        """Cells of two materials of which at least one is not linear, no sliver among them."""
+        out = np.zeros(self.shape, dtype=bool)
+        curved = np.array([False, *(not law.linear for law in self.laws)])
+        if curved.any():
+            layers = np.array([self._matrix is not None, *(can_be_layer(law) for law in self.laws)])
+            out |= (self.index > 0) & (self.fraction >= _SLIVER) & (self.fraction <= 1.0 - _SLIVER)
+            out &= (curved[self.index] | curved[self.beside]) & layers[self.index] & layers[self.beside]
+        return out
+
+    def cuts(self) -> Iterator[tuple[ConstitutiveLaw, ConstitutiveLaw, IntArray]]:
+        """First and second law of cut cells, and the flat indices of these cells; laws of composites each by itself."""
+        places = self._box.centres(self._grid).flat_points()
+        names = np.stack([self.index, self.beside]).reshape(2, -1)
+        for first, second in np.unique(names[:, self.cut.ravel()], axis=1).T:
+            both = self.cut.ravel() & (names[0] == first) & (names[1] == second)
+            for (one, here), (other, there) in product(*(self._laws_at(number, places) for number in (first, second))):
+                cells = np.flatnonzero(both & here & there)
+                if cells.size:
+                    yield one, other, cells
+
+    def _laws_at(
+        self, number: int, places: tuple[FloatArray, FloatArray, FloatArray]
+    ) -> Sequence[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+        law = self.laws[number - 1] if number else self._matrix
+        assert law is not None
+        return law.laws_at(*places)
+
+    def across(self, cells: IntArray) -> FloatArray:
+        """Unit normals ``(3, n)`` of the boundaries in cut cells of one pair of laws; their sign means nothing.
+
+        Where regions overlap the later one wins: their boundary is that of the later one.
+        """
+        pair = {int(names.ravel()[cells[0]]) for names in (self.index, self.beside)}
+        later = next(number for number in reversed(self._numbers) if number in pair)
+        padded = np.zeros([count + 2 for count in self.shape])
+        inner = padded[1:-1, 1:-1, 1:-1]
+        for member in (member for member, number in enumerate(self._numbers) if number == later):
+            place, share = self._risen_to(member, self._new[member][1])
+            inner[place] += share
+        if self._box.lattice.first[0] == 0:
+            padded[0] = padded[1]
+        return steepest(padded, self._box.lattice.edges)[:, cells]
 
     @property
     def linear(self) -> LinearContent:
-        """Cells of laws that are linear, cut ones included; a law that is not fills whole cells."""
+        """Cells of laws that are linear, cut ones included; a law that is not fills whole cells, or is in `cuts`."""
         linear = [law for law in self.laws if law.linear]
         numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
-        others = np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
+        others = self.cut | np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
         index = np.where(others, 0, numbers[self.index])
         return LinearContent(linear, index, numbers[self.beside], np.where(others, 1.0, self.fraction), self.normal)
 
@@ -136,7 +195,7 @@ class MaterialCells:
         places = self._box.centres(self._grid).flat_points()
         groups = []
         for number, law in enumerate(self.laws, 1):
-            filled = (self.index == number) & (self.fraction >= _HALF)
+            filled = (self.index == number) & (self.fraction >= _HALF) & ~self.cut
             if not law.linear:
                 groups += [(layer, filled & where.reshape(self.shape)) for layer, where in law.laws_at(*places)]
         return [(law, cells) for law, cells in groups if cells.any()]
@@ -157,16 +216,7 @@ class MaterialCells:
         """Place of an inhomogeneity in the box, and its volume fractions there, less those of later inhomogeneities."""
         source = self._sources[member]
         assert source.lattice is not None
-        later = [
-            inhomogeneity.shape for inhomogeneity in self._sources[member + 1 :] if bounds_meet(source, inhomogeneity)
-        ]
-        # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
-        region = _filled(source.lattice, self._grid) if source.guessed else source.shape
-        fractions = fractions_in(source, _Without(region, later) if later else region, self._grid)
-        if not later:
-            rule = f"fine enough to find {source.name!r}"
-            require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
-        return place_in(self._box, source.lattice), np.minimum(fractions, 1.0)
+        return place_in(self._box, source.lattice), share_of(self._sources, member, self._grid)
 
     def _numbered(self) -> list[int]:
         """Number of the law of each source."""
@@ -188,15 +238,43 @@ class MaterialCells:
         along_x = (padded[inner, inner, 2:] - padded[inner, inner, :-2]) / dx
         return np.stack([along_x, along_y, along_z]) * min(dx, dy, dz)
 
-    def prestrain(self, time: float) -> FloatArray:
-        """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell."""
+    def prestrain(self, time: float, number: int | None = None) -> FloatArray:
+        """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell; with a number the part of one law in it."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
         for member, (source, (place, share)) in enumerate(zip(self._sources, self._new, strict=True)):
-            new = share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
-            where, values = self._risen_to(member, new)
-            out[:, *where] += values
+            if number is None or number == self._numbers[member]:
+                new = share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
+                where, values = self._risen_to(member, new)
+                out[:, *where] += values
         return out
+
+    def difference(self, cells: IntArray, time: float) -> FloatArray:
+        """Prestrain of the first material less that of the second ``(6, n)``, in cut cells of one pair of laws."""
+        share, out = self.fraction.ravel()[cells], np.zeros((6, cells.size))
+        for names, part in ((self.index, share), (self.beside, share - 1.0)):
+            out += self.prestrain(time, int(names.ravel()[cells[0]])).reshape(6, -1)[:, cells] / part
+        return out
+
+
+def share_of(sources: Sequence[Inhomogeneity], member: int, grid: Grid) -> FloatArray:
+    """Share of each cell of an inhomogeneity that is its own, ``(nz, ny, nx)``: less those that come later.
+
+    Raises
+    ------
+    SceneError
+        The cells do not find it.
+    """
+    source = sources[member]
+    assert source.lattice is not None
+    later = [other.shape for other in sources[member + 1 :] if bounds_meet(source, other)]
+    # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
+    region = _filled(source.lattice, grid) if source.guessed else source.shape
+    fractions = fractions_in(source, _Without(region, later) if later else region, grid)
+    if not later:
+        rule = f"fine enough to find {source.name!r}"
+        require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
+    return np.minimum(fractions, 1.0)
 
 
 def _filled(lattice: Lattice, grid: Grid) -> Patch:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
 from eigencontact.core.tractions import side
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Remembered, eigenstrain_name, loads
+from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.halfspace.cloud import likeness
@@ -25,12 +26,14 @@ from eigencontact.halfspace.region_means import is_ball
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.overlaps import overlapping
 from eigencontact.model.regions import RegionLattice
-from eigencontact.model.sources import Inhomogeneity
 from eigencontact.model.whole_degrees import degrees_of
-from eigencontact.plugin import LinearLaw
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.whole import Whole
 from eigencontact.solvers.whole_surface import WholeSurface, table_key
+
+if TYPE_CHECKING:
+    from eigencontact.execution.interiors.beside_cells import BesideCells
+    from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
 
 __all__ = ["PolynomialWholes"]
 
@@ -47,8 +50,7 @@ class PolynomialWholes(Responding):
     Raises
     ------
     SceneError
-        A shape without moment potentials, a law or a prestrain that is not uniform and linear, inclusions that overlap,
-        or an error that no degree reaches.
+        Inclusions that overlap, or an error that no degree reaches.
     """
 
     estimates_degree = True
@@ -65,8 +67,7 @@ class PolynomialWholes(Responding):
         super().__init__(subsurface, directions, None)
         whole = self._numerics.inclusion_resolution
         assert isinstance(whole, Whole)
-        for source in self.sources:
-            _refuse(source)
+        self.beside: BesideCells | None = None
         for first, second in overlapping(self.sources):
             raise SceneError(
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
@@ -133,12 +134,32 @@ class PolynomialWholes(Responding):
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
-        if eigenstrain_name(self.body) not in last:
+        if self._stored not in last:
             nothing = np.zeros(self._system.size)
             self.eigenstrain = self._system.eigenstrain(nothing, self._prestrain)
         self._amplitudes = self._system.amplitudes_of(self.eigenstrain, self._prestrain)
         self._load = np.zeros(self._system.size)
         self._below: tuple[FloatArray, FloatArray] | None = None
+
+    @property
+    def system(self) -> PolynomialInclusions:
+        """System of all inclusions."""
+        return self._system
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the surface."""
+        return self._grid
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """Present amplitudes of all functions."""
+        return self._amplitudes
+
+    @property
+    def present(self) -> FloatArray:
+        """Present prestrain, ``(6, n)``."""
+        return self._prestrain
 
     def prestrain(self, time: float) -> FloatArray:
         """See `Responding.prestrain`."""
@@ -147,6 +168,8 @@ class PolynomialWholes(Responding):
     def applied(self, tractions: Fields) -> FloatArray:
         """Work of the contact and of prescribed eigenstrain on every function, ``(unknowns,)`` [J]."""
         total = np.zeros(self._system.size)
+        if self.beside is not None:
+            total += self.beside.work()
         if self._prescribed is not None:
             total += self._system.moments(self._prescribed.at(self._time).reshape(6, -1))
         if tractions:
@@ -210,7 +233,7 @@ class PolynomialWholes(Responding):
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
-        name = eigenstrain_name(self.body)
+        name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities per density of their shapes, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
 
@@ -228,13 +251,3 @@ def _matrix_cost(degree: int, *, ball: bool) -> tuple[float, float]:
     memory, seconds = (1.0, 1.0) if ball else (4.0, 7.0)
     weights = 24.0 * (_functions(degree) + 6) * densities_up_to(degree)
     return memory * 1.1e3 * weights, seconds * (0.03 + 0.24 * (0.2 * (degree + 1)) ** 7.5)
-
-
-def _refuse(source: Inhomogeneity) -> None:
-    whole = isinstance(source.shape, HasMomentPotentials) and source.field.uniform
-    if not (whole and isinstance(source.law, LinearLaw) and not source.law.varies):
-        raise SceneError(
-            f"{source.where} ({source.name!r}) must be a ball or another shape with moment potentials, of one linear "
-            "law and a uniform prestrain, for a polynomial in numerics.inclusion-resolution "
-            f"(got {source.key!r} of {source.law.key!r}); set it to 'cells'"
-        )

@@ -60,7 +60,8 @@ class Responding(Interior):
         self._subsurface, self._directions, self._half_space = subsurface, directions, subsurface.half_space
         self._numerics, self._grid = self._half_space.numerics, self._half_space.grid
         self.sources, self._tractions = subsurface.inhomogeneities, subsurface.tractions
-        self.remembers = frozenset({eigenstrain_name(body)})
+        self._stored = eigenstrain_name(body, beside=subsurface.beside)
+        self.remembers = frozenset({self._stored})
         self._coords = subsurface.coords
         # Along tractions the mean over each cell belongs to the mean stress by these; elsewhere the centre counts.
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
@@ -96,7 +97,7 @@ class Responding(Interior):
         """See `Interior.begin`."""
         self._time, self._progress = increment.times[1], increment.progress
         self._prestrain = self.prestrain(self._time)
-        record = last.get(eigenstrain_name(self.body))
+        record = last.get(self._stored)
         self.eigenstrain = self._prestrain if record is None else self.fitted(record)
         self._spent, self._residual = 0.0, 0.0
 
@@ -130,7 +131,7 @@ class Responding(Interior):
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
-        name = eigenstrain_name(self.body)
+        name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities, prestrain included, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
 

@@ -26,6 +26,7 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
+from eigencontact.execution.interiors.cut_cells import CutCells
 from eigencontact.execution.interiors.initial import moved_state
 from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
 from eigencontact.execution.interiors.linked_cells import linked_cells
@@ -75,11 +76,13 @@ class SweptCells(Cells):
         from eigencontact.solvers.law_cells import LawCells
 
         super()._fill()
-        self._laws = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
+        whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
+        self._cut = CutCells.all_of(self._content, self._half_space.material)
+        self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
         self._rim = self._content.rim(self._averages.width).ravel()
         matrix = self._half_space.material
-        self._faces = linked_cells(self._content, self._laws, self._places, matrix)
+        self._faces = linked_cells(self._content, whole, self._places, matrix)
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
         self._cells = cells = LawCells(
             matrix, self._system.self_stress, self._laws, around, self._content.shape, self._numerics.threads
@@ -98,6 +101,8 @@ class SweptCells(Cells):
         self._after = self._before
         self._about = self._averages.of(self._before)
         steps = [self._law_step(cells, increment) for _, cells in self._laws]
+        for number, cut in enumerate(self._cut, len(steps) - len(self._cut)):
+            steps[number] = cut.step(steps[number], self._content)
         self._steps = self._averages.with_means(steps, self._about)
 
     def _law_step(self, cells: NDArray[np.intp], increment: Increment) -> LawStep:
@@ -161,8 +166,9 @@ class SweptCells(Cells):
         """See `Interior.scalars`; with the certificate of laws that are not linear."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
-            misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._prestrain, self._before, self._steps)
-            scalars["law_residual"] = misfit
+            scalars["law_residual"] = self._sweeps.misfit(
+                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start
+            )
         return scalars
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
@@ -227,11 +233,15 @@ class SweptCells(Cells):
         values[:, k, j, i] = record.values
         return values
 
-    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
-        """See `Interior.states`; a cell counts with all of its volume."""
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
+        """See `Interior.states`; a cell counts with all of its volume, a part of a cut cell with its own."""
         volume = float(np.prod(self._box.cells(self._grid).pitch))
-        for (law, _), variables in zip(self._laws, self._after, strict=True):
-            yield law, variables, volume
+        whole = len(self._laws) - len(self._cut)
+        for (law, _), variables in zip(self._laws[:whole], self._after[:whole], strict=True):
+            yield law, variables, volume, 1.0
+        for cut, variables in zip(self._cut, self._after[whole:], strict=True):
+            for law, share, own in cut.parts(variables):
+                yield law, own, volume, share
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.core.peaks import peak_of_means
-from eigencontact.errors import NotConverged
+from eigencontact.errors import NotConverged, SceneError
 from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
@@ -23,6 +20,7 @@ from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solved
+from eigencontact.execution.mechanics.degree_error import PRESSURE_ERROR, pressure_error
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import Solids
@@ -83,13 +81,6 @@ _PLASTIC_ERROR = Number(
     meaning="estimated error of the strain of cells that flow, by halving, in parts of the load's",
 )  # fmt: skip
 
-_PRESSURE_ERROR = Number(
-    name="degree_pressure_error", unit="Pa", role="error", over="max", estimates="max_pressure",
-    meaning="estimated error of the contact pressure by the degree of whole inhomogeneities",
-)  # fmt: skip
-
-#: Cells from the edge of the contact in which its error is not asked for: a moved edge would hide it.
-_EDGE = 2
 #: Times that a load step may be halved.
 _HALVINGS = 5
 
@@ -139,6 +130,11 @@ class Mechanics(Block):
         self.provides = surface | frozenset(lifts).union(*(interior.remembers for interior in interiors))
 
     @property
+    def wholes_beside_cells(self) -> bool:
+        """Whether a body has whole inhomogeneities beside cells."""
+        return any(subsurface.beside for subsurface in self.subsurfaces)
+
+    @property
     def parts(self) -> Sequence[Part]:
         """See `Block.parts`."""
         return self._parts
@@ -161,7 +157,7 @@ class Mechanics(Block):
         if contact is not None:
             yield from (*(_OF_COUPLING if any(interior.responds for interior in interiors) else ()), *_OF_CONTACT)
             if any(interior.estimates_degree for interior in interiors):
-                yield _PRESSURE_ERROR
+                yield PRESSURE_ERROR
         if self.numerics.plastic_error is not None:
             yield _PLASTIC_ERROR
 
@@ -207,6 +203,10 @@ class RunningMechanics:
 
     def _couple(self) -> None:
         """Join the contact and the interiors as they are now."""
+        if self._plan.wholes_beside_cells:
+            from eigencontact.execution.interiors.beside_cells import join_wholes
+
+            join_wholes(self._interiors)
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def _follow(self, solids: Solids | None) -> None:
@@ -234,7 +234,8 @@ class RunningMechanics:
         if self._contact is not None:
             self._store(step, self._contact, answers)
             if any(interior.estimates_degree for interior in self._interiors):
-                spent["degree_pressure_error"] = self._degree_error(step, last.displacement)
+                sunk = last.displacement["z"]
+                spent[PRESSURE_ERROR.name] = pressure_error(self._contact, self._interiors, step, sunk)
             spent["solve_seconds"] = perf_counter() - began
             spent["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
@@ -304,30 +305,6 @@ class RunningMechanics:
         step.fields |= fields
         step.scalars |= scalars
 
-    def _degree_error(self, step: Step, displaced: Mapping[str, FloatArray]) -> float:
-        """Estimated error [Pa] of the pressure by the degree of whole inhomogeneities.
-
-        With one degree less, and with two, their surface moves and the pressure follows; what that does to them in turn
-        is left out. The largest change, or half of the one before if that is larger, stands for all higher degrees.
-        """
-        from scipy.ndimage import binary_erosion
-
-        assert self._contact is not None
-        assert step.surface.separation is not None
-        assert step.control is not None
-        pressure = step.fields["pressure"]
-        loaded = binary_erosion(pressure > 0.0, iterations=_EDGE)
-        moved, total = step.surface.separation + displaced["z"], 0.0
-        for interior in self._interiors:
-            factor, changes = interior.normal_displacement_by_less()
-            found = [pressure]
-            for change in changes:
-                found.append(self._contact.pressed(step.control, moved + change, step.fields, None, found[-1]))
-            steps = [float(np.abs(b - a)[loaded].max(initial=0.0)) for a, b in pairwise(found)]
-            if steps:
-                total += factor * max(steps[0], 0.5 * steps[1])
-        return total
-
     def _before(self, step: Step, increment: Increment) -> Solved:
         """State of the interiors before the step, from what is stored of the last one alone."""
         if step.previous is None:
@@ -389,6 +366,11 @@ def mechanics_of(model: Model) -> Mechanics | None:
         subsurfaces = subsurfaces_of(model)
     if surface is None and not subsurfaces:
         return None
+    if surface is None and any(subsurface.beside for subsurface in subsurfaces):
+        raise SceneError(
+            'numerics.inclusion-resolution must be "cells" without a contact where some inhomogeneities of a body are '
+            "no whole (got a degree); or leave those out"
+        )
     everything = surface is None or model.scene.output.tangential_displacement or bool(surface.coupling.components)
     contact_of = partial(
         _contact_of, window=model.window, numerics=model.numerics, exposed=model.exposed, ramps=model.scene.ramps,
@@ -416,7 +398,7 @@ def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Int
     """Interiors of both bodies: prescribed eigenstrain first, then inhomogeneities."""
     interiors: list[Interior] = []
     for subsurface in subsurfaces:
-        if subsurface.prescribed:
+        if subsurface.prescribed and not subsurface.beside:
             from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
 
             interiors.append(PrescribedEigenstrain(subsurface, directions))

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.material import Material
 from eigencontact.core.tractions import TRACTIONS, Traction
+from eigencontact.errors import require
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.moment_forms import MomentForms
 from eigencontact.execution.routes.prescribed import PrescribedField, cell_route
@@ -18,10 +21,11 @@ from eigencontact.model.boxes import CellBox, box_of_inhomogeneities
 from eigencontact.model.growth import filling, lattice_of
 from eigencontact.model.initial import InitialState
 from eigencontact.model.kernels import StressCoefficients
+from eigencontact.model.matrix_law import matrix_law
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity, Lattice, Source
-from eigencontact.plugin import SurfaceInfluence
+from eigencontact.plugin import EigenstrainField, LinearLaw, SurfaceInfluence
 
 __all__ = ["Subsurface", "subsurfaces_of"]
 
@@ -41,6 +45,10 @@ class Subsurface:
         Whether the surface loses depth, so that linear inhomogeneities rise towards it.
     initial : InitialState or None
         State of an earlier run at the start.
+    beside : bool
+        Whether these are wholes beside cells of the same body, which stand for all else in it.
+    wholes : Subsurface or None
+        Of the wholes beside these cells, among which their ground is of the material of the body.
     """
 
     half_space: HalfSpace
@@ -49,6 +57,8 @@ class Subsurface:
     influences: tuple[SurfaceInfluence, ...] = ()
     recedes: bool = False
     initial: InitialState | None = None
+    beside: bool = False
+    wholes: Subsurface | None = None
 
     @classmethod
     def of(cls, model: Model, body: int) -> Subsurface:
@@ -63,14 +73,20 @@ class Subsurface:
             full=numerics.half_space in ("full-space", "image-pressure"),
             steps=model.steps,
         )
-        return cls(
+        members = tuple(source for source in model.cells.inhomogeneities if source.body == body)
+        whole = cls(
             half_space=half_space,
             prescribed=tuple(source for source in model.cells.prescribed if source.body == body),
-            inhomogeneities=tuple(source for source in model.cells.inhomogeneities if source.body == body),
+            inhomogeneities=members,
             influences=() if surface is None else tuple(surface.influences[item.name] for item in surface.tractions),
             recedes=body in model.scene.losses,
             initial=model.initial.get(body),
         )
+        balls = tuple(source for source in members if source.whole)
+        if not balls or len(balls) == len(members):
+            return whole
+        left = tuple(_hole(source, half_space.material) if source.whole else source for source in members)
+        return replace(whole, inhomogeneities=left, wholes=replace(whole, inhomogeneities=balls, beside=True))
 
     @property
     def body(self) -> int:
@@ -90,7 +106,7 @@ class Subsurface:
     @property
     def in_cells(self) -> bool:
         """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
-        return self.half_space.numerics.in_cells
+        return not self.beside and any(not source.whole for source in self.inhomogeneities)
 
     @cached_property
     def box(self) -> CellBox:
@@ -136,8 +152,12 @@ class Subsurface:
 
 
 def subsurfaces_of(model: Model) -> list[Subsurface]:
-    """Subsurface of each body with eigenstrain."""
-    return [Subsurface.of(model, body) for body in sorted({source.body for source in model.sources})]
+    """Subsurface of each body with eigenstrain; of a body with cells and wholes that of the cells, then the wholes'."""
+    found = []
+    for body in sorted({source.body for source in model.sources}):
+        subsurface = Subsurface.of(model, body)
+        found += [subsurface] if subsurface.wholes is None else [subsurface, subsurface.wholes]
+    return found
 
 
 def _same(coords: Mapping[str, FloatArray], others: Mapping[str, FloatArray]) -> bool:
@@ -147,3 +167,21 @@ def _same(coords: Mapping[str, FloatArray], others: Mapping[str, FloatArray]) ->
         and np.allclose(coords[axis], values, rtol=0.0, atol=1e-9 * np.abs(values).max())
         for axis, values in others.items()
     )
+
+
+class _Nothing(EigenstrainField):
+    """No eigenstrain."""
+
+    key, references, uniform = "nothing", (), True
+
+    def eigenstrain(self, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:  # noqa: ARG002
+        """See `EigenstrainField.eigenstrain`."""
+        return np.zeros((6, *np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))))
+
+
+def _hole(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
+    """Ground of a whole inhomogeneity among cells: of the material of the body, without eigenstrain."""
+    law = matrix_law(matrix)
+    rule = "below 0.5 in a body with cells around whole inclusions"
+    require(law is not None, f"body{source.body}", "poisson-ratio", matrix.poisson_ratio, rule)
+    return replace(source, law=cast("LinearLaw", law), field=_Nothing())

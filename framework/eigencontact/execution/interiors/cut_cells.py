@@ -1,0 +1,68 @@
+"""Cells that a boundary cuts beside a law that is not linear: two laws as one, with all that it asks of its points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray, IntArray
+from eigencontact.core.material import Material
+from eigencontact.execution.interiors.material_cells import MaterialCells
+from eigencontact.plugin import ConstitutiveLaw, LawStep
+from eigencontact.solvers.laminate import Laminate, resistance
+
+__all__ = ["CutCells"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class CutStep(LawStep):
+    """Points and time of an evaluation in cut cells; see `eigencontact.solvers.laminate.Cut`."""
+
+    fraction: FloatArray
+    resistance: FloatArray
+    difference: FloatArray
+    found: dict[str, FloatArray] = field(default_factory=dict)
+
+    def of(self, points: slice) -> CutStep:
+        """The same of some of the points."""
+        names = "x", "y", "z", "fraction", "resistance", "difference"
+        return replace(self, means={}, found={}, **{name: getattr(self, name)[..., points] for name in names})
+
+
+@dataclass(frozen=True, eq=False)
+class CutCells:
+    """Cut cells of one pair of laws, as flat indices."""
+
+    law: Any
+    cells: IntArray
+    fraction: FloatArray
+    resistance: FloatArray
+
+    @classmethod
+    def all_of(cls, content: MaterialCells, matrix: Material) -> list[CutCells]:
+        """Those of the content of a box."""
+        found = []
+        for first, second, cells in content.cuts():
+            # What degrades may lose its stiffness across a layer, and no answer is left: a ball around it resists.
+            layered = first.symmetric and second.symmetric
+            normals = content.across(cells) if layered else np.zeros((3, cells.size))
+            share = content.fraction.ravel()[cells]
+            found.append(cls(Laminate(first, second), cells, share, resistance(matrix, normals)))
+        return found
+
+    def step(self, step: LawStep, content: MaterialCells) -> CutStep:
+        """The step of these cells, with what the laminate asks for."""
+        return CutStep(
+            x=step.x, y=step.y, z=step.z, time=step.time, duration=step.duration, fraction=self.fraction,
+            resistance=self.resistance, difference=content.difference(self.cells, step.time),
+        )  # fmt: skip
+
+    def parts(
+        self, variables: Mapping[str, FloatArray]
+    ) -> Iterator[tuple[ConstitutiveLaw, FloatArray, Mapping[str, FloatArray]]]:
+        """Each law, its shares of the cells, and what it remembers."""
+        shares = self.fraction, 1.0 - self.fraction
+        yield from zip((self.law.first, self.law.second), shares, self.law.parts(variables), strict=True)

@@ -1,0 +1,49 @@
+"""Error of the contact pressure by the degree of whole inhomogeneities, estimated from two degrees less."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.numbers import Number
+from eigencontact.execution.blocks.contact import Contact
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.interiors.interior import Interior
+
+__all__ = ["PRESSURE_ERROR", "pressure_error"]
+
+PRESSURE_ERROR = Number(
+    name="degree_pressure_error", unit="Pa", role="error", over="max", estimates="max_pressure",
+    meaning="estimated error of the contact pressure by the degree of whole inhomogeneities",
+)  # fmt: skip
+
+#: Cells from the edge of the contact in which its error is not asked for: a moved edge would hide it.
+_EDGE = 2
+
+
+def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, sunk: FloatArray) -> float:
+    """Estimated error [Pa] of the pressure of a solved step; `sunk` is the normal displacement by the interiors [m].
+
+    With one degree less, and with two, the surface of an interior moves and the pressure follows; what that does to the
+    interior in turn is left out. The largest change, or half of the one before if that is larger, stands for all higher
+    degrees.
+    """
+    from scipy.ndimage import binary_erosion
+
+    assert step.surface.separation is not None
+    assert step.control is not None
+    pressure = step.fields["pressure"]
+    loaded = binary_erosion(pressure > 0.0, iterations=_EDGE)
+    moved, total = step.surface.separation + sunk, 0.0
+    for interior in interiors:
+        factor, changes = interior.normal_displacement_by_less()
+        found = [pressure]
+        for change in changes:
+            found.append(contact.pressed(step.control, moved + change, step.fields, None, found[-1]))
+        steps = [float(np.abs(second - first)[loaded].max(initial=0.0)) for first, second in pairwise(found)]
+        if steps:
+            total += factor * max(steps[0], 0.5 * steps[1])
+    return total

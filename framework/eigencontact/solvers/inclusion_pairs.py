@@ -1,0 +1,154 @@
+"""Interactions of whole inclusions: each with itself, near pairs by all functions, distant ones by their means."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.halfspace.cloud import cloud_sources
+from eigencontact.halfspace.moments import moment_field
+from eigencontact.halfspace.potentials import HasPotentials
+from eigencontact.halfspace.region_means import is_ball
+from eigencontact.solvers.distant_work import DistantWork
+from eigencontact.solvers.inclusion_reach import counts_between
+
+if TYPE_CHECKING:
+    from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
+
+__all__ = ["ALIKE", "InclusionPairs"]
+
+#: Offsets in radii that are alike.
+ALIKE = 1e-9
+#: Inclusions from which on distant ones act by their mean eigenstrain; how far that is, in radii of the largest.
+_MANY, _NEAR = 40, 5.0
+
+
+@dataclass(slots=True)
+class _Blocks:
+    """Equal interactions: one matrix for many pairs of a target and a source."""
+
+    matrix: FloatArray
+    targets: list[int] = field(default_factory=list)
+    sources: list[int] = field(default_factory=list)
+
+
+class InclusionPairs:
+    """Left side of the system of one arrangement of inclusions, ``∫ x_b : (τ_a - A x_a) dV``.
+
+    Attributes
+    ----------
+    own : dict
+        By the key of an inclusion, its matrix with itself ``(n, n + 6)``, the image included; the last six columns are
+        those of uniform eigenstrains.
+    """
+
+    def __init__(self, system: PolynomialInclusions) -> None:
+        self._system = system
+        self.own: dict[Hashable, FloatArray] = {}
+        self._distant = None
+        shapes = [cast("HasPotentials", shape) for shape in system.shapes]
+        if len(shapes) > _MANY and all(cloud_sources(shape) is not None for shape in shapes):
+            self._distant = DistantWork(system)
+        self._blocks = list(self._interactions().values())
+
+    def apply(self, amplitudes: FloatArray, uniform: FloatArray) -> FloatArray:
+        """Left side ``(unknowns,)`` for amplitudes and uniform eigenstrains ``(6, inclusions)``."""
+        system, out = self._system, np.zeros(self._system.size)
+        for block in self._blocks:
+            rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
+            sources, targets = np.array(block.sources), np.array(block.targets)
+            own = amplitudes[system.starts[sources] + np.arange(columns)[:, None]]
+            every = np.concatenate((own, uniform[:, sources]))
+            np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
+        if self._distant is not None:
+            means = [
+                basis.mean @ np.concatenate((system.of(amplitudes, number), uniform[:, number]))
+                for number, basis in enumerate(system.bases)
+            ]
+            out -= self._distant.work(np.array(means))
+        return out
+
+    def _interactions(self) -> dict[Hashable, _Blocks]:
+        """Matrices of near pairs, each inclusion with itself first; those of like pairs once."""
+        blocks: dict[Hashable, _Blocks] = {}
+        for number, basis in enumerate(self._system.bases):
+            key = self._system.key_of(number)
+            if key not in self.own:
+                caused = self._stress_work(number, number)[: basis.size]
+                self.own[key] = -caused
+                self.own[key][:, : basis.size] += basis.work[:, : basis.size]
+                blocks[key] = _Blocks(self.own[key] + self._counted(number, number))
+            blocks[key].targets.append(number)
+            blocks[key].sources.append(number)
+        for target, source in self._near_pairs():
+            self._add_pair(blocks, target, source)
+        return blocks
+
+    def _near_pairs(self) -> list[tuple[int, int]]:
+        """Pairs (lower, higher) that act on each other by all their functions; others by their mean eigenstrain."""
+        count = len(self._system.shapes)
+        if self._distant is None:
+            return [(target, source) for source in range(count) for target in range(source)]
+        reach = _NEAR * float(self._system.radii.max())
+        tree = cKDTree(self._system.centers)
+        pairs = {(int(low), int(high)) for low, high in tree.query_pairs(reach)}
+        if self._system.space == "half":
+            images = cKDTree(self._system.centers * (1.0, 1.0, -1.0)).query_ball_tree(tree, reach)
+            pairs |= {(min(i, j), max(i, j)) for i, near in enumerate(images) for j in near if i != j}
+        return sorted(pairs)
+
+    def _counted(self, target: int, source: int) -> FloatArray | float:
+        """What the sum over mean eigenstrains holds of a pair, ``(n, n + 6)``."""
+        return 0.0 if self._distant is None else self._distant.pair(target, source)
+
+    def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
+        """Both directions of a pair: one matrix is the other's transpose."""
+        scale = ALIKE * max(self._system.radii[target], self._system.radii[source])
+        offset = np.round((self._system.centers[source] - self._system.centers[target]) / scale)
+        depth = round(self._system.centers[target, 2] / scale) if self._system.space == "half" else 0
+        key = (self._system.kinds[target], self._system.kinds[source], offset.tobytes(), depth)
+        there, back = (*key, "there"), (*key, "back")
+        if there not in blocks:
+            caused = -self._stress_work(target, source)
+            blocks[there] = _Blocks(caused[: self._system.bases[target].size] + self._counted(target, source))
+            transposed = np.ascontiguousarray(caused[:, : self._system.bases[source].size].T)
+            blocks[back] = _Blocks(transposed + self._counted(source, target))
+        blocks[there].targets.append(target)
+        blocks[there].sources.append(source)
+        blocks[back].targets.append(source)
+        blocks[back].sources.append(target)
+
+    def _stress_work(self, target: int, source: int) -> FloatArray:
+        """Integrals over the target of its functions with the stress of the source's, ``(n + 6, n + 6)``."""
+        system = self._system
+        first, second = system.bases[target], system.bases[source]
+        distance = 2.0 * system.centers[source, 2] if target == source else self._distance(target, source)
+        reach = system.halves[source] if target == source else system.radii[source]
+        within = system.halves[target] if target == source else system.radii[target]
+        degree = max(first.degree, second.degree)
+        counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
+        if target == source and is_ball(system.shapes[source]):
+            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
+        points, weights = system.shapes[target].density_rule(counts)
+        x, y, z = points.T
+        stress = moment_field(
+            system.shapes[source], second.eigenstrain, (x, y, z), degree=second.degree,
+            poisson_ratio=system.matrix.poisson_ratio, quantity="stress", space=system.space, threads=system.threads,
+        )  # fmt: skip
+        densities = system.shapes[target].densities(first.degree, x, y, z)
+        moments = np.einsum("kim,dm->kid", stress * weights, densities, optimize=True)
+        return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
+
+    def _distance(self, target: int, source: int) -> float:
+        """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
+        offset = self._system.centers[source] - self._system.centers[target]
+        gap = float(np.linalg.norm(offset))
+        if self._system.space == "half":
+            above = self._system.centers[source, 2] + self._system.centers[target, 2]
+            gap = min(gap, float(np.hypot(np.hypot(offset[0], offset[1]), above)))
+        return gap

@@ -1,0 +1,215 @@
+r"""Law of a cell that a boundary cuts: two materials as one, each with its own strain, stress and memory.
+
+Of the cell a share f is of the first material, the rest of the second. With the jump d of their strains,
+
+    ε_1 = ε + (1-f) d,    ε_2 = ε - f d,    σ_1 - σ_2 + K d = 0,    σ = f σ_1 + (1-f) σ_2,
+
+and K = T (I - M T)^-1, M the compliance of the matrix, T as in `eigencontact.solvers.cell_conditions`: for linear laws
+the conditions there follow, and for flat layers, where K is infinite but for ``d = sym(a n)``, equal tractions on the
+boundary of the normal n and equal strains in its plane. The six equations for d are found by Newton's method. They are
+those of a least energy with ``f (1-f) d K d / 2``, so that materials with definite tangents make one that has one too.
+
+References
+----------
+G. W. Milton 2002, The Theory of Composites, chapter 9 (laminates); R. Hill 1965, J. Mech. Phys. Solids 13, 89 (K).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.material import Material
+from eigencontact.errors import NotConverged
+from eigencontact.solvers.cell_conditions import compliance, constraint_of_cut
+from eigencontact.solvers.law_answers import Answer, Law, answer_of, place_of, refuse
+
+__all__ = ["BESIDE", "Cut", "Laminate", "resistance"]
+
+#: What follows the name of a variable of the second material where the first has one of that name.
+BESIDE = "_beside"
+#: Most Newton steps for the jump, and most halvings of one.
+_STEPS, _HALVINGS = 40, 12
+#: Residual that is round-off, in parts of stiffness times strain.
+_ROUND_OFF = 1e-14
+
+
+class Cut(Protocol):
+    """Points, as `eigencontact.plugin.LawStep` has them, and how a boundary cuts their cells."""
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    #: Share of the first material, ``(n,)``.
+    fraction: FloatArray
+    #: K [Pa], ``(6, 6, n)``.
+    resistance: FloatArray
+    #: Prestrain of the first material less that of the second, ``(6, n)`` [-].
+    difference: FloatArray
+    #: Written to: strain, jump and its derivative, as they were found last. Begins empty.
+    found: dict[str, FloatArray]
+
+
+class _Response(NamedTuple):
+    """See `eigencontact.plugin.Response`."""
+
+    stress: FloatArray
+    tangent: FloatArray
+    variables: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Laminate:
+    """Two laws as one.
+
+    Attributes
+    ----------
+    first, second : Law
+        Linear laws whose constants depend on the place included.
+    """
+
+    first: Law
+    second: Law
+
+    @property
+    def key(self) -> str:
+        """Name in messages."""
+        return f"{self.first.key} beside {self.second.key}"
+
+    @property
+    def advice(self) -> str:
+        """Advice where the materials soften."""
+        return str((self.first if self.first.variables else self.second).advice)
+
+    @property
+    def averaged(self) -> Mapping[str, float]:
+        """No neighbourhoods."""
+        return {}
+
+    @property
+    def variables(self) -> dict[str, Any]:
+        """What both remember, those of the second material under their `stored` names."""
+        second = self.second.variables
+        return {**self.first.variables, **{name: second[own] for own, name in self.stored.items()}}
+
+    @property
+    def stored(self) -> dict[str, str]:
+        """Stored name of each variable of the second material."""
+        return {name: name + BESIDE if name in self.first.variables else name for name in self.second.variables}
+
+    def parts(self, variables: Mapping[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Variables of each material by its own names."""
+        first = {name: variables[name] for name in self.first.variables}
+        return first, {own: variables[name] for own, name in self.stored.items()}
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Cut) -> _Response:
+        """Stress, tangent and variables for the mean strain less the mean prestrain, ``(6, n)``.
+
+        Raises
+        ------
+        NotConverged
+            No jump is found.
+        """
+        question = _Question(self, strain, self.parts(before), step)
+        state = question.at(question.start())
+        for _ in range(_STEPS):
+            for law, asked, answer in zip((self.first, self.second), state.strains, state.answers, strict=True):
+                refuse(law, asked, answer, step)
+            if np.all(state.error <= state.limit):
+                return question.response(state)
+            state = question.nearer(state)
+        worst = int(np.argmax(state.error / state.limit))
+        raise NotConverged(
+            f"constitutive law {self.key!r} found no strains of its parts {place_of(worst, step)} in {_STEPS} steps; "
+            "take smaller load steps"
+        )
+
+
+def resistance(matrix: Material, normals: FloatArray) -> FloatArray:
+    """K [Pa] of cut cells ``(6, 6, n)``, by the normals of the boundaries in them ``(3, n)``; zero if unknown."""
+    constraint = constraint_of_cut(matrix, normals.T)
+    give = np.eye(6) - compliance(matrix) @ constraint
+    out = np.linalg.solve(give.swapaxes(1, 2), constraint.swapaxes(1, 2)).T
+    return np.asarray(out, dtype=float)
+
+
+class _State(NamedTuple):
+    """Jump of the strains in each cell, and how far the stresses are from what it asks for."""
+
+    jump: FloatArray
+    strains: tuple[FloatArray, FloatArray]
+    answers: tuple[Answer, Answer]
+    residual: FloatArray
+    error: FloatArray
+    limit: FloatArray
+
+
+class _Question:
+    """Equations of the cells of one laminate."""
+
+    def __init__(
+        self, law: Laminate, strain: FloatArray, before: tuple[dict[str, FloatArray], dict[str, FloatArray]], step: Cut
+    ) -> None:
+        places = step.x, step.y, step.z
+        self._laws: list[Any] = [law.first, law.second]
+        self._laws = [part.at(*places) if part.linear else part for part in self._laws]
+        self._law, self._strain, self._before, self._step = law, strain, before, step
+        self._share, self._resistance = step.fraction, np.moveaxis(step.resistance, 2, 0)
+
+    def start(self) -> FloatArray:
+        """Jump that the last one lets expect: within an increment the strain changes less and less."""
+        if not self._step.found:
+            return np.zeros_like(self._strain)
+        strain, jump, moved = (self._step.found[name] for name in ("strain", "jump", "moved"))
+        return np.asarray(jump - np.einsum("nij,jn->in", moved, self._strain - strain))
+
+    def at(self, jump: FloatArray) -> _State:
+        """Both laws under a jump ``(6, n)``."""
+        relative = jump - self._step.difference
+        strains = self._strain + (1.0 - self._share) * relative, self._strain - self._share * relative
+        first, second = (
+            answer_of(law, strain, before, self._step)
+            for law, strain, before in zip(self._laws, strains, self._before, strict=True)
+        )
+        residual = first.stress - second.stress + np.einsum("nij,jn->in", self._resistance, jump)
+        error = np.where(first.finite & second.finite, np.linalg.norm(residual, axis=0), np.inf)
+        stiff = (first.tangent, strains[0]), (second.tangent, strains[1]), (self._resistance, jump)
+        scale = sum(np.linalg.norm(matrix, axis=(1, 2)) * np.linalg.norm(tensor, axis=0) for matrix, tensor in stiff)
+        return _State(jump, strains, (first, second), residual, error, np.finfo(float).tiny + _ROUND_OFF * scale)
+
+    def nearer(self, state: _State) -> _State:
+        """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
+        try:
+            change = -np.linalg.solve(self._jacobian(state), state.residual.T[..., None])[..., 0].T
+        except np.linalg.LinAlgError:
+            raise NotConverged(
+                f"constitutive law {self._law.key!r}: parts of cells are so soft that their strain is not determined; "
+                "take smaller load steps"
+            ) from None
+        fraction, enough = np.ones(change.shape[1]), np.maximum(state.error, state.limit)
+        for _ in range(_HALVINGS):
+            trial = self.at(state.jump + fraction * change)
+            worse = ~(trial.error <= np.maximum(enough, trial.limit))
+            if not worse.any():
+                break
+            fraction = np.where(worse, 0.5 * fraction, fraction)
+        return trial
+
+    def _jacobian(self, state: _State) -> FloatArray:
+        f, (first, second) = self._share[:, None, None], state.answers
+        return np.asarray((1.0 - f) * first.tangent + f * second.tangent + self._resistance)
+
+    def response(self, state: _State) -> _Response:
+        """Of the cells as a whole."""
+        f, (first, second) = self._share[:, None, None], state.answers
+        unlike = first.tangent - second.tangent
+        moved = np.asarray(np.linalg.solve(self._jacobian(state), unlike), dtype=float)
+        self._step.found.update(strain=self._strain, jump=state.jump, moved=moved)
+        tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
+        stress = self._share * first.stress + (1.0 - self._share) * second.stress
+        second_variables = {self._law.stored[own]: values for own, values in second.variables.items()}
+        return _Response(stress, np.moveaxis(tangent, 0, 2), {**first.variables, **second_variables})
