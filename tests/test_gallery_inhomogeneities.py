@@ -27,6 +27,7 @@ COARSER = {
         ["grid.cells=[91, 37]", "grid.spacing=['0.45 um', '0.45 um']", "steps.1.increments=8"], {1: None}
     ),
     "two-inclusions": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {}),
+    "void-under-contact": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [0.1, 1.7, 3.0267]}),
     "void-near-surface": (
         ["grid.cells-per-contact-radius=20", "grid.margin=1.25", "stress.0.position='0.154 um'"], {0: [0.1, 1.665, 4.0]}
     ),
@@ -141,6 +142,47 @@ def test_void_near_surface(finished):
     inside = np.hypot(x, z - 1.816 * UM) < 1.5 * UM
     assert inside.any()
     assert not field.values[inside].any()
+
+
+def middle_of(pressure):
+    """Pressure on the axis, from means over cells around it: a polynomial of degree 4 in the distance, in cells."""
+    ny, nx = pressure.shape
+    y, x = np.ogrid[:ny, :nx]
+    squared = (x - (nx - 1) / 2) ** 2 + (y - (ny - 1) / 2) ** 2 + 1 / 6  # mean over a cell
+    near = squared < 10.0
+    (value, _, _), *_ = np.linalg.lstsq(np.vander(squared[near], 3, increasing=True), pressure[near])
+    return value
+
+
+@pytest.mark.parametrize(
+    ("changes", "bound"), [((), 0.03), pytest.param(None, 0.01, marks=pytest.mark.slow)], ids=["coarse", "as bundled"]
+)
+def test_void_under_contact(changes, bound, finished):
+    """The theory page's 0.23068 in the middle; the void bears nothing up to its border, and the section mirrors."""
+    if changes is None:
+        result = ec.run(ec.load_scene("void-under-contact", ["output.pictures=false"]))
+    else:
+        result = finished("void-under-contact")
+    pressure = last(result)
+    mirrored(pressure, 0)
+    np.testing.assert_allclose(pressure, pressure.T, rtol=0, atol=2e-4 * pressure.max())
+    assert middle_of(pressure) / P0 == close(0.23068, rel=bound)
+    assert 1e-4 < result.summary["degree_pressure_error"] / P0 < 2e-3  # degrees 6 and 16 differ by 2e-4
+    field = result.dataset.section_von_mises.isel(step=-1)
+    mirrored(field.values, 1)
+    z, x = np.meshgrid(field.section_z.values, field.section_x.values, indexing="ij")
+    outside = np.hypot(x, z - 3.0267 * UM) > 1.9977 * UM
+    assert np.array_equal(field.values > 0.0, outside)
+
+
+@pytest.mark.slow
+def test_void_under_contact_of_cells_without_end():
+    """Second order in the cells: twice as many leave what degree 6 leaves."""
+    coarse, fine = (
+        middle_of(last(ec.run(ec.load_scene("void-under-contact", [*changes, "stress=[]", "output.pictures=false"]))))
+        for changes in (["grid.cells-per-contact-radius=20"], [])
+    )
+    assert (4 * fine - coarse) / 3 / P0 == close(0.23068, rel=0.002)
 
 
 def test_ellipsoid_under_contact(finished):

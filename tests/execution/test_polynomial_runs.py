@@ -114,8 +114,24 @@ def test_friction_two_bodies_and_a_prestrain_agree_with_cells():
 def test_the_degree_follows_the_error_that_is_allowed():
     near, far = ball(VOID, 0.2, 0.3, x=-0.6), ball(VOID, 0.2, 1.0, x=0.6)
     explained = ec.explain(scene(near, far, whole="auto", error=0.01))
-    assert "polynomial eigenstrain of degrees 3 to 5" in explained
-    assert "foretold error" in explained
+    assert "2 inhomogeneities of polynomial eigenstrain of degrees 3 to 5, 210 unknowns, foretold error" in explained
+    assert "nothing (a void), with one polynomial eigenstrain of degree chosen by its error" in explained
+
+
+def test_a_uniform_eigenstrain_states_no_small_error():
+    """There is no lower degree: all that the void does to the pressure stands for the error."""
+    result = run(ball(VOID, 0.33, 0.5), whole=0, cells=21)
+    per_degree = np.exp(-np.arccosh(0.5 / 0.33))
+    assert result.summary["inclusion_degree_error"] == close(per_degree / (1 - per_degree), rel=1e-6)
+    assert 0.7 < result.summary["degree_pressure_error"] / P0 < 0.9
+
+
+def test_alone_in_full_space_nothing_reflects():
+    numerics = {"half-space": "full-space", "inclusion-resolution": {"whole": "auto"}}
+    result = run(ball(VOID, 0.33, 0.5), cells=21, numerics=numerics)
+    below = run(ball(VOID, 0.33, 0.5), cells=21)
+    assert result.summary["max_pressure"] != close(below.summary["max_pressure"], rel=1e-3)
+    assert "polynomial eigenstrain of degree 3" in ec.explain(scene(ball(VOID, 0.33, 0.5), cells=21, numerics=numerics))
 
 
 def test_an_error_that_no_degree_reaches_is_refused():

@@ -35,7 +35,7 @@ WORK = (
 TIGHT = "numerics.tolerance=1e-10"
 COUPLED = (
     "ellipsoid-under-contact", "inclusion-cluster", "inclusion-under-contact", "prestressed-concrete",
-    "rolling-over-inclusion", "two-inclusions", "void-near-surface",
+    "rolling-over-inclusion", "two-inclusions", "void-near-surface", "void-under-contact",
 )  # fmt: skip
 #: Scene, or scene and variable, -> largest relative difference allowed, and the reason.
 _PLACE = (np.inf, "the place of a maximum: rounding chooses among its mirror images")

@@ -118,7 +118,12 @@ def _resolved_by_whom(sources: Sequence[Inhomogeneity], scene: Scene) -> tuple[I
     resolution = scene.numerics.inclusion_resolution
     if resolution == "cells":
         return tuple(sources)
-    return tuple(replace(source, whole=resolution == "whole" or _has_polynomials(source)) for source in sources)
+    if resolution == "whole":
+        return tuple(replace(source, whole=True) for source in sources)
+    return tuple(
+        replace(source, whole=True, degree=resolution.whole) if _has_polynomials(source) else source
+        for source in sources
+    )
 
 
 def _has_polynomials(source: Inhomogeneity) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,10 +165,13 @@ class Inhomogeneity(Source):
     whole : bool
         Whether it has one eigenstrain, uniform or a polynomial; cells, if any, are then those that it takes from what
         lies around it.
+    degree : int or "auto" or None
+        Degree of that polynomial as the scene has it; None for a uniform eigenstrain.
     """
 
     law: ConstitutiveLaw
     whole: bool = False
+    degree: int | Literal["auto"] | None = None
 
     @property
     def material(self) -> str | None:
@@ -193,6 +196,9 @@ class Inhomogeneity(Source):
     @property
     def how(self) -> str:
         """Resolution of the region, in words."""
+        if self.degree is not None:
+            degree = "chosen by its error" if self.degree == "auto" else f"{self.degree}"
+            return f"{self.law.words}, with one polynomial eigenstrain of degree {degree}"
         if self.whole:
             return f"one eigenstrain of {self.law.words}"
         assert self.lattice is not None

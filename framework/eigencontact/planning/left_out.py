@@ -107,7 +107,8 @@ def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
             )
         )
     if all(source.lattice is None for source in model.sources):
-        out.append(LeftOut("cells inside the bodies", "every inclusion has a closed form"))
+        whole = "numerics.inclusion-resolution takes inhomogeneities as wholes" if model.cells.inhomogeneities else ""
+        out.append(LeftOut("cells inside the bodies", whole or "every inclusion has a closed form"))
     if half_space == "full-space":
         out.append(
             LeftOut("the free surface in the fields of eigenstrain", 'numerics.half-space = "full-space": no images')

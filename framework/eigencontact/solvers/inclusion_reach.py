@@ -107,4 +107,4 @@ def stated_error(contrast: float, quality: float, degree: int) -> float:
 def degree_for(contrast: float, quality: float, error: float) -> int:
     """Least degree whose foretold error is within `error`."""
     factor = _WORST * contrast
-    return 0 if factor <= error else ceil(log(factor / error) / -log(quality))
+    return 0 if factor <= error or quality == 0.0 else ceil(log(factor / error) / -log(quality))

@@ -178,7 +178,7 @@ class PolynomialInclusions:
         start : (unknowns,), optional
             Amplitudes to start from.
         lower : int
-            Degrees by which every inclusion stays below its own; at least 0 remains.
+            Degrees by which every inclusion stays below its own; without eigenstrain below degree 0.
         tolerance : float, optional
             Bound of ``InclusionReport.residual``: root mean square of the eigenstrain that each inclusion would still
             add by itself, relative to what it would have alone under the load.
@@ -268,7 +268,7 @@ class PolynomialInclusions:
         return norm_of(self.difference(amplitudes, np.zeros_like(amplitudes)))
 
     def _used(self, lower: int) -> FloatArray:
-        parts = [np.less_equal(basis.degrees, max(basis.degree - lower, 0)) for basis in self.bases]
+        parts = [np.less_equal(basis.degrees, basis.degree - lower) for basis in self.bases]
         return np.concatenate(parts).astype(float)
 
     def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
@@ -278,7 +278,7 @@ class PolynomialInclusions:
             key = self.key_of(number), lower
             if key not in self._inverses:
                 matrix = self._pairs.own[key[0]][:, : basis.size]
-                kept = int((basis.degrees <= max(basis.degree - lower, 0)).sum())
+                kept = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
                 self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept], basis.volume)
             part = slice(self.starts[number], self.starts[number + 1])

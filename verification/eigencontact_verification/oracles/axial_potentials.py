@@ -28,9 +28,9 @@ FloatArray = NDArray[np.float64]
 
 
 def singular(count: int, r: Any, z: Any, *, logarithm: bool = False) -> NDArray[Any]:
-    """Derivatives of I_0 to I_(count-1), ``(5, count, ...)``, real or complex; with `logarithm` I_-1 comes first.
+    """Derivatives of ``I_l``, l < count, ``(5, count, ...)``, real or complex; with `logarithm` ``I_-1`` comes first.
 
-    The five are the function itself, (d/dr)/r, d/dz, d²/dz² and (d²/dr dz)/r. I_-1 needs ``z > 0``.
+    The five are the function itself, (d/dr)/r, d/dz, d²/dz² and (d²/dr dz)/r. ``I_-1`` needs ``z > 0``.
     """
     square = r * r + z * z
     R = np.sqrt(square)

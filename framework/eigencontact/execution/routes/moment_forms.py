@@ -26,7 +26,7 @@ class MomentForms(Route):
     @property
     def words(self) -> str:
         """See `Route.words`."""
-        return f"{self.sources[0].how}, potentials of polynomials"
+        return "potentials of its polynomial eigenstrain"
 
     @property
     def cost(self) -> Cost:
