@@ -18,10 +18,10 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 from eigencontact.halfspace.mirror import integrated_chi
-from eigencontact.halfspace.potentials import HasMomentPotentials, HasMomentSums, Order
+from eigencontact.halfspace.potentials import HasMomentIntegrals, HasMomentPotentials, HasMomentSums, Order
 from eigencontact.halfspace.theorem import QUANTITIES, response
 
-__all__ = ["degree_of", "densities_up_to", "moment_field", "moment_sums", "surface_displacement"]
+__all__ = ["degree_of", "densities_up_to", "moment_field", "moment_sums", "stress_integrals", "surface_displacement"]
 
 #: Numbers that are held for a chunk of points.
 _HELD = 4_000_000
@@ -114,6 +114,44 @@ def moment_field(
 
     in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, step)])
     return out.reshape(*coefficients.shape[:-2], rows, x.size)
+
+
+def stress_integrals(
+    shape: HasMomentPotentials,
+    coefficients: FloatArray,
+    points: Points,
+    tests: FloatArray,
+    *,
+    degree: int,
+    poisson_ratio: float,
+    space: str = "half",
+    threads: int | None = None,
+) -> FloatArray:
+    """Sums over points of the stress of several eigenstrains times each of some functions, ``(k, 6, d)``.
+
+    Parameters
+    ----------
+    tests : (d, m)
+        Functions at the points, weights of the integral included.
+    shape, coefficients, points, degree, poisson_ratio, space, threads
+        As for `moment_field`; coefficients are ``(k, 6, n)``.
+    """
+    if not isinstance(shape, HasMomentIntegrals):
+        stress = moment_field(
+            shape, coefficients, points, degree=degree, poisson_ratio=poisson_ratio, quantity="stress", space=space,
+            threads=threads,
+        )  # fmt: skip
+        return np.asarray(np.einsum("kim,dm->kid", stress, tests, optimize=True))
+    x, y, z = points
+    real, image = _weights(coefficients, "stress", poisson_ratio, space)
+    total = np.asarray(shape.moment_integrals(degree, real, x, y, z, tests, image=False))
+    count = len(total)
+    powers = next((len(of_orders) // count for _, of_orders in image.values()), 0)
+    for power in range(powers):
+        part = slice(power * count, (power + 1) * count)
+        rows = {name: (orders, of_orders[part]) for name, (orders, of_orders) in image.items()}
+        total = total + shape.moment_integrals(degree, rows, x, y, z, tests * z**power, image=True)
+    return total.reshape(len(coefficients), 6, -1)
 
 
 def surface_displacement(

@@ -25,6 +25,7 @@ __all__ = [
     "HasCornerPotentials",
     "HasFarField",
     "HasMirrorPotential",
+    "HasMomentIntegrals",
     "HasMomentPotentials",
     "HasMomentSums",
     "HasPotentials",
@@ -174,6 +175,24 @@ class HasMomentSums(Protocol):
             Whether the potentials are those of the mirror image of region and densities, as functions of points with
             z >= 0, and derivatives those by such points; otherwise of the region.
         """
+
+
+@runtime_checkable
+class HasMomentIntegrals(Protocol):
+    """Ability of a shape with moment sums: their integrals with other functions, without the sums at every point."""
+
+    def moment_integrals(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        tests: FloatArray,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """Sums over points ``(m,)`` of `moment_sums` times each of `tests` ``(d, m)``: ``(k, d)``."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

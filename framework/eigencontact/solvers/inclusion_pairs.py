@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.halfspace.cloud import cloud_sources
-from eigencontact.halfspace.moments import moment_field
+from eigencontact.halfspace.moments import stress_integrals
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.region_means import is_ball
 from eigencontact.solvers.distant_work import DistantWork
@@ -136,12 +136,11 @@ class InclusionPairs:
             counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
         points, weights = system.shapes[target].density_rule(counts)
         x, y, z = points.T
-        stress = moment_field(
-            system.shapes[source], second.eigenstrain, (x, y, z), degree=second.degree,
-            poisson_ratio=system.matrix.poisson_ratio, quantity="stress", space=system.space, threads=system.threads,
-        )  # fmt: skip
         densities = system.shapes[target].densities(first.degree, x, y, z)
-        moments = np.einsum("kim,dm->kid", stress * weights, densities, optimize=True)
+        moments = stress_integrals(
+            system.shapes[source], second.eigenstrain, (x, y, z), densities * weights, degree=second.degree,
+            poisson_ratio=system.matrix.poisson_ratio, space=system.space, threads=system.threads,
+        )  # fmt: skip
         return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
 
     def _distance(self, target: int, source: int) -> float:

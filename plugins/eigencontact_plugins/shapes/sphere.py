@@ -176,6 +176,32 @@ class SphericalInclusion(InclusionShape):
                 out[:, at] += part[at] * sums
         return out.reshape(count, *shape)
 
+    def moment_integrals(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        tests: FloatArray,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """See `HasMomentIntegrals`."""
+        (cx, cy, cz), a = self.center, self.radius
+        u, v = (x - cx) / a, (y - cy) / a
+        if image:
+            return sphere_moments.moment_sums(degree, "image", weights, a, (u, v, (z + cz) / a), tests)
+        w = (z - cz) / a
+        share = self._inside(np.sqrt(u * u + v * v + w * w), z)
+        total: FloatArray | float = 0.0
+        for where, part in (("outer", 1.0 - share), ("inner", share)):
+            at = np.flatnonzero(part)
+            if at.size:
+                parts = tests[:, at] * part[at]
+                total = total + sphere_moments.moment_sums(degree, where, weights, a, (u[at], v[at], w[at]), parts)
+        return np.asarray(total)
+
     def _differentiate(
         self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]
     ) -> FloatArray:

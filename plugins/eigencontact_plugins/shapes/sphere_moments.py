@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from math import factorial, pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,30 +116,42 @@ def _potentials(degree: int, where: str) -> dict[str, NDArray[np.complex128]]:
 
 
 @lru_cache(maxsize=64)
-def _derivatives(degree: int, where: str, name: str, orders: tuple[Order, ...]) -> FloatArray:
-    """Real coefficients ``(n, len(orders), 2 half)`` of derivatives of a potential."""
+def _derivatives(degree: int, where: str, name: str, orders: tuple[Order, ...]) -> Any:
+    """Real coefficients of derivatives of a potential, ``(2 half, n len(orders))``; sparse, as few are not zero."""
+    from scipy.sparse import csr_array  # late: most runs need no moments
+
     rows = _potentials(degree, where)[name]
     functions = ladder(where, degree + _MOST if where != "inner" else degree + 4)
-    return np.stack([functions.real_part(functions.differentiated(rows, order)) for order in orders], axis=1)
+    table = np.stack([functions.real_part(functions.differentiated(rows, order)) for order in orders], axis=1)
+    return csr_array(table.reshape(-1, table.shape[2]).T)
 
 
 def moment_sums(
-    degree: int, where: str, weights: Weights, radius: float, points: tuple[FloatArray, FloatArray, FloatArray]
+    degree: int,
+    where: str,
+    weights: Weights,
+    radius: float,
+    points: tuple[FloatArray, FloatArray, FloatArray],
+    tests: FloatArray | None = None,
 ) -> FloatArray:
-    """Weighted sums ``(k, points)`` of derivatives of potentials; see `HasMomentSums`.
+    """Weighted sums ``(k, points)`` of derivatives of potentials; see `HasMomentSums` and `HasMomentIntegrals`.
 
     `where` is ``"inner"``, ``"outer"`` or ``"image"``; points are in units of the radius from the centre that belongs
-    to it.
+    to it. With `tests` ``(d, points)`` the sums are multiplied by each and added over the points, ``(k, d)``.
     """
     functions = ladder(where, degree + _MOST if where != "inner" else degree + 4)
     total: FloatArray | float = 0.0
     for name, (orders, of_orders) in weights.items():
         scales = [radius ** ((2 if name == "phi" else 4) - sum(order)) for order in orders]
-        table = _derivatives(degree, where, name, tuple(orders))
-        n, count, size = table.shape
-        flat = (of_orders * np.array(scales)).reshape(len(of_orders), n * count)
-        total = total + flat @ table.reshape(n * count, size)
+        flat = (of_orders * np.array(scales)).reshape(len(of_orders), -1)
+        total = total + (_derivatives(degree, where, name, tuple(orders)) @ flat.T).T
     x, y, z = (np.ravel(axis) for axis in points)
+    if tests is not None:
+        products = np.zeros((2 * len(functions.half), len(tests)))
+        for first in range(0, x.size, _CHUNK):
+            part = slice(first, first + _CHUNK)
+            products += functions.values(x[part], y[part], z[part]) @ tests[:, part].T
+        return np.asarray(total @ products)
     out = np.empty((len(np.atleast_2d(total)), x.size))
     for first in range(0, x.size, _CHUNK):
         part = slice(first, first + _CHUNK)
