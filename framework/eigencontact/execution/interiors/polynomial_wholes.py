@@ -246,8 +246,9 @@ def _functions(degree: int) -> int:
 def _matrix_cost(degree: int, *, ball: bool) -> tuple[float, float]:
     """Bytes held and seconds taken by the matrix of one pair, or of one inclusion and its image, on one thread.
 
-    Fitted to voids half a radius below the surface, degrees 2 to 8 of a ball and 2 to 6 of an ellipsoid.
+    Fitted to voids half a radius below the surface, degrees 4 to 12 of a ball and 2 to 6 of an ellipsoid.
     """
-    memory, seconds = (1.0, 1.0) if ball else (4.0, 7.0)
     weights = 24.0 * (_functions(degree) + 6) * densities_up_to(degree)
-    return memory * 1.1e3 * weights, seconds * (0.03 + 0.24 * (0.2 * (degree + 1)) ** 7.5)
+    if ball:
+        return 0.7e3 * weights, 0.03 + 0.12 * (0.2 * (degree + 1)) ** 5.6
+    return 4.4e3 * weights, 0.2 + 1.7 * (0.2 * (degree + 1)) ** 7.5
