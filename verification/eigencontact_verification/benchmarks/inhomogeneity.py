@@ -4,10 +4,10 @@
 ``coated-sphere`` presses a sphere on the coating of the bundled scene of that name and on the bare substrate, by the
 same solver on the same grid, n x n cells: after the first solve, which samples the coefficients, what is left is the
 solve itself. ``ratio r`` solves for the eigenstrain in all cells of the balls of the cluster when they are r times as
-stiff as the matrix, and compares an iteration with one application of the bare operator. ``ball r, degree 4`` and ``ball r,
-8 cells a radius`` press on one ball of r times the stiffness (0 is a void), 0.3 contact radii large and 1.5 of its own
-deep; the error is that of the pressure above it, by degree 8 on the same grid, in Hertz pressures. ``stress of degree
-4`` is the set-up of one such ball and its stress at 1e5 points.
+stiff as the matrix, and compares an iteration with one application of the bare operator. ``ball r, degree 4`` and
+``ball r, 8 cells a radius`` press on one ball of r times the stiffness (0 is a void), 0.3 contact radii large and 1.5
+of its own deep; the error is that of the pressure above it, by degree 8 on the same grid, in Hertz pressures. ``stress
+of degree 4`` is the set-up of one such ball and its stress at 1e5 points.
 """
 
 from __future__ import annotations
