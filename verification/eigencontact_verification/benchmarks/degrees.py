@@ -3,8 +3,9 @@
 A rigid sphere presses above the middle of a ball of 0.3 Hertz contact radii. The judged value is the pressure in the
 middle of the contact, the most sensitive one. Each resolution is compared with degree 10, or 8 from 1.5 radii below
 the surface on, on the same grid, so errors are those of the inhomogeneity alone. Cells share the columns of the grid:
-a grid for each of their sizes; degrees run on that of 8 cells a radius. Seconds are those of a whole run in memory,
-after an earlier one in the same process.
+a grid for each of their sizes; degrees run on that of 8 cells a radius. Seconds are those of
+the processor for a whole run in memory on one thread, after an earlier run in the same process: other work on the
+machine hardly changes them.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ _DEEP, _REFERENCES = 1.5, (10, 8)
 
 
 def pressure(material: str, depth: float, cells: int, degree: int | None = None) -> tuple[float | None, float | None]:
-    """Pressure in the middle in Hertz pressures, and seconds of the run; None where it does not converge.
+    """Pressure in the middle in Hertz pressures, and processor seconds; None where a run does not converge.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def pressure(material: str, depth: float, cells: int, degree: int | None = None)
     scene = scene_of([ball], {**resolution, "tolerance": 1e-6}, across)
     scene["grid"] = {"cells": across, "size": [across * pitch] * 2}
     try:
-        result, seconds, _ = timed(partial(ec.run, scene))
+        result, _wall, seconds = timed(partial(ec.run, scene))
     except NotConverged:
         return None, None
     return float(result.dataset["pressure"][-1].values[across // 2, across // 2]) / PRESSURE, seconds
@@ -106,7 +107,7 @@ def draw(rows: list[Row], file: Path) -> None:
                     measured = [size for size in sizes if row[f"{kind} {size}"] is not None]
                     seconds, errors = ([row[f"{kind} {size}{end}"] for size in measured] for end in ("_s", ""))
                     panel.loglog(seconds, errors, line, color=f"C{number}", mfc="w" if kind == "cells" else None, ms=4)
-        panel.set(title=f"d / r = {depth:g}", xlabel="seconds of the run")
+        panel.set(title=f"d / r = {depth:g}", xlabel="processor seconds of the run")
         panel.grid(alpha=0.3)
     axes[0, 0].set(ylabel="error of the pressure in the middle / Hertz pressure", ylim=(1e-7, 2.0))
     handles = [plt.Line2D([], [], color=f"C{number}", label=name) for number, name in enumerate(MATERIALS)]
