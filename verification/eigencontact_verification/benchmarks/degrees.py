@@ -97,7 +97,7 @@ def draw(rows: list[Row], file: Path) -> None:
 
     depths = sorted({row["depth"] for row in rows})
     figure, axes = plt.subplots(
-        1, len(depths), figsize=(2.6 * len(depths), 3.4), sharey=True, sharex=True, squeeze=False, layout="constrained"
+        1, len(depths), figsize=(2.6 * len(depths), 3.9), sharey=True, sharex=True, squeeze=False, layout="constrained"
     )
     for panel, depth in zip(axes[0], depths, strict=True):
         for number, material in enumerate(MATERIALS):
@@ -109,12 +109,12 @@ def draw(rows: list[Row], file: Path) -> None:
                     panel.loglog(seconds, errors, line, color=f"C{number}", mfc="w" if kind == "cells" else None, ms=4)
         panel.set(title=f"d / r = {depth:g}", xlabel="processor seconds of the run")
         panel.grid(alpha=0.3)
-    axes[0, 0].set(ylabel="error of the pressure in the middle / Hertz pressure", ylim=(1e-7, 2.0))
+    axes[0, 0].set(ylabel="error of p(0) / Hertz pressure", ylim=(1e-7, 2.0))
     handles = [plt.Line2D([], [], color=f"C{number}", label=name) for number, name in enumerate(MATERIALS)]
     handles.append(plt.Line2D([], [], color="k", marker="o", ls="-", label=f"degree {', '.join(map(str, DEGREES))}"))
     cells = f"{', '.join(map(str, CELLS))} cells a radius"
     handles.append(plt.Line2D([], [], color="k", marker="s", ls="--", mfc="w", label=cells))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     figure.savefig(file, dpi=150)
     plt.close(figure)
 
