@@ -109,7 +109,7 @@ def draw(rows: list[Row], file: Path) -> None:
                     panel.loglog(seconds, errors, line, color=f"C{number}", mfc="w" if kind == "cells" else None, ms=4)
         panel.set(title=f"d / r = {depth:g}", xlabel="processor seconds of the run")
         panel.grid(alpha=0.3)
-    axes[0, 0].set(ylabel="error of p(0) / Hertz pressure", ylim=(1e-7, 2.0))
+    axes[0, 0].set(ylabel="error of p(0) / Hertz pressure", ylim=(1e-7, 5.0))
     handles = [plt.Line2D([], [], color=f"C{number}", label=name) for number, name in enumerate(MATERIALS)]
     handles.append(plt.Line2D([], [], color="k", marker="o", ls="-", label=f"degree {', '.join(map(str, DEGREES))}"))
     cells = f"{', '.join(map(str, CELLS))} cells a radius"
