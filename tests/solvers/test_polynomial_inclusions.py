@@ -204,6 +204,16 @@ def test_the_basis_is_that_of_equilibrium(degree):
     assert basis_of(BALL, 2 * BODY, MATRIX, degree).size == 3 * (degree + 1) * (degree + 3) - (3 if degree >= 0 else 0)
 
 
+def test_unequal_balls_converge_as_the_larger():
+    """Changes by a degree fall by .9 there, and by .8 from degree 8 to 9: not by the .455 of the smaller ball."""
+    balls = [SphericalInclusion(center=(0.0, 0.0, z), radius=r) for z, r in ((0.0, 1.0), (5.03, 3.6))]
+    system = PolynomialInclusions(balls, MATRIX, [Rigid()] * 2, [4, 4], space="full")
+    found = [system.solve(tension(system), lower=lower).amplitudes for lower in range(3)]
+    last, earlier = (system.difference(found[n], found[n + 1]) for n in range(2))
+    assert np.all(last / earlier > 0.9 * reflection(5.03, 1.0, 3.6))
+    assert np.all(last < earlier)
+
+
 def test_reflections():
     """Equal balls in closed form; unequal ones tend to them; the surface is a ball's own image."""
     assert reflection(2.1, 1.0, 1.0) == close(0.7298437881, rel=1e-9)
@@ -211,6 +221,7 @@ def test_reflections():
     assert reflection(2.0, 1.0, 1.0) == reflection(1.5, 1.0, 1.0) < 1
     assert contrast_of(Void(), MATRIX) == close(1.0)
     assert contrast_of(Isotropic(young_modulus=5.2, poisson_ratio=NU), MATRIX) == close(1 / 3)
+    assert reflection(5.03, 1.0, 3.6) == reflection(5.03, 3.6, 1.0) == close(0.7869093153, rel=1e-9)
     degree = degree_for(1.0, 0.5, 1e-3)
     assert stated_error(1.0, 0.5, degree) <= 1e-3 < stated_error(1.0, 0.5, degree - 1)
     assert counts_between(2.0, 1.0, 1.0, 2, alone=True) < counts_between(2.4, 1.0, 1.0, 2)

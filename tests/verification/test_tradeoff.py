@@ -79,7 +79,10 @@ def test_a_given_window_keeps_its_place_and_size():
 @pytest.mark.parametrize(
     ("scene", "changes", "key", "expected"),
     [
-        ("void-near-surface", [], "inclusion-resolution", ["inclusion-resolution whole"]),
+        (
+            "void-near-surface", [], "inclusion-resolution",
+            [f"inclusion-resolution whole{degree}" for degree in ("", " = 2", " = 4")],
+        ),
         ("plastic-hertz", COARSE, "inclusion-resolution", []),
         ("plastic-hertz", COARSE, "plastic-error", ["plastic-error 0.03", "plastic-error 0.1"]),
         ("plastic-hertz", [*COARSE, "numerics.plastic-error=0.02"], "plastic-error", ["no plastic-error"]),

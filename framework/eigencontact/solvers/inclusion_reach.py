@@ -2,12 +2,15 @@
 
 Fields of two balls are multipoles that reflect between them, so the error of polynomial eigenstrain falls per degree by
 ``q = exp(-α)``: for a ball of radius r at the depth d of its centre, cosh α = d/r; for two equal balls at distance D,
-cosh α = D/(2r); for unequal ones α = asinh(c/r) of the smaller, ``c² = [(D²-r1²-r2²)² - 4 r1² r2²]/(4 D²)``.
+cosh α = D/(2r); for unequal ones α = asinh(c/r) of the larger, ``c² = [(D²-r1²-r2²)² - 4 r1² r2²]/(4 D²)``. The nearest
+reflection in a neighbour lies at c + (c² + r²)^½ from the middle: the larger ball converges more slowly, and its error
+reaches the smaller one.
 
 References
 ----------
 G. B. Jeffery 1912, Proc. R. Soc. Lond. A 87, 109 (bispherical coordinates). That strain converges as the potentials of
-charges do was measured: rigid balls a tenth of a radius apart fall by .71 to .73 per degree, q = .730.
+charges do was measured: equal rigid balls a tenth of a radius apart fall by .71 to .73 per degree, q = .730; balls of 1
+and 3.6 radii at a distance of 5.03 by .78 and .84 from degree 8 to 9, q = .787 (.455 by the smaller).
 """
 
 from __future__ import annotations
@@ -38,13 +41,15 @@ def reflection(distance: float, first: float, second: float) -> float:
     --------
     >>> round(reflection(2.1, 1.0, 1.0), 3), round(reflection(2.1, 1.0, 1.0 + 1e-9), 3)
     (0.73, 0.73)
+    >>> round(reflection(5.03, 1.0, 3.6), 3), round(reflection(5.03, 3.6, 1.0), 3)
+    (0.787, 0.787)
     """
     if distance <= first + second:
         return _TOUCHING
     if first == second:
         return min(exp(-acosh(distance / (2.0 * first))), _TOUCHING)
     product = (distance**2 - first**2 - second**2) ** 2 - 4.0 * first**2 * second**2
-    return min(exp(-asinh(sqrt(product) / (2.0 * distance * min(first, second)))), _TOUCHING)
+    return min(exp(-asinh(sqrt(product) / (2.0 * distance * max(first, second)))), _TOUCHING)
 
 
 def counts_between(

@@ -4,7 +4,10 @@
 ``coated-sphere`` presses a sphere on the coating of the bundled scene of that name and on the bare substrate, by the
 same solver on the same grid, n x n cells: after the first solve, which samples the coefficients, what is left is the
 solve itself. ``ratio r`` solves for the eigenstrain in all cells of the balls of the cluster when they are r times as
-stiff as the matrix, and compares an iteration with one application of the bare operator.
+stiff as the matrix, and compares an iteration with one application of the bare operator. ``ball r, degree 4`` and
+``ball r, 8 cells a radius`` press on one ball of r times the stiffness (0 is a void), 0.3 contact radii large and 1.5
+of its own deep; the error is that of the pressure above it, by degree 7 on the same grid, in Hertz pressures, its time
+that of the processor. ``stress of degree 4`` is the set-up of one such ball and its stress at 1e5 points.
 """
 
 from __future__ import annotations
@@ -19,11 +22,18 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Ta
 from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
 
-__all__ = ["BENCHMARK", "CASES", "METHODS", "RATIOS", "measure"]
+__all__ = ["BALLS", "BENCHMARK", "CASES", "METHODS", "RATIOS", "measure"]
 
 #: Stiffness of the balls by that of the matrix.
 RATIOS = (0.0, 0.1, 0.5, 2.0, 10.0, 100.0, 1e6)
-CASES = ("inclusion-cluster", "coated-sphere", *(f"ratio {ratio:g}" for ratio in RATIOS))
+#: One ball by its names: material and degree, None for cells, of `eigencontact_verification.benchmarks.degrees`.
+BALLS = {
+    f"ball {ratio}, {way}": (material, degree)
+    for ratio, material in (("0", "void"), ("2", "ratio 2"), ("10", "ratio 10"))
+    for way, degree in (("degree 4", 4), ("8 cells a radius", None))
+}
+_STRESS = "stress of degree 4"
+CASES = ("inclusion-cluster", "coated-sphere", *(f"ratio {ratio:g}" for ratio in RATIOS), *BALLS, _STRESS)
 METHODS = ours(
     "tolerance 1e-6, double precision, exact half-space",
     "pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.equivalent_inclusions",
@@ -40,6 +50,10 @@ def measure(_: Code, task: Task) -> Sample:
         return _cluster(task)
     if task.case == "coated-sphere":
         return _coated(task)
+    if task.case in BALLS:
+        return _ball(*BALLS[task.case])
+    if task.case == _STRESS:
+        return _stress(task)
     return _ratio(task, float(task.case.split()[1]))
 
 
@@ -141,6 +155,46 @@ def _ratio(task: Task, ratio: float) -> Sample:
     return found | {"per_application": found["first_s"] / found["solver_applications"] / found["bare_s"]}
 
 
+def _ball(material: str, degree: int | None) -> Sample:
+    from eigencontact_verification.benchmarks.degrees import pressure
+
+    depth, cells = 1.5, 8
+    pressure(material, depth, 4, None if degree is None else 0)  # imports, and what the program remembers
+    value, seconds = pressure(material, depth, cells, degree)
+    right, _ = pressure(material, depth, cells, 7)
+    if value is None or right is None:
+        return {"status": "failed", "reason": "did not converge"}
+    return {"status": "ok", "first_s": seconds, "error": abs(value - right)}
+
+
+def _stress(task: Task) -> Sample:
+    from eigencontact import make
+    from eigencontact.core.material import Material
+    from eigencontact.halfspace.moments import moment_field
+    from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
+    from eigencontact_plugins.laws.isotropic import Isotropic
+
+    matrix, degree = Material(young_modulus=1.0, poisson_ratio=0.3), 4
+    ball: Any = make("sphere", center=(0.0, 0.0, 1.5), radius=1.0)
+    points = np.random.default_rng(0).uniform((-3.0, -3.0, 0.0), (3.0, 3.0, 4.0), (100_000, 3)).T
+
+    @cache
+    def system() -> PolynomialInclusions:
+        law = Isotropic(young_modulus=2.0, poisson_ratio=0.3)
+        return PolynomialInclusions([ball], matrix, [law], [degree], threads=task.threads)
+
+    def call() -> Any:
+        load = np.zeros((6, system().points.shape[1]))
+        load[2] = -1.0 - 0.1 * system().points[0]
+        eigenstrain = system().solve(system().moments(load)).eigenstrain[..., 0]
+        return moment_field(
+            ball, eigenstrain, tuple(points), degree=degree, poisson_ratio=matrix.poisson_ratio, quantity="stress",
+            threads=task.threads,
+        )  # fmt: skip
+
+    return Trial(setup=system, call=call, judge=lambda _: {"points": points.shape[1]}).run(task)
+
+
 def _balls() -> Any:
     """1 in cells whose middle lies in a ball of the cluster, 0 in others, ``(nz, ny, nx)``."""
     nz, ny, nx = _BOX
@@ -172,6 +226,7 @@ BENCHMARK = Benchmark(
         Column("solve [s]", "first_s", ".3g"),
         Column("rounds with the contact", "rounds", "d"),
         Column("Krylov iterations", "iterations", "d"),
+        Column("error", "error", ".1e"),
         Column("iteration / bare operator", "per_application", ".2f"),
         Column("solve / homogeneous solve", "against", ".2f"),
         Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),

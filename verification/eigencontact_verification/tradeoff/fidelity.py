@@ -40,6 +40,8 @@ class Fidelity:
         """Setting and value in words."""
         if value is None:
             return f"no {self.key}"
+        if isinstance(value, Mapping):
+            return f"{self.key} {', '.join(f'{name} = {part}' for name, part in value.items())}"
         return f"{self.key} {f'{value:.3g}' if isinstance(value, float) else value}{self.unit and f' {self.unit}'}"
 
 
@@ -76,6 +78,17 @@ def _cut_apart(plan: Plan) -> bool:
     from eigencontact.model.sources import Patch
 
     return any(not isinstance(source.shape, Patch) and source.material is None for source in _cut(plan))
+
+
+def _resolutions(plan: Plan) -> list[Any]:
+    """Cells, one eigenstrain, and polynomials of two degrees where every shape has the potentials for these."""
+    from eigencontact.halfspace.potentials import HasMomentPotentials
+
+    found: list[Any] = _but("inclusion_resolution", ("cells", "whole"))(plan)
+    if all(isinstance(source.shape, HasMomentPotentials) for source in plan.model.cells.inhomogeneities):
+        own = getattr(plan.numerics.inclusion_resolution, "whole", None)
+        found += [{"whole": degree} for degree in (2, 4) if degree != own]
+    return found
 
 
 def _precisions(plan: Plan) -> object:
@@ -210,7 +223,7 @@ FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="inclusion-resolution",
         has=lambda plan: _foreign(plan) and not _flows(plan),
-        others=_but("inclusion_resolution", ("cells", "whole")),
+        others=_resolutions,
         finest=lambda _: "cells",
     ),
     Fidelity(
