@@ -243,7 +243,7 @@ def test_yield_begins_where_it_should():
 
 @pytest.mark.slow
 def test_refined_it_meets_the_finite_elements():
-    """EP-2: depth to 0.1 %, and the print to 1.2 % where cells are fine; both come nearer from cells to cells."""
+    """EP-2: depth to 0.1 %, and the print to 0.5 %, on 8 cells a radius as on 16: a cell lies in the middle."""
     from eigencontact_verification.fem.yielding import Indentation, solve_indentation
     from eigencontact_verification.fem.yielding_law import YieldingLaw, perfect
 
@@ -266,10 +266,8 @@ def test_refined_it_meets_the_finite_elements():
         data = ec.run(ec.load_scene("plastic-hertz", changes)).dataset
         errors.append((abs(float(data["approach"].max()) / depth - 1), abs(float(data["print_depth"][-1]) / left - 1)))
     (coarse, coarse_print), (fine, fine_print) = errors
-    assert fine < 1e-3
-    assert fine < 0.5 * coarse
-    assert fine_print < 0.012
-    assert fine_print < coarse_print
+    assert max(coarse, fine) < 1e-3
+    assert max(coarse_print, fine_print) < 0.005
 
 
 @pytest.mark.slow
