@@ -59,7 +59,7 @@ def test_the_image_is_the_mirrored_region():
 
 def test_the_boundary_is_the_mean_of_both_sides():
     touching = SphericalInclusion(center=(0.0, 0.0, 1.0), radius=1.0)
-    radial = lambda r: tuple(np.array([value]) for value in (0.6 * r, 0.0, 1.0 + 0.8 * r))  # noqa: E731
-    inner, at, outer = (touching.phi_moments(2, [(2, 0, 0)], *radial(r))[:, 0, 0] for r in (1 - 1e-9, 1.0, 1 + 1e-9))
+    r = np.array([1 - 1e-9, 1.0, 1 + 1e-9])
+    inner, at, outer = touching.phi_moments(2, [(2, 0, 0)], 0.6 * r, 0.0 * r, 1.0 + 0.8 * r)[:, 0].T
     np.testing.assert_allclose(at, 0.5 * (inner + outer), atol=1e-7)
     assert np.abs(inner - outer).max() > 1.0

@@ -17,6 +17,7 @@ Acta Numerica 6, 229 (irregular harmonics and their derivatives). The continued 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cache
 from math import comb, prod
 
@@ -33,7 +34,7 @@ Index = tuple[int, int, int]
 Terms = dict[Index, float]
 
 
-class _Functions:
+class _Functions(ABC):
     """A set of functions that is closed under differentiation.
 
     Attributes
@@ -58,8 +59,9 @@ class _Functions:
         self._mirrored = np.array([m < 0 for _, _, m in indices])
         self._sign = np.array([(-1.0) ** m if m < 0 else 1.0 for _, _, m in indices])
 
+    @abstractmethod
     def _step(self, step: str, index: Index) -> Terms:
-        raise NotImplementedError
+        """Coefficients of the derivative of a function along ``"+"``, ``"-"`` or ``"z"``."""
 
     def _matrix(self, step: str) -> ComplexArray:
         out = np.zeros((len(self.indices), len(self.indices)), dtype=complex)

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.material import Material
-from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
-from eigencontact.execution.fields.within_regions import Content, Points, number_at
+from eigencontact.execution.fields.within_regions import Content, Points, number_at, stiffness_beside
 from eigencontact.execution.routes.cell_strain import Place
 from eigencontact.execution.routes.route import Route
 from eigencontact.execution.routes.subsurface import Subsurface
@@ -276,12 +275,5 @@ def _is_cut(source: Inhomogeneity) -> bool:
 
 def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     """Mandel stiffness of a region of one stiffness and prestrain, none of it that of the body; else None."""
-    law = source.uniform_law
-    if law is None or not source.field.uniform:
-        return None
-    try:
-        stiffness = law.stiffness_matrix()
-    except SceneError:  # it is not finite
-        return None
-    ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real
-    return stiffness if np.abs(ratios - 1.0).min() >= _DIFFERENT else None
+    found = stiffness_beside(source, matrix)
+    return found[0] if found is not None and np.abs(found[1] - 1.0).min() >= _DIFFERENT else None

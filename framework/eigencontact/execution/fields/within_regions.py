@@ -21,7 +21,7 @@ from eigencontact.solvers.cell_conditions import compliance
 if TYPE_CHECKING:
     from eigencontact.solvers.within_cells import WithinCells
 
-__all__ = ["Content", "Points", "content_of", "empty_points", "number_at", "read_by_own_laws"]
+__all__ = ["Content", "Points", "content_of", "empty_points", "number_at", "read_by_own_laws", "stiffness_beside"]
 
 #: A region is softer than the body where no strain takes more than this share of the body's stress.
 _SOFTER = 1.0 - 1e-9
@@ -122,8 +122,8 @@ def read_by_own_laws(
         stress[:, where[mask]] = stiffness @ (strain[:, mask] - prestrain[:, None])
 
 
-def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
-    """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
+def stiffness_beside(source: Inhomogeneity, matrix: Material) -> tuple[FloatArray, FloatArray] | None:
+    """Finite Mandel stiffness of a region with one law and prestrain, and its six ratios to that of the body."""
     law = source.uniform_law
     if law is None or not source.field.uniform:
         return None
@@ -132,7 +132,13 @@ def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     except SceneError:  # it is not finite
         return None
     ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real
-    return stiffness if ratios.max() < _SOFTER else None
+    return stiffness, np.asarray(ratios, dtype=float)
+
+
+def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
+    """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
+    found = stiffness_beside(source, matrix)
+    return found[0] if found is not None and found[1].max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:

@@ -11,6 +11,7 @@ from eigencontact.core.parallel import working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import Route
 from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.model.sources import Inhomogeneity
 
 __all__ = ["MomentForms"]
 
@@ -18,6 +19,8 @@ __all__ = ["MomentForms"]
 _POINT, _FUNCTION = 1.5e-6, 4e-8
 #: Functions of degree N: about (N + 6)², twice.
 _ABOVE = 6
+#: Degree that ``"auto"`` chooses, typically.
+_USUAL = 4
 
 
 class MomentForms(Route):
@@ -32,10 +35,9 @@ class MomentForms(Route):
     def cost(self) -> Cost:
         """See `Route.cost`; nothing is kept but the field itself."""
         count = int(np.prod(self.lattice.shape))
-        whole = self.half_space.numerics.inclusion_resolution
-        degree = getattr(whole, "whole", 0)
-        functions = 2 * ((4 if degree == "auto" else degree) + _ABOVE) ** 2
-        seconds = len(self.sources) * count * (_POINT + _FUNCTION * functions)
+        degrees = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
+        functions = [2 * ((degree if isinstance(degree, int) else _USUAL) + _ABOVE) ** 2 for degree in degrees]
+        seconds = count * (len(functions) * _POINT + sum(functions) * _FUNCTION)
         held = 8.0 * count * len(self.rows) * 3 + 64e6
         return Cost(memory=held, seconds_per_step=seconds / working_threads(self.half_space.threads))
 
