@@ -70,7 +70,7 @@ class VolumeLayout:
         """Sums of the indices of target and source along z, at which tables of correlations are sampled."""
         return np.arange(self.z.sources + self.z.targets - 1, dtype=np.float64)
 
-    @property
+    @cached_property
     def folded(self) -> bool:
         """Whether parities along x and y leave an octant of each spectrum."""
         return self.x.symmetric and self.y.symmetric

@@ -62,8 +62,8 @@ class CellSweeps:
     def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
         self._linear, self._laws = linear, laws
         # Where the cells of the laws are the whole box in its order, nothing is copied.
-        fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
-        self._at: slice | NDArray[np.intp] = slice(None) if fills_box else laws.cells
+        self._fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
+        self._at: slice | NDArray[np.intp] = slice(None) if self._fills_box else laws.cells
         self._prestrain_stress: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
         #: Stress of the last sweep, whose memory the next one uses.
@@ -95,12 +95,18 @@ class CellSweeps:
             Eigenstrain that the increment begins with.
         """
         stress = self._total = np.add(applied_stress, self._caused(eigenstrain), out=self._total)
-        image = prestrain.copy().reshape(6, -1)  # whatever a cell had that nothing fills any more, as wear took it off
-        image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
         remembered: list[Remembered] = []
-        if self._laws.cells.size:
-            e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
-            image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
+        if self._fills_box:
+            arrays = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
+            image, remembered = self._laws.answer(*arrays, before, steps)
+        else:
+            image = prestrain.copy().reshape(6, -1)  # what a cell had that nothing fills any more, as wear took it off
+            image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
+            if self._laws.cells.size:
+                e, sigma, prescribed = (
+                    values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain)
+                )
+                image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
         change = distance_of(image, eigenstrain)
         size = self._size(applied_stress, prestrain)
         if start is not None:

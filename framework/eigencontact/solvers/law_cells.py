@@ -145,7 +145,8 @@ class LawCells:
         several: list[int] = []
 
         def ask(chunk: slice) -> None:
-            ball = stress[:, chunk] + self._ball(eigenstrain[:, chunk])
+            ball = self._ball(eigenstrain[:, chunk])
+            ball += stress[:, chunk]
             before = {name: values[:, chunk] for name, values in records.items()}
             try:
                 response = cell_answer_of(law, ball, prestrain[:, chunk], self._around, before, step.of(chunk))

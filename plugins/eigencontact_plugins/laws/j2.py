@@ -157,7 +157,7 @@ class J2(BodyConstants):
             Points that soften faster than -3G.
         """
         bulk, volume = self._constants[1], strain[:3].sum(axis=0)
-        drive = self._drive(_deviator(strain), 0.0, before, step)
+        drive = self._drive(strain.copy(), 0.0, before, step)
         flowed = self._flowed(drive, before)
         stress = flowed.deviator(drive)
         stress[:3] += flowed.sound * bulk * volume
@@ -174,7 +174,7 @@ class J2(BodyConstants):
         """See `HasCellAnswer.cell_answer`."""
         driving = foreign / around.shear_stiffness
         driving -= prestrain
-        drive = self._drive(_deviator(driving), around.shear_give, before, step)
+        drive = self._drive(driving, around.shear_give, before, step)
         flowed = self._flowed(drive, before)
         eigenstrain = flowed.after["plastic_strain"] + prestrain
         # What the stress strains this material more than the one around: nothing where the constants are the same.
@@ -188,12 +188,15 @@ class J2(BodyConstants):
             eigenstrain[:3] += (soft - around.bulk_compliance) * pressed
         return eigenstrain, flowed.after
 
-    def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
+    def _drive(self, strain: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
+        """Drive by the deviator of a strain, in whose memory it is computed."""
+        strain[:3] -= strain[:3].sum(axis=0) / 3.0
+        strain -= before["plastic_strain"]
         back_stresses = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
         about = step.means.get("equivalent_plastic_strain")
         mean = None if about is None else np.maximum(about[0], 0.0)
-        stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *deviator.shape))
-        return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked, mean)
+        stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *strain.shape))
+        return Drive(strain, give, before["equivalent_plastic_strain"][0], stacked, mean)
 
     def _flowed(self, drive: Drive, before: Mapping[str, FloatArray]) -> _Flowed:
         """State at the end of the increment; most points of a box do not flow, and cost little."""
@@ -319,12 +322,6 @@ class _Flowed:
         if self.stress is not None:
             out[:, self.points] = self.stress
         return out
-
-
-def _deviator(tensor: FloatArray) -> FloatArray:
-    out = tensor.copy()
-    out[:3] -= tensor[:3].sum(axis=0) / 3.0
-    return out
 
 
 def _outer(left: FloatArray, right: FloatArray) -> FloatArray:

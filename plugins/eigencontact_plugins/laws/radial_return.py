@@ -216,14 +216,15 @@ class RadialReturn:
         scale = _ROOT * _size(start.reached)
         high = start.residual / (1.5 * start.w)
         for _ in range(_DOUBLINGS):
-            above = self._equation(drive, size, high)[0] > 0.0
+            residual, slope = self._equation(drive, size, high)
+            above = residual > 0.0
             if not above.any():
                 break
             low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
         else:
             raise _refusal(flows, above)
-        dp, step = low, high - low
-        residual, slope = self._equation(drive, size, dp)
+        # The first step begins at the upper end: what hardens much at first has a slope there that leads near the root.
+        dp, step = high, high - low
         for _ in range(_STEPS):
             low, high = np.where(residual > 0.0, dp, low), np.where(residual > 0.0, high, dp)
             with np.errstate(divide="ignore", invalid="ignore"):
