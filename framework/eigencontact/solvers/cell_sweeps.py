@@ -97,8 +97,8 @@ class CellSweeps:
         stress = self._total = np.add(applied_stress, self._caused(eigenstrain), out=self._total)
         remembered: list[Remembered] = []
         if self._fills_box:
-            arrays = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
-            image, remembered = self._laws.answer(*arrays, before, steps)
+            e, sigma, prescribed = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
+            image, remembered = self._laws.answer(e, sigma, prescribed, before, steps)
         else:
             image = prestrain.copy().reshape(6, -1)  # what a cell had that nothing fills any more, as wear took it off
             image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)

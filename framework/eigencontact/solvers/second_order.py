@@ -71,9 +71,8 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
         place = _place(means[index])
         field, into = means[index][place], out[index][place]
         for axis, weight in enumerate(weights):
-            low, high = (
-                tuple(part if n == axis else slice(None) for n in range(3)) for part in (slice(None, -1), slice(1, None))
-            )
+            before = (slice(None),) * axis
+            low, high = (*before, slice(None, -1)), (*before, slice(1, None))
             step = field[high] - field[low]
             step *= weight[place][tuple(slice(size) for size in step.shape)]
             into[low] -= step

@@ -161,7 +161,7 @@ class J2(BodyConstants):
         flowed = self._flowed(drive, before)
         stress = flowed.deviator(drive)
         stress[:3] += flowed.sound * bulk * volume
-        return Response(stress=stress, tangent=self._tangent(drive, flowed, volume), variables=flowed.after)
+        return Response(stress=stress, tangent=self._tangent(flowed, volume), variables=flowed.after)
 
     def cell_answer(
         self,
@@ -257,7 +257,7 @@ class J2(BodyConstants):
             work += 0.5 * density * (1.0 - state["damage"] if effective else 1.0)
         return work
 
-    def _tangent(self, drive: Drive, flowed: _Flowed, volume: FloatArray) -> FloatArray:
+    def _tangent(self, flowed: _Flowed, volume: FloatArray) -> FloatArray:
         """Derivative of the stress by the strain, ``(6, 6, n)``, or ``(6, 6)`` where all is sound and none flows."""
         pressed = self._constants[1] * np.outer(_UNIT, _UNIT)
         if self.damage is None:

@@ -126,7 +126,7 @@ class RadialReturn:
     effective: bool = False
 
     def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
-        """State without a plastic increment: stiffness w [Pa], 1 - D, and the points that go beyond their yield stress."""
+        """State without a plastic increment: stiffness w [Pa], 1 - D, and which points go beyond their yield stress."""
         w, _, sound, _ = self._stiffness(drive, drive.p)
         size = w * _size(drive.tau) if not len(drive.back) else _size(w * drive.tau - drive.back.sum(axis=0))
         return w, sound, np.flatnonzero(_ROOT * size > self._yield_stress(drive.p))
@@ -197,7 +197,7 @@ class RadialReturn:
         return self.damage.damage(mean)[0], np.zeros_like(p)
 
     def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """f and its slope; without back-stresses they follow from the sizes |τ|, and tensors are not needed."""
+        """Residual f and its slope; without back-stresses they follow from the sizes |τ|, without tensors."""
         if self.kinematic:
             now = self.state(drive, dp)
             return now.residual, now.slope

@@ -299,11 +299,11 @@ class _Mixer:
         """Remember the entries that are no longer zero, behind those before."""
         if not self._known:
             self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
-        for number, (before, after, known) in enumerate(zip(guess, answers, self._known, strict=True)):
+        for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
             fresh = before != 0.0
             fresh |= after != 0.0
-            fresh &= ~known
-            known |= fresh
+            fresh &= ~self._known[number]
+            self._known[number] |= fresh
             self._moving.append((number, np.flatnonzero(fresh)))
 
 
