@@ -147,6 +147,10 @@ class VolumeKernels:
         np.multiply(spectrum.real, factor, out=out[:, 0], casting="same_kind")
         np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")
 
+    def turn(self, number: int, twin: int) -> None:
+        """Keep the spectrum of one kernel with x and y exchanged as that of another; both axes must be alike."""
+        self.values[:, number] = self.values[:, twin].transpose(2, 1, 0, 3)
+
 
 def _along_z(layout: VolumeLayout, values: FloatArray, parity: int, *, correlation: bool) -> NDArray[Any]:
     """Transform along z a table that is real in kx and ky; kz >= 0."""
