@@ -193,7 +193,7 @@ def run(
         not write is never replaced: see `eigencontact.results.ownership`.
     errors : bool
         Estimate the error of every number from coarser runs (`eigencontact.accuracy`); ``errors`` of the summary holds
-        them.
+        them. The key ``output.errors`` of a scene does the same.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -258,7 +258,7 @@ def run(
         solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
         files |= _draw(planned, results, target, stopwatch, painter)
         files["summary.json"] = "the numbers of this run, in SI units"
-    if errors:
+    if errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):

@@ -46,7 +46,8 @@ class Accuracy:
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""
         bars = {name: bar.to_dict() for name, bar in self.bars.items()}
-        return {"errors": bars, "errors_left_out": self.left_out, "error_runs": self.runs, "error_seconds": self.seconds}
+        price = {"error_runs": self.runs, "error_seconds": self.seconds}
+        return {"errors": bars, "errors_left_out": self.left_out, **price}
 
 
 def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy:

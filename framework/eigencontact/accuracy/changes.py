@@ -13,16 +13,21 @@ __all__ = ["Changes", "changed", "refined_grid", "refined_steps", "refined_windo
 #: Tables of a scene by name, with the values that change (None removes one); a list replaces that of the scene.
 Changes = Mapping[str, Any]
 
+#: Keys of the output that cost time beside the results.
+_FILES = ("pictures", "vtk", "animation", "errors")
+
 
 def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
     """Tables of a scene with changes, without pictures and other files.
 
     Examples
     --------
-    >>> changed({"numerics": {"tolerance": 1e-6, "threads": 2}}, {"numerics": {"tolerance": 1e-4, "threads": None}})
-    {'numerics': {'tolerance': 0.0001}, 'output': {'pictures': False, 'vtk': False, 'animation': False}}
+    >>> tables = {"numerics": {"tolerance": 1e-6, "threads": 2}}
+    >>> out = changed(tables, {"numerics": {"tolerance": 1e-4, "threads": None}})
+    >>> out["numerics"], out["output"]["pictures"]
+    ({'tolerance': 0.0001}, False)
     """
-    out = {**tables, "output": {**tables.get("output", {}), "pictures": False, "vtk": False, "animation": False}}
+    out = {**tables, "output": {**tables.get("output", {}), **dict.fromkeys(_FILES, False)}}
     for name, change in changes.items():
         # a grid is replaced as a whole: two of its keys exclude the others
         if name == "grid" or not isinstance(change, Mapping):

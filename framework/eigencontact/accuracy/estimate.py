@@ -45,7 +45,7 @@ def estimate(value: float, others: Sequence[tuple[float, float]], lowest: float,
 
     Notes
     -----
-    Let ``v(h) = v(0) + c h^p``. Then ``v(1) - v(0) = (v(h) - v(1)) / (h^p - 1)``, and two step sizes give the order from
+    Let ``v(h) = v(0) + c h^p``. Then ``v(1) - v(0) = (v(h) - v(1)) / (h^p - 1)``. Two step sizes give the order:
     ``(v(h2) - v(1)) / (v(h1) - v(1)) = (h2^p - 1) / (h1^p - 1)``, which rises with `p`.
 
     References
@@ -79,7 +79,7 @@ def _observed(near: float, near_difference: float, far: float, far_difference: f
     quotient = far_difference / near_difference
 
     def excess(order: float) -> float:
-        return (far**order - 1.0) / (near**order - 1.0) - quotient
+        return float((far**order - 1.0) / (near**order - 1.0) - quotient)
 
     low, high = 1e-3, _HIGHEST_ORDER
     if excess(low) > 0.0 or excess(high) < 0.0:

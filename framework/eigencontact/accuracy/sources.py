@@ -59,7 +59,7 @@ def error_sources(plan: Plan) -> list[ErrorSource]:
 
 
 def _cells(plan: Plan) -> list[Variation]:
-    """Cells 2 and 3 times larger, of few cells 1.5 and 2 times; a warning that they are coarse says nothing of the run."""
+    """Cells 2 and 3 times larger; 1.5 and 2 times where the contact has few. Coarse cells are accepted here."""
     spec = plan.scene.grid
     few = spec.automatic and bool(plan.scene.geometry) and spec.cells_per_contact_radius < _MANY
     numerics = {"allow-coarse": True}
@@ -96,7 +96,7 @@ def _of_setting(key: str, value: Callable[[Plan], Any], ratio: float) -> Callabl
 
 
 def _has(key: str) -> Callable[[Plan], bool]:
-    return lambda plan: _SETTINGS[key].has(plan)
+    return _SETTINGS[key].has
 
 
 def _own_pitch(plan: Plan) -> bool:
@@ -129,21 +129,45 @@ def _layer_error(plan: Plan) -> float:
     return min(1.0, 2.0 * plan.scene.wear.layer_error)
 
 
+def _plastic_error(plan: Plan) -> float:
+    return min(1.0, 2.0 * (plan.numerics.plastic_error or 0.0))
+
+
+def _expands_clouds(plan: Plan) -> bool:
+    return plan.numerics.cloud_tolerance > 0.0 and _SETTINGS["cloud-tolerance"].has(plan)
+
+
 SOURCES: tuple[ErrorSource, ...] = (
     ErrorSource(name="cells", applies=lambda _: True, variations=_cells, on_coarse=False),
     ErrorSource(name="load steps", applies=_has_path, variations=_increments, highest=1.0),
-    ErrorSource(name="cells along z", applies=_own_pitch, variations=_of_setting(
-        "inclusion-pitch", lambda plan: 1.5 * (plan.numerics.inclusion_pitch or 0.0), 1.5)),
-    ErrorSource(name="cells of regions", applies=_has("inclusion-cells"), variations=_of_setting(
-        "inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0)),
+    ErrorSource(
+        name="cells along z",
+        applies=_own_pitch,
+        variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * (plan.numerics.inclusion_pitch or 0.0), 1.5),
+    ),
+    ErrorSource(
+        name="cells of regions",
+        applies=_has("inclusion-cells"),
+        variations=_of_setting("inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0),
+    ),
     ErrorSource(name="degree", applies=lambda plan: _degree(plan) > 0, variations=_lower_degree),
-    ErrorSource(name="plastic-error", applies=lambda plan: plan.numerics.plastic_error is not None,
-        variations=_of_setting("plastic-error", lambda plan: min(1.0, 2.0 * (plan.numerics.plastic_error or 0.0)), 2.0)),
+    ErrorSource(
+        name="plastic-error",
+        applies=lambda plan: plan.numerics.plastic_error is not None,
+        variations=_of_setting("plastic-error", _plastic_error, 2.0),
+    ),
     ErrorSource(name="jumps over cycles", applies=_has("jump-error"), variations=_jumps),
-    ErrorSource(name="layer-error", applies=_has("layer-error"), variations=_of_setting("layer-error", _layer_error, 2.0)),
-    ErrorSource(name="cloud-tolerance", applies=lambda plan: plan.numerics.cloud_tolerance > 0.0 and _SETTINGS[
-        "cloud-tolerance"].has(plan), variations=_of_setting(
-        "cloud-tolerance", lambda plan: min(0.01, 10.0 * plan.numerics.cloud_tolerance), 10.0)),
-    ErrorSource(name="tolerance", applies=_has("tolerance"), variations=_of_setting(
-        "tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0)),
-)  # fmt: skip
+    ErrorSource(
+        name="layer-error", applies=_has("layer-error"), variations=_of_setting("layer-error", _layer_error, 2.0)
+    ),
+    ErrorSource(
+        name="cloud-tolerance",
+        applies=_expands_clouds,
+        variations=_of_setting("cloud-tolerance", lambda plan: min(0.01, 10.0 * plan.numerics.cloud_tolerance), 10.0),
+    ),
+    ErrorSource(
+        name="tolerance",
+        applies=_has("tolerance"),
+        variations=_of_setting("tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0),
+    ),
+)

@@ -11,6 +11,9 @@ from eigencontact.core.units import readable
 
 __all__ = ["ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
 
+#: Errors below this part of a number are round-off.
+_ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Number:
@@ -70,6 +73,11 @@ class Number:
             return f"{value:.4g}"
         return readable(value, self.unit.replace("m2", "m^2").replace("m3", "m^3"))
 
+    def own_error(self, name: str) -> Number:
+        """Declaration of the estimated error of this number."""
+        meaning = f"error of the {self.meaning}"
+        return Number(name=name, unit=self.unit, meaning=meaning, role="error", estimates=self.name)
+
     def of_run(self, values: Iterable[float | None]) -> float | None:
         """Value for a run from the values of its steps; None where no step has one."""
         listed = list(values)
@@ -119,6 +127,11 @@ class ErrorBar:
     source: str
     order: float | None = None
     parts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def counts(self) -> bool:
+        """Whether the error is more than round-off: that of a load that the scene prescribes is not."""
+        return self.error > _ROUND_OFF * abs(self.value)
 
     @property
     def relative(self) -> float | None:

@@ -68,7 +68,7 @@ def summary_of(
 
 
 def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Label and value of the headline numbers of a summary, with unit and error; numbers that were always zero are left out.
+    """Label and value of the headline numbers of a summary, with unit and error; one that was always zero is left out.
 
     Examples
     --------
@@ -85,8 +85,8 @@ def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     bars = {name: ErrorBar.of_dict(table) for name, table in summary.get("errors", {}).items()}
     lines = []
     for number in headline_numbers(declared.values(), values):
-        text = number.text(values[number.name])
-        lines.append((number.words, f"{text} {bars[number.name].words(number)}" if number.name in bars else text))
+        text, bar = number.text(values[number.name]), bars.get(number.name)
+        lines.append((number.words, f"{text} {bar.words(number)}" if bar is not None and bar.counts else text))
     return lines
 
 
