@@ -16,6 +16,8 @@ __all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
 
 #: Cells per contact radius from which on a third of them still shows the contact.
 _MANY = 18.0
+#: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
+_ADAPTIVE = 0.5
 _SETTINGS = {setting.key: setting for setting in FIDELITIES}
 
 
@@ -155,10 +157,14 @@ SOURCES: tuple[ErrorSource, ...] = (
         name="plastic-error",
         applies=lambda plan: plan.numerics.plastic_error is not None,
         variations=_of_setting("plastic-error", _plastic_error, 2.0),
+        lowest=_ADAPTIVE,
     ),
-    ErrorSource(name="jumps over cycles", applies=_has("jump-error"), variations=_jumps),
+    ErrorSource(name="jumps over cycles", applies=_has("jump-error"), variations=_jumps, lowest=_ADAPTIVE),
     ErrorSource(
-        name="layer-error", applies=_has("layer-error"), variations=_of_setting("layer-error", _layer_error, 2.0)
+        name="layer-error",
+        applies=_has("layer-error"),
+        variations=_of_setting("layer-error", _layer_error, 2.0),
+        lowest=_ADAPTIVE,
     ),
     ErrorSource(
         name="cloud-tolerance",

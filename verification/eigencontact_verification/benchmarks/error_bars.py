@@ -25,7 +25,7 @@ KINDS: dict[str, dict[str, float]] = {
     "elastic": {"hertz": 20, "hertz-ellipse": 14, "dissimilar-spheres": 16, "tilted-punch": 16},
     "friction": {"cattaneo-mindlin": 14, "fretting-mode-1": 12, "rotating-shear": 12, "gross-slip": 12},
     "layers": {"coated-sphere": 14, "soft-coating": 14, "coated-fretting": 10},
-    "inclusions": {"inclusion-under-contact": 8, "void-under-contact": 16, "ellipsoid-under-contact": 6},
+    "inclusions": {"inclusion-under-contact": 6, "void-under-contact": 12, "sphere-near-surface": 0},
     "yield": {"plastic-hertz": 8, "plastic-indentation": 7, "plastic-inclusion": 7},
     "damage": {"concrete-bars-damage": 0},
     "wear": {"wear-gross-sliding": 10, "fretting-wear-gross-slip": 10},
@@ -122,7 +122,7 @@ def _finer(plan: Any) -> dict[str, Any]:
     wear = plan.scene.wear
     if wear is not None:
         jumps = {} if wear.error is None else {"jump-error": 0.25 * wear.error}
-        changes["wear"] = {"layer-error": 0.25 * wear.layer_error, **jumps}
+        changes["wear"] = jumps
     return changed(tables, changes)
 
 
