@@ -94,8 +94,8 @@ def test_a_source_left_out_is_seen(monkeypatch):
 def test_half_an_estimate_is_seen(monkeypatch):
     halved = bars.estimate
 
-    def fault(*given):
-        found = halved(*given)
+    def fault(*given, **options):
+        found = halved(*given, **options)
         return found._replace(error=0.5 * found.error)
 
     monkeypatch.setattr(bars, "estimate", fault)

@@ -33,6 +33,11 @@ def test_a_number_that_scatters_has_no_order_and_twice_its_largest_difference(ot
     assert found.error == close(2 * max(abs(value - 1.0) / (size - 1.0) for size, value in others))
 
 
+def test_an_area_of_cells_is_not_extrapolated():
+    others = [(size, 1 + 0.1 * size**2) for size in (2.0, 3.0)]
+    assert estimate(1.1, others, 1.0, 2.0, scatters=True) == (close(2 * 0.4), None)
+
+
 def test_a_number_that_converges_with_the_square_root_of_the_cells_has_its_own_band():
     others = [(size, 1 + 0.1 * size**0.5) for size in (2.0, 3.0)]
     assert 0.1 <= estimate(1.1, others, 0.5, 0.5).error <= 0.126

@@ -133,7 +133,8 @@ def _estimates(
         pairs = [(ratio, coarse[name]) for ratio, coarse in values if name in coarse]
         order = slow.get(name)
         if pairs and order != 0.0:
-            yield name, estimate(value, pairs, order or source.lowest, order or source.highest)
+            scatters = bool(summary["numbers"][name].get("scatters"))
+            yield name, estimate(value, pairs, order or source.lowest, order or source.highest, scatters=scatters)
 
 
 def _slow(summary: Mapping[str, Any]) -> dict[str, float]:

@@ -25,7 +25,9 @@ class Estimate(NamedTuple):
     order: float | None
 
 
-def estimate(value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float) -> Estimate:
+def estimate(
+    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool = False
+) -> Estimate:
     """Estimate the error of a value with step size 1.
 
     Parameters
@@ -36,6 +38,8 @@ def estimate(value: float, others: Sequence[tuple[float, float]], lowest: float,
         Step size in units of that of `value`, and the value there; one or two, the nearest first.
     lowest, highest : float
         Orders between which the error is known to fall.
+    scatters : bool
+        Whether no order can be read off two differences, as of an area of cells.
 
     Returns
     -------
@@ -63,7 +67,7 @@ def estimate(value: float, others: Sequence[tuple[float, float]], lowest: float,
     if len(others) < 2:
         return Estimate(worst, None)
     (near, near_value), (far, far_value) = others
-    order = _observed(near, near_value - value, far, far_value - value)
+    order = None if scatters else _observed(near, near_value - value, far, far_value - value)
     if order is None or order < lowest - _SLACK:
         return Estimate(_SCATTER * worst, None)
     if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large

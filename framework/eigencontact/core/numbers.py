@@ -43,6 +43,8 @@ class Number:
         Name of a number that is not shown where this one is not zero.
     estimates : str
         Of an error: name of the number that it belongs to.
+    scatters : bool
+        Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
 
     Examples
     --------
@@ -61,6 +63,7 @@ class Number:
     label: str = ""
     replaces: str = ""
     estimates: str = ""
+    scatters: bool = False
 
     @property
     def words(self) -> str:
