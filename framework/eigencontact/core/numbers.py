@@ -105,7 +105,8 @@ class Number:
             name=name, unit=str(attributes["units"]), meaning=str(attributes["long_name"]),
             role=attributes.get("purpose", "result"), over=attributes.get("over", "last"),
             headline=bool(attributes.get("headline", 0)),
-            **{key: str(attributes.get(key, "")) for key in ("label", "replaces", "estimates")},
+            label=str(attributes.get("label", "")), replaces=str(attributes.get("replaces", "")),
+            estimates=str(attributes.get("estimates", "")),
         )  # fmt: skip
 
 
