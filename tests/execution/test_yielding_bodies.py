@@ -111,7 +111,7 @@ PITCH = {"inclusion_pitch": "2 um"}  # else the height of the cells follows the 
 GROWING = {
     "steps": [{"normal_load": "0.3 N"}, {"normal_load": "0.75 N"}, UNLOAD],
     "numerics": PITCH | {"law_room": 0.0},
-    "cells": 10,
+    "cells": 8,
 }
 LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, "15 um"], "count": 9}
 
