@@ -128,7 +128,8 @@ def grown(tmp_path_factory):
 def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
     """State moves to the larger box; the same run with much room at first."""
     _, found, _ = grown
-    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], **GROWING | {"numerics": PITCH | {"law_room": 1.0}})).dataset
+    wide = GROWING | {"numerics": PITCH | {"law_room": 1.0}}
+    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], **wide)).dataset
     data = found.dataset
     for name in ("approach", "max_sink"):
         np.testing.assert_allclose(data[name], roomy[name], rtol=1e-5)
