@@ -188,7 +188,7 @@ def test_volume_rules_hold_the_volume_and_its_centre(rule, volume):
     np.testing.assert_allclose(weights @ positions / volume, (0, 0, 2), atol=1e-13)
 
 
-@pytest.mark.parametrize("space", ["half", "full"])
+@pytest.mark.parametrize("space", ["half", pytest.param("full", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("shape", ["ellipsoid", "torus"])
 def test_boundary_against_volume(shape, space):
     center, points = (0.2, -0.1, 2.0), [(2.5, 1.0, 3.0), (0.3, 0.4, 0.0)]

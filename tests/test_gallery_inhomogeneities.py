@@ -17,7 +17,7 @@ A, P0, _ = hertz.hertz_sphere(0.65, 105 * UM, 210e9 / 0.91)
 COARSER = {
     "ellipsoid-under-contact": (["grid.cells=30", "grid.spacing=['2.4 um', '2.4 um']"], {}),
     "inclusion-cluster": (
-        ["grid.cells=32", "grid.spacing=['0.44 um', '0.44 um']", "numerics.inclusion-pitch='0.44 um'"], {}
+        ["grid.cells=24", "grid.spacing=['0.58 um', '0.58 um']", "numerics.inclusion-pitch='0.58 um'"], {}
     ),
     "inclusion-under-contact": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [1.0, 3.0267]}),
     "prestressed-concrete": (

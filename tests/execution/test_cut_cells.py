@@ -42,19 +42,20 @@ def scene(per_radius, inclusions, law=None, steps=({"normal_load": LOAD},), **mo
 
 
 @pytest.mark.parametrize(
-    ("ball", "bound"),
+    ("ball", "per_radius", "bound"),
     [
-        ({"material": HARD, "eigenstrain": [2e-3] * 3}, 3e-3),
-        ({"material": {"type": "void"}}, 0.01),
-        ({"material": {**NEVER, **HARD}}, 3e-3),
+        ({"material": HARD, "eigenstrain": [2e-3] * 3}, 8, 3e-3),
+        ({"material": {"type": "void"}}, 8, 0.02),
+        ({"material": {**NEVER, **HARD}}, 8, 3e-3),
+        pytest.param({"material": {"type": "void"}}, 10, 0.01, marks=pytest.mark.slow),
     ],
-    ids=["stiff, with a prestrain", "void", "of a law, in no law"],
+    ids=["stiff, with a prestrain", "void", "of a law, in no law", "void, fine"],
 )
-def test_what_never_yields_is_elastic(ball, bound):
+def test_what_never_yields_is_elastic(ball, per_radius, bound):
     """The law around, or in the ball, is asked in cut cells: without them what stays differs by 5 to 13 %."""
     laws = ball["material"].get("type") == "j2"
-    elastic = ec.run(scene(10, [{**BALL, **ball, **({"material": HARD} if laws else {})}])).dataset
-    found = ec.run(scene(10, [BALL | ball] if laws else [AROUND, BALL | ball])).dataset
+    elastic = ec.run(scene(per_radius, [{**BALL, **ball, **({"material": HARD} if laws else {})}])).dataset
+    found = ec.run(scene(per_radius, [BALL | ball] if laws else [AROUND, BALL | ball])).dataset
     size = float(abs(elastic["residual_displacement_z"]).max())
     difference = float(abs(found["residual_displacement_z"] - elastic["residual_displacement_z"]).max())
     assert difference < bound * size
@@ -78,21 +79,25 @@ def test_a_soft_ball_yields_with_its_own_volume():
     assert 0.5 < float(data["plastic_work"][0]) / (density.sum() * cell) < 1.0
 
 
-STEPS = [{"normal_load": "5 N"}, {"normal_load": LOAD, "increments": 8}, {"normal_load": 0.0}]
-
-
 @pytest.mark.parametrize(
-    ("per_radius", "depth"), [(8, 94.4), pytest.param(12, 100.4, marks=pytest.mark.slow)], ids=["8", "12"]
+    ("per_radius", "increments", "depth", "approach_error"),
+    [
+        (6, 4, 89.9, 2e-3),
+        pytest.param(8, 8, 94.4, 1e-3, marks=pytest.mark.slow),
+        pytest.param(12, 8, 100.4, 1e-3, marks=pytest.mark.slow),
+    ],
+    ids=["6", "8", "12"],
 )
-def test_a_stiff_ball_in_what_yields(per_radius, depth):
-    """EP-12, print of 109.4 nm: from below, as 1/n. With whole cells alone it is 88.9 and 96.5 nm."""
-    data = ec.run(scene(per_radius, [{**BALL, "material": HARD}], perfect(), STEPS)).dataset
+def test_a_stiff_ball_in_what_yields(per_radius, increments, depth, approach_error):
+    """EP-12, print of 109.4 nm: from below, as 1/n. With whole cells alone it is 88.9 and 96.5 nm on 8 and 12 cells."""
+    steps = [{"normal_load": "5 N"}, {"normal_load": LOAD, "increments": increments}, {"normal_load": 0.0}]
+    data = ec.run(scene(per_radius, [{**BALL, "material": HARD}], perfect(), steps)).dataset
     assert float(data["print_depth"][-1]) == close(depth * 1e-9, rel=3e-3)
-    assert float(data["approach"].max()) == close(1997.1e-9, rel=1e-3)
+    assert float(data["approach"].max()) == close(1997.1e-9, rel=approach_error)
     assert float(data["law_residual"].max()) < 1e-4
 
 
-@pytest.mark.parametrize("seed", [0, 7])
+@pytest.mark.parametrize("seed", [0, pytest.param(7, marks=pytest.mark.slow)])
 def test_cells_beside_what_breaks_have_an_answer(seed):
     """Damage without a length: where a layer resists alone, cells cut by a stiff ball find no strains of parts."""
     draw = np.random.default_rng(seed)
@@ -120,8 +125,8 @@ PRESS, FREE, AGAIN = {"normal_load": LOAD}, {"normal_load": 0.0}, {"normal_load"
 def earlier(tmp_path_factory):
     """Ball and body yield; loaded and unloaded, and loaded again in one run."""
     folder = tmp_path_factory.mktemp("earlier")
-    whole = ec.run(scene(5, *BOTH, [PRESS, FREE, AGAIN])).dataset
-    ec.run(scene(5, *BOTH, [PRESS, FREE]), folder).dataset.close()
+    whole = ec.run(scene(4, *BOTH, [PRESS, FREE, AGAIN])).dataset
+    ec.run(scene(4, *BOTH, [PRESS, FREE]), folder).dataset.close()
     return folder, whole
 
 
@@ -132,7 +137,7 @@ def test_two_laws_in_a_cell_have_a_memory_each(earlier):
     away = np.sqrt(x**2 + y**2 + (z - 15e-6) ** 2)
     cut = beside[1] > 0.0
     assert cut.any()
-    assert np.all(abs(away[cut] - 6.6e-6) < 3.5e-6)  # half of the diagonal of a cell
+    assert np.all(abs(away[cut] - 6.6e-6) < 4.4e-6)  # half of the diagonal of a cell
     assert np.any((own[1] > 0.0) & cut)
     np.testing.assert_array_equal(beside[2], beside[1])  # the second loading is elastic
 
@@ -141,13 +146,13 @@ def test_both_memories_are_where_the_next_run_begins(earlier, tmp_path):
     folder, whole = earlier
     inclusions, law = BOTH
     body = {**STEEL, "law": law, "initial": {"results": str(folder)}}
-    found = ec.run(scene(5, inclusions, steps=[AGAIN], body1=body)).dataset
+    found = ec.run(scene(4, inclusions, steps=[AGAIN], body1=body)).dataset
     names = ("pressure", "residual_displacement_z", "plastic_strain_beside_1", "equivalent_eigenstrain_1")
     for name in names:
         size = float(abs(whole[name][2]).max())
         np.testing.assert_allclose(found[name][0], whole[name][2], rtol=0, atol=1e-12 * size, err_msg=name)
     with pytest.raises(Stop):
-        ec.run(scene(5, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, watcher=Stopper(2))
-    continued = ec.run(scene(5, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, resume=True).dataset
+        ec.run(scene(4, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, watcher=Stopper(2))
+    continued = ec.run(scene(4, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, resume=True).dataset
     for name in names:
         np.testing.assert_array_equal(continued[name][2], whole[name][2], err_msg=name)

@@ -205,7 +205,9 @@ LOADED = {
 }
 
 
-@pytest.mark.parametrize("case", [pytest.param("normal", marks=pytest.mark.slow), *list(LOADED)[1:]])
+@pytest.mark.parametrize(
+    "case", [*(pytest.param(case, marks=pytest.mark.slow) for case in ("normal", "friction")), *list(LOADED)[2:]]
+)
 def test_a_law_that_happens_to_be_linear_gives_what_the_linear_law_gives(laws, case):
     """Hooke's law with ν = 0, asked point by point, and by its factors; whole cells, as the block fills them."""
     laws()

@@ -45,7 +45,7 @@ def watched(monkeypatch, scene, spy):
     return list(spy.seen), result
 
 
-@pytest.mark.parametrize("quantity", ["von_mises", "hydrostatic"])
+@pytest.mark.parametrize("quantity", ["von_mises", pytest.param("hydrostatic", marks=pytest.mark.slow)])
 def test_a_stress_probe_reads_what_a_region_stores_and_stores_no_region(quantity):
     probe = {"type": "stress-probe", "points": POINTS, "quantity": quantity}
     region = {"name": "same", "shape": "points", "points": POINTS, "quantities": [quantity]}

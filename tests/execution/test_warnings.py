@@ -87,7 +87,8 @@ LOAD_BY_APPROACH = 12.307 * 2e-6
     ("increments", "spacing", "work", "told"),
     [
         (16, "radius", 8e-9, 0.04 * LOAD_BY_APPROACH / 16**2.5 / 8e-9), (16, "even", 8e-9, 6 / 16),
-        (32, "radius", 8e-10, 0.04 * LOAD_BY_APPROACH / 32**2.5 / 8e-10), (32, "radius", 8e-9, None),
+        pytest.param(32, "radius", 8e-10, 0.04 * LOAD_BY_APPROACH / 32**2.5 / 8e-10, marks=pytest.mark.slow),
+        (32, "radius", 8e-9, None),
     ],
 )  # fmt: skip
 def test_few_increments_of_a_contact_that_yields_with_friction_are_told_by_number(increments, spacing, work, told):

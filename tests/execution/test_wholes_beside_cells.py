@@ -47,8 +47,8 @@ def test_a_law_that_never_yields_changes_nothing():
     """Its cells carry no eigenstrain, not even those that the ball cuts."""
     patch = {"type": "cuboid", "center": [0.0, 0.0, 0.6 * A], "edges": [1.2 * A, 1.2 * A, 1.0 * A]}
     law = {"type": "j2", **stiff(1.0), "hardening": {"type": "perfect", "yield-stress": 1e3 * P0}}
-    alone = ec.run(scene(ball()))
-    around = ec.run(scene({**patch, "material": law}, ball()))
+    alone = ec.run(scene(ball(), cells=17))
+    around = ec.run(scene({**patch, "material": law}, ball(), cells=17))
     assert "equivalent_eigenstrain_1" in around.dataset
     assert "whole_eigenstrain_1" in around.dataset
     np.testing.assert_allclose(around.dataset["pressure"], alone.dataset["pressure"], rtol=0, atol=1e-5 * P0)
@@ -93,12 +93,11 @@ def test_shapes_without_moments_stay_in_cells():
 def test_a_run_continues_from_what_is_stored(tmp_path):
     """Both eigenstrains are stored; a region afterwards sees them as the run did."""
     steps = [{"normal-load": 0.8 * LOAD}]
-    written = scene(ball(), body=yields(0.45 * P0), steps=steps, cells=19)
-    ec.run({**written, "output": {"pictures": False}}, tmp_path)
+    written = scene(ball(), body=yields(0.45 * P0), steps=steps, cells=13)
+    stored = ec.run({**written, "output": {"pictures": False}}, tmp_path).dataset
     found = ec.region(tmp_path, {**POINTS, "name": "later"})
     name = "von_mises"
-    stored = ec.run(written).dataset[f"points_body1_{name}"][-1]
-    np.testing.assert_array_equal(found[f"later_{name}"][-1], stored)
+    np.testing.assert_array_equal(found[f"later_{name}"][-1], stored[f"points_body1_{name}"][-1])
 
 
 def test_without_a_contact_all_or_none_are_wholes():

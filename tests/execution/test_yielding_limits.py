@@ -118,7 +118,9 @@ def alternation(values, axis):
     return -float((bent[1:] * bent[:-1]).sum() / (values**2).sum())
 
 
-@pytest.mark.parametrize(("pitch", "axes"), [("0.5 um", (0, 1, 2)), ("4 um", (1, 2))])
+@pytest.mark.parametrize(
+    ("pitch", "axes"), [pytest.param("0.5 um", (0, 1, 2), marks=pytest.mark.slow), ("4 um", (1, 2))]
+)
 def test_no_checkerboard_in_flat_and_in_tall_cells(pitch, axes):
     """EP-6: cells of 1.8 um across, as the contact's; four times finer along z, or twice as tall (too few to judge)."""
     found = run(perfect("2 GPa"), pitch=pitch, cells=12)

@@ -112,7 +112,7 @@ output = { pictures = false }
 [reference]
 words = "a fine grid"
 set = { "grid.cells" = "= 4 * fine" }
-refine = { fine = [6, 9, 13] }
+refine = { fine = [6, 8, 10] }
 
 [[quantity]]
 name = "largest pressure"

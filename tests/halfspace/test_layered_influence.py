@@ -92,7 +92,7 @@ def test_direct_fourier_integral(stack, traction, quantity, z):
 
 
 @pytest.mark.parametrize("thickness", [1e-4, 1e4])
-@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+@pytest.mark.parametrize("traction", ["p", "q_x", pytest.param("q_y", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("quantity", ["displacement", "stress"])
 def test_identical_layers_are_the_half_space(quantity, traction, thickness):
     body = medium([(thickness, 1.5, 0.3), (thickness, 1.5, 0.3)], (1.5, 0.3))

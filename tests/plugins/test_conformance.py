@@ -22,13 +22,13 @@ SHAPES = [
     shape("cuboid", center=(0.1, 0.2, 1.5), edges=(1.0, 2.0, 3.0), rotation=("30 deg", 0.0, 0.0)),  # flush, turned
     shape("sphere", center=(0.1, 0.2, 1.3), radius=1.3),  # tangent to the surface
     shape("ellipsoid", center=(0.0, 1e-6, 5e-6), semi_axes=(1e-6, 2e-6, 3e-6), rotation=(0.3, 0.5, 0.7)),
-    shape("ellipsoid", center=(0.0, 0.0, 0.02), semi_axes=(1.0, 0.5, 0.02)),  # a disc that touches the surface
     shape("cylinder", center=(0.0, 0.0, 1.0), radius=1.0, length=4.0, axis="x"),
     shape("polyhedron", file=str(Path(__file__).with_name("wedge.off")), scale="1 um", rotation=(0.3, 0.0, 0.0)),
     shape("layer", size=(2.0, 1.0), thickness=0.1, top=0.2),
     shape("voxels", file=GRAIN.name, value=2, spacing=(0.4, 0.5, 0.3), origin=(0.1, 0.2, 0.3)),
 ]
 MORE_SHAPES = [
+    shape("ellipsoid", center=(0.0, 0.0, 0.02), semi_axes=(1.0, 0.5, 0.02)),  # a disc that touches the surface
     shape("cuboid", center=(0.1, 0.2, 3.0), edges=(1.0, 2.0, 3.0)),
     shape("cuboid", center=(0.1, 0.2, 1.5), edges=(1.0, 2.0, 3.0)),  # flush with the surface
     shape("cuboid", center=(1e-4, 0.0, 2e-6), edges=(1e-3, 2e-6, 3e-6)),

@@ -262,7 +262,7 @@ DIRECTIONS = [(1, 0, 0), (0, 0, 1), (0.6, 0, 0.8), (2 / 3, 2 / 3, 1 / 3)]
 
 
 @pytest.mark.parametrize("edges", FAR)
-@pytest.mark.parametrize("factor", [0.0, 1e3, *(pytest.param(f, marks=pytest.mark.slow) for f in (10.0, 1e5))])
+@pytest.mark.parametrize("factor", [1e3, *(pytest.param(f, marks=pytest.mark.slow) for f in (0.0, 10.0, 1e5))])
 def test_far_away(edges, factor):
     """Gauss points of the shape, and the shape itself, against 60 digits, out to 1e5 edges."""
     shape = Cuboid(center=(0.0, 0.0, edges[2]), edges=edges)

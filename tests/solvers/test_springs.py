@@ -20,7 +20,7 @@ from eigencontact_verification.oracles import dense
 from solvers.contacts import halfspace, paraboloid, square_grid
 
 EDGE = {"allow_contact_at_edge": True}
-RANDOM = settings(deadline=None, derandomize=True, max_examples=40, phases=[Phase.generate])
+RANDOM = settings(deadline=None, derandomize=True, max_examples=20, phases=[Phase.generate])
 compliance = cache(dense.compliance_matrix)
 LOAD, APPROACH = {"normal_load": 1.0}, {"approach": 0.6}
 MOMENTS = {"normal_load": 1.0, "moment_x": 0.1, "moment_y": -0.05}

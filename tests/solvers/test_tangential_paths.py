@@ -127,7 +127,7 @@ def test_work_is_stored_or_taken_by_friction_to_rounding(coupling, path):
     assert min(stored, rubbed) > 0
 
 
-@pytest.mark.parametrize("coupling", ["partial", "full"])
+@pytest.mark.parametrize("coupling", ["partial", pytest.param("full", marks=pytest.mark.slow)])
 def test_work_is_stored_or_dissipated_to_one_per_cent_of_it(coupling):
     """The step's own account of friction, pressed in ten steps, sheared and sheared back in steps of a tenth."""
     s = Sphere(24, coupling=coupling, friction=0.3)

@@ -120,7 +120,8 @@ def test_fault_disagrees(ball, plant, name, fault, seen_in):
     assert {quantity for quantity, word in found.items() if word == "disagrees"} >= seen_in
 
 
-@pytest.mark.parametrize("direction", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_shifted_mesh_disagrees(ball, monkeypatch, direction):
     """The region of the elements lies 5 % of its extent too deep or too high."""
     case, _ = ball
