@@ -132,16 +132,20 @@ class InclusionPairs:
         within = system.halves[target] if target == source else system.radii[target]
         degree = max(first.degree, second.degree)
         counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
-        if target == source and is_ball(system.shapes[source]):
-            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
+        if is_ball(system.shapes[target]):
+            # Stress from outside is r^l and r^(l+2) times a harmonic of degree l, and no l above the density's counts.
+            counts = (degree + 3, *counts[1:])
+            if target == source:
+                counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
         points, weights = system.shapes[target].density_rule(counts)
         x, y, z = points.T
         densities = system.shapes[target].densities(first.degree, x, y, z)
         moments = stress_integrals(
-            system.shapes[source], second.eigenstrain, (x, y, z), densities * weights, degree=second.degree,
+            system.shapes[source], second.span, (x, y, z), densities * weights, degree=second.degree,
             poisson_ratio=system.matrix.poisson_ratio, space=system.space, threads=system.threads,
         )  # fmt: skip
-        return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
+        work = np.einsum("nid,kid->nk", first.span, moments, optimize=True)
+        return np.asarray(first.mix @ work @ second.mix.T)
 
     def _distance(self, target: int, source: int) -> float:
         """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
