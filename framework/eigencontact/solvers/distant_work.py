@@ -6,7 +6,7 @@ Its stress is taken at a few points of each target, which is exact there up to d
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -49,12 +49,16 @@ class DistantWork:
             out[start:end] = np.tensordot(self._weights[kind], here, 2)
         return out
 
-    def pair(self, target: int, source: int) -> FloatArray:
-        """Share of one source in the work on one target, ``(n, n + 6)`` by its functions."""
-        points = self._points[target].T
+    def shares(self, source: int, targets: Sequence[int]) -> list[FloatArray]:
+        """Share of one source in the work on each of some targets, ``(n, n + 6)`` by its functions."""
+        points = np.concatenate([self._points[target] for target in targets]).T
         by_unit = np.array([self._summed([source], unit[None], points, 1) for unit in np.eye(6)])
-        work = np.einsum("nim,uim->nu", self._weights[self._system.kinds[target]], by_unit)
-        return np.asarray(work @ self._system.bases[source].mean)
+        ends = np.cumsum([len(self._points[target]) for target in targets])
+        mean = self._system.bases[source].mean
+        return [
+            np.einsum("nim,uim->nu", self._weights[self._system.kinds[target]], part) @ mean
+            for target, part in zip(targets, np.split(by_unit, ends[:-1], axis=2), strict=True)
+        ]
 
     def _summed(self, sources: list[int], strains: FloatArray, points: FloatArray, threads: int | None) -> FloatArray:
         x, y, z = (np.ascontiguousarray(values) for values in points)

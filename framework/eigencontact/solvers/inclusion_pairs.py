@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
@@ -82,11 +82,13 @@ class InclusionPairs:
                 caused = self._stress_work(number, number)[: basis.size]
                 self.own[key] = -caused
                 self.own[key][:, : basis.size] += basis.work[:, : basis.size]
-                blocks[key] = _Blocks(self.own[key] + self._counted(number, number))
+                blocks[key] = _Blocks(self.own[key])
             blocks[key].targets.append(number)
             blocks[key].sources.append(number)
         for target, source in self._near_pairs():
             self._add_pair(blocks, target, source)
+        if self._distant is not None:
+            self._take_out(blocks.values(), self._distant)
         return blocks
 
     def _near_pairs(self) -> list[tuple[int, int]]:
@@ -102,9 +104,16 @@ class InclusionPairs:
             pairs |= {(min(i, j), max(i, j)) for i, near in enumerate(images) for j in near if i != j}
         return sorted(pairs)
 
-    def _counted(self, target: int, source: int) -> FloatArray | float:
-        """What the sum over mean eigenstrains holds of a pair, ``(n, n + 6)``."""
-        return 0.0 if self._distant is None else self._distant.pair(target, source)
+    @staticmethod
+    def _take_out(blocks: Iterable[_Blocks], distant: DistantWork) -> None:
+        """Take out of near pairs what the sum over mean eigenstrains, of all pairs, holds of them."""
+        by_source: dict[int, list[_Blocks]] = {}
+        for block in blocks:
+            by_source.setdefault(block.sources[0], []).append(block)
+        for source, members in by_source.items():
+            shares = distant.shares(source, [block.targets[0] for block in members])
+            for block, share in zip(members, shares, strict=True):
+                block.matrix = block.matrix + share
 
     def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
         """Both directions of a pair: one matrix is the other's transpose."""
@@ -115,9 +124,8 @@ class InclusionPairs:
         there, back = (*key, "there"), (*key, "back")
         if there not in blocks:
             caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self._system.bases[target].size] + self._counted(target, source))
-            transposed = np.ascontiguousarray(caused[:, : self._system.bases[source].size].T)
-            blocks[back] = _Blocks(transposed + self._counted(source, target))
+            blocks[there] = _Blocks(caused[: self._system.bases[target].size])
+            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self._system.bases[source].size].T))
         blocks[there].targets.append(target)
         blocks[there].sources.append(source)
         blocks[back].targets.append(source)
