@@ -47,8 +47,6 @@ class InclusionBasis:
         Integral of τ of one function with x of another [m^3, in units of the matrix's shear modulus].
     overlap : (n, n)
         Mean over the inclusion of x : x.
-    mean : (6, n + 6)
-        Mean of x over the inclusion.
     volume : float
         Of the inclusion [m^3].
     """
@@ -60,7 +58,6 @@ class InclusionBasis:
     mix: FloatArray
     work: FloatArray
     overlap: FloatArray
-    mean: FloatArray
     volume: float
 
     @property
@@ -116,7 +113,6 @@ def basis_of(
     uniform = np.zeros((6, 6, densities_up_to(degree)))
     uniform[:, :, 0] = np.eye(6) / densities[0].mean() * root[0, 0]
     every = np.concatenate((x, uniform))
-    means = orthonormal @ weights / volume
     to_densities = np.linalg.inv(root)
     left, sizes, right = np.linalg.svd(every.reshape(len(every), -1), full_matrices=False)
     kept = sizes > _DEPENDENT * sizes[0]
@@ -128,6 +124,5 @@ def basis_of(
         mix=left[:, kept] * sizes[kept],
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),
-        mean=(every @ means).T,
         volume=volume,
     )

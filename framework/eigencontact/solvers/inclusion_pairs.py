@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,7 +12,6 @@ from scipy.spatial import cKDTree
 from eigencontact.core.array_types import FloatArray
 from eigencontact.halfspace.cloud import cloud_sources
 from eigencontact.halfspace.moments import stress_integrals
-from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.region_means import is_ball
 from eigencontact.solvers.distant_work import DistantWork
 from eigencontact.solvers.inclusion_reach import counts_between
@@ -51,8 +50,7 @@ class InclusionPairs:
         self._system = system
         self.own: dict[Hashable, FloatArray] = {}
         self._distant = None
-        shapes = [cast("HasPotentials", shape) for shape in system.shapes]
-        if len(shapes) > _MANY and all(cloud_sources(shape) is not None for shape in shapes):
+        if len(system.regions) > _MANY and all(cloud_sources(shape) is not None for shape in system.regions):
             self._distant = DistantWork(system)
         self._blocks = list(self._interactions().values())
 
@@ -66,11 +64,7 @@ class InclusionPairs:
             every = np.concatenate((own, uniform[:, sources]))
             np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
         if self._distant is not None:
-            means = [
-                basis.mean @ np.concatenate((system.of(amplitudes, number), uniform[:, number]))
-                for number, basis in enumerate(system.bases)
-            ]
-            out -= self._distant.work(np.array(means))
+            out -= self._distant.work(amplitudes, uniform)
         return out
 
     def _interactions(self) -> dict[Hashable, _Blocks]:
@@ -140,7 +134,7 @@ class InclusionPairs:
         within = system.halves[target] if target == source else system.radii[target]
         degree = max(first.degree, second.degree)
         counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
-        if is_ball(system.shapes[target]):
+        if is_ball(system.regions[target]):
             # Stress from outside is r^l and r^(l+2) times a harmonic of degree l, and no l above the density's counts.
             counts = (degree + 3, *counts[1:])
             if target == source:
