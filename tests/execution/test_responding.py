@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from eigencontact.execution.interiors.polynomial_wholes import PolynomialWholes
 
 import eigencontact as ec
 from close import close
 from eigencontact.core.tensors import to_mandel
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.surface import Surface
+from eigencontact.execution.interiors.polynomial_wholes import PolynomialWholes
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.model import build_model
 from eigencontact.scene.installed import installed_plugins
