@@ -173,6 +173,7 @@ def run(
     *,
     resume: bool = False,
     overwrite: bool = False,
+    errors: bool = False,
     watcher: Watcher | None = None,
     registry: Registry | None = None,
     painter: Painter | None = None,
@@ -190,6 +191,9 @@ def run(
     overwrite : bool
         Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
         not write is never replaced: see `eigencontact.results.ownership`.
+    errors : bool
+        Estimate the error of every number from coarser runs (`eigencontact.accuracy`); ``errors`` of the summary holds
+        them. The key ``output.errors`` of a scene does the same.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -254,6 +258,11 @@ def run(
         solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
         files |= _draw(planned, results, target, stopwatch, painter)
         files["summary.json"] = "the numbers of this run, in SI units"
+    if errors or planned.scene.output.errors:
+        from eigencontact.results.summary import summary_of
+
+        with stopwatch.on("error bars"):
+            noted |= _errors(planned, summary_of(store.info, solved.last, noted["history"], noted), registry)
     summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
     if target is not None:
         from eigencontact.results.summary import write_summary
@@ -321,6 +330,18 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     history = store.history(last)
     cautions = noticed(planned.model, planned.blocks, last, history)
     return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
+
+
+def _errors(planned: Plan, summary: Mapping[str, Any], registry: Registry | None) -> dict[str, Any]:
+    """Error bars of all numbers, from coarser runs in memory."""
+    from eigencontact.accuracy.bars import error_bars
+    from eigencontact.scene.schema import Scene
+
+    def solve(tables: Mapping[str, Any]) -> tuple[Plan, dict[str, Any]]:
+        coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+        return coarse, run(coarse).summary
+
+    return error_bars(planned, summary, solve).to_dict()
 
 
 def _summary(

@@ -121,6 +121,9 @@ def run(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
+    errors: Annotated[
+        bool, typer.Option("--errors", help="Estimate the error of every number from coarser runs.")
+    ] = False,
     quiet: QuietOption = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print a line for each load step: iterations, residuals, times.")
@@ -143,8 +146,9 @@ def run(
             folder = here / (planned.name if output is None else output)
             with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
                 result = calls.run(
-                    planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter
-                )
+                    planned, folder, resume=resume, overwrite=overwrite, errors=errors, watcher=watcher,
+                    painter=painter,
+                )  # fmt: skip
     for problem in result.problems:
         typer.echo(f"eigencontact: {problem}", err=True)
     if as_json:
@@ -173,6 +177,8 @@ def _report(name: str, result: Any) -> None:
     print_table(numbers, console)
     if course := course_table(summary["history"]):
         console.print(f"\n{course}", markup=False, soft_wrap=True)
+    for source, reason in summary.get("errors_left_out", {}).items():
+        console.print(f"the errors leave out {source}: {reason}", markup=False, soft_wrap=True)
     for caution in summary["warnings"]:
         console.print(f"warning ({caution['code']}): {caution['words']}", markup=False, soft_wrap=True)
     folder = result.folder.resolve()

@@ -78,6 +78,7 @@ def loaded(modules, beginning):
 @pytest.mark.parametrize("name", SCENES)
 def test_a_run_loads_what_its_scene_needs(modules, name):
     _, needed, unneeded, packages = SCENES[name]
+    assert not loaded(modules[name], "accuracy")
     assert [part for part in needed if not loaded(modules[name], part)] == []
     assert [module for part in unneeded for module in loaded(modules[name], part)] == []
     assert not set(packages) & set(modules[name])

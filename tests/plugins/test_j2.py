@@ -61,7 +61,8 @@ def pulled(found, strains):
             response = found.update(strain, before, step(1))
             if np.abs(response.stress[1:3]).max() < 1e-3:
                 break
-            strain[1:3] -= np.linalg.solve(response.tangent[1:3, 1:3, 0], response.stress[1:3])
+            tangent = response.tangent.reshape(6, 6, -1)[1:3, 1:3, 0]
+            strain[1:3] -= np.linalg.solve(tangent, response.stress[1:3])
         before = response.variables
         out.append(float(response.stress[0, 0]))
     return np.array(out), before
@@ -147,7 +148,7 @@ def test_softening_without_unique_answer_is_refused_by_the_number_of_points():
     steep = law({"type": "linear", "yield-stress": "1 GPa", "modulus": -3.01 * E / 2 / (1 + NU)})
     strain = np.zeros((6, 3))
     strain[0, 1:] = 0.01
-    with pytest.raises(NotConverged, match=r"2 points soften .* point 1 the first of 3"):
+    with pytest.raises(NotConverged, match=r"2 points soften .* first point 1"):
         steep.update(strain, at_rest(steep, 3), step(3))
 
 

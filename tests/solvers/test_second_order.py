@@ -21,6 +21,18 @@ def test_uniform_fields_and_sums_are_kept_to_the_bit_and_to_round_off(random):
     np.testing.assert_allclose(centre_values(field, faces).sum(axis=(1, 2, 3)), field.sum(axis=(1, 2, 3)), rtol=1e-12)
 
 
+def test_zeros_threads_and_order_of_memory_change_nothing(random):
+    """A field that fills a part of the box is the sum of what its cells become alone, whoever computes it."""
+    faces, field = linked_faces([ALL], SHAPE), np.zeros((2, *SHAPE))
+    field[0, 1:3, 0:2, 4:] = random.standard_normal((2, 2, 2))
+    alone = [centre_values(row.reshape(SHAPE), faces) for row in np.diag(field[0].ravel())]
+    found = centre_values(field, faces, threads=2)
+    np.testing.assert_allclose(found[0], np.sum(alone, axis=0), rtol=0.0, atol=1e-15)
+    assert not found[1].any()
+    turned = np.moveaxis(np.ascontiguousarray(np.moveaxis(field, 0, 1)), 1, 0)
+    assert np.array_equal(centre_values(turned, faces), found)
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_means_of_a_parabola_become_its_values(axis):
     ends = np.arange(SHAPE[axis] + 1.0) - 1.3

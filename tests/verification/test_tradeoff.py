@@ -12,9 +12,9 @@ import pytest
 import eigencontact.cli
 from close import close
 from eigencontact import app
+from eigencontact.accuracy.settings import FIDELITIES
 from eigencontact.results.ownership import is_ours
 from eigencontact_verification.tradeoff.errors import errors, field_error
-from eigencontact_verification.tradeoff.fidelity import FIDELITIES
 from eigencontact_verification.tradeoff.figure import picture
 from eigencontact_verification.tradeoff.process import Solved, solve, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown

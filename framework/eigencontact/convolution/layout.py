@@ -54,17 +54,17 @@ class Axis:
         least_length = max(span, 2 * reach + 1) if symmetric else span
         return cls(sources, targets, origin, periodic=False, length=fast_even(least_length), symmetric=symmetric)
 
-    @property
+    @cached_property
     def half(self) -> int:
         """Number of distinct non-negative wavenumbers, F//2 + 1."""
         return self.length // 2 + 1
 
-    @property
+    @cached_property
     def source_start(self) -> int:
         """Row of the transform at which the source begins."""
         return max(0, -floor(self.origin)) if self.symmetric and not self.periodic else 0
 
-    @property
+    @cached_property
     def target_start(self) -> int:
         """Row of the transform at which the target begins."""
         return max(0, floor(self.origin)) if self.symmetric and not self.periodic else 0

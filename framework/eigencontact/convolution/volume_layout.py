@@ -70,7 +70,7 @@ class VolumeLayout:
         """Sums of the indices of target and source along z, at which tables of correlations are sampled."""
         return np.arange(self.z.sources + self.z.targets - 1, dtype=np.float64)
 
-    @property
+    @cached_property
     def folded(self) -> bool:
         """Whether parities along x and y leave an octant of each spectrum."""
         return self.x.symmetric and self.y.symmetric
@@ -146,6 +146,10 @@ class VolumeKernels:
         out = self.values[:, number]
         np.multiply(spectrum.real, factor, out=out[:, 0], casting="same_kind")
         np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")
+
+    def turn(self, number: int, twin: int) -> None:
+        """Keep the spectrum of one kernel with x and y exchanged as that of another; both axes must be alike."""
+        self.values[:, number] = self.values[:, twin].transpose(2, 1, 0, 3)
 
 
 def _along_z(layout: VolumeLayout, values: FloatArray, parity: int, *, correlation: bool) -> NDArray[Any]:

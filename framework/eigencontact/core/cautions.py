@@ -27,6 +27,10 @@ class Caution:
         One sentence for people, with its numbers.
     error : float or None
         Estimate of the relative error that it means, for what `words` name; None where there is none.
+    number : str
+        Name of a number of the run that converges more slowly than others; empty where there is none.
+    order : float
+        Order with which that number converges with the cells; 0 if it does not converge.
 
     Examples
     --------
@@ -37,7 +41,10 @@ class Caution:
     code: str
     words: str
     error: float | None = None
+    number: str = ""
+    order: float = 0.0
 
     def to_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        return {"code": self.code, "words": self.words, "error": self.error}
+        slow = {"number": self.number, "order": self.order} if self.number else {}
+        return {"code": self.code, "words": self.words, "error": self.error, **slow}

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from math import fsum
 from typing import Any, Literal
 
 from eigencontact.core.units import readable
 
-__all__ = ["Number", "accumulate", "by_name", "headline_numbers"]
+__all__ = ["ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
+
+#: Errors below this part of a number are round-off.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -40,6 +43,8 @@ class Number:
         Name of a number that is not shown where this one is not zero.
     estimates : str
         Of an error: name of the number that it belongs to.
+    scatters : bool
+        Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
 
     Examples
     --------
@@ -58,6 +63,7 @@ class Number:
     label: str = ""
     replaces: str = ""
     estimates: str = ""
+    scatters: bool = False
 
     @property
     def words(self) -> str:
@@ -69,6 +75,11 @@ class Number:
         if self.unit in ("1", "unknown"):
             return f"{value:.4g}"
         return readable(value, self.unit.replace("m2", "m^2").replace("m3", "m^3"))
+
+    def own_error(self, name: str) -> Number:
+        """Declaration of the estimated error of this number."""
+        meaning = f"error of the {self.meaning}"
+        return Number(name=name, unit=self.unit, meaning=meaning, role="error", estimates=self.name)
 
     def of_run(self, values: Iterable[float | None]) -> float | None:
         """Value for a run from the values of its steps; None where no step has one."""
@@ -94,8 +105,64 @@ class Number:
             name=name, unit=str(attributes["units"]), meaning=str(attributes["long_name"]),
             role=attributes.get("purpose", "result"), over=attributes.get("over", "last"),
             headline=bool(attributes.get("headline", 0)),
-            **{key: str(attributes.get(key, "")) for key in ("label", "replaces", "estimates")},
+            label=str(attributes.get("label", "")), replaces=str(attributes.get("replaces", "")),
+            estimates=str(attributes.get("estimates", "")),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ErrorBar:
+    """Error of one number of a run.
+
+    Attributes
+    ----------
+    value, error : float
+        The number and its estimated error, in the unit of the number.
+    source : str
+        Part of the discretisation with the largest share.
+    order : float, optional
+        Order with which that share was observed to fall.
+    parts : dict of str to float
+        Share of every part, by name.
+    """
+
+    value: float
+    error: float
+    source: str
+    order: float | None = None
+    parts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def counts(self) -> bool:
+        """Whether the error is more than round-off: that of a load that the scene prescribes is not."""
+        return self.error > _ROUND_OFF * abs(self.value)
+
+    @property
+    def relative(self) -> float | None:
+        """Error in parts of the value; None for a value of zero."""
+        return self.error / abs(self.value) if self.value else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {**asdict(self), "relative": self.relative, "parts": dict(self.parts)}
+
+    @classmethod
+    def of_dict(cls, table: Mapping[str, Any]) -> ErrorBar:
+        """Error bar from the data of `to_dict`."""
+        return cls(**{name: value for name, value in table.items() if name != "relative"})
+
+    def words(self, number: Number) -> str:
+        """Error with its unit, for people, and its main source.
+
+        Examples
+        --------
+        >>> radius = Number(name="contact_radius", unit="m", meaning="radius of the contact")
+        >>> ErrorBar(value=6e-6, error=3e-8, source="cells", order=1.94).words(radius)
+        '± 30 nm (0.5 %, cells)'
+        """
+        error = float(f"{self.error:.2g}")
+        share = "" if self.relative is None else f"{100 * self.relative:.2g} %, "
+        return f"± {number.text(error)} ({share}{self.source})"
 
 
 def by_name(numbers: Iterable[Number]) -> dict[str, Number]:

@@ -363,5 +363,6 @@ class HasCellAnswer(Protocol):
         eigenstrain : (6, n)
             Strain less that of the stress in the material around, prestrain included [-].
         variables : mapping of str to (components, n)
+            One that no cell changes may be the array of `before` itself: it is then not checked again.
         """
         ...

@@ -108,6 +108,7 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
+    from eigencontact.core.numbers import ErrorBar
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
     from eigencontact.reports.columns import answer, cards, columns, telling
@@ -129,6 +130,7 @@ def _content(source: Source) -> dict[str, Any]:
         "source": source,
         "answer": answer(every, source.steps),
         "cards": cards(numbers),
+        "errors": {name: ErrorBar.of_dict(table) for name, table in source.summary.get("errors", {}).items()},
         "rows": rows,
         "printed": printed,
         "numbers": numbers,

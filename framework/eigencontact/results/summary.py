@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.core.numbers import Number, headline_numbers
+from eigencontact.core.numbers import ErrorBar, Number, headline_numbers
 from eigencontact.results.atomic import replacing
 from eigencontact.results.ownership import SUMMARY
 
@@ -68,7 +68,7 @@ def summary_of(
 
 
 def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Label and value with its unit of the headline numbers of a summary; a number that was always zero is left out.
+    """Label and value of the headline numbers of a summary, with unit and error; one that was always zero is left out.
 
     Examples
     --------
@@ -82,7 +82,12 @@ def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         value = summary.get(name, summary["observed"].get(name))
         if value or any(row.get(name) for row in summary["history"]):
             values[name] = value
-    return [(number.words, number.text(values[number.name])) for number in headline_numbers(declared.values(), values)]
+    bars = {name: ErrorBar.of_dict(table) for name, table in summary.get("errors", {}).items()}
+    lines = []
+    for number in headline_numbers(declared.values(), values):
+        text, bar = number.text(values[number.name]), bars.get(number.name)
+        lines.append((number.words, f"{text} {bar.words(number)}" if bar is not None and bar.counts else text))
+    return lines
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:

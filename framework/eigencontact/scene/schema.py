@@ -183,6 +183,8 @@ class Output(Table):
     history : {"last", "all"}
         What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any
         of them without solving again, and an animation shows what has yielded in each.
+    errors : bool
+        Estimated error of every number, from coarser runs of the scene; they take about as long as the run itself.
     animation : bool or {"gif", "mp4"}
         Animation of a history of several steps: a GIF, or an MP4 where the program ffmpeg is installed.
     """
@@ -191,6 +193,7 @@ class Output(Table):
     vtk: bool = False
     tangential_displacement: bool = False
     history: Literal["last", "all"] = "last"
+    errors: bool = False
     animation: Literal[False, True, "gif", "mp4"] = False
 
 

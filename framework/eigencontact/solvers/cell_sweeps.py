@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.products import norm_of
+from eigencontact.core.products import distance_of, norm_of
 from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 from eigencontact.solvers.law_cells import LawCells, Remembered
 
@@ -62,10 +62,12 @@ class CellSweeps:
     def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
         self._linear, self._laws = linear, laws
         # Where the cells of the laws are the whole box in its order, nothing is copied.
-        fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
-        self._at: slice | NDArray[np.intp] = slice(None) if fills_box else laws.cells
+        self._fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
+        self._at: slice | NDArray[np.intp] = slice(None) if self._fills_box else laws.cells
         self._prestrain_stress: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
+        #: Stress of the last sweep, whose memory the next one uses.
+        self._total: FloatArray | None = None
         self.applications = 0
 
     def sweep(
@@ -92,14 +94,20 @@ class CellSweeps:
         start : (6, nz, ny, nx), optional
             Eigenstrain that the increment begins with.
         """
-        stress = applied_stress + self._caused(eigenstrain)
-        image = prestrain.copy().reshape(6, -1)  # whatever a cell had that nothing fills any more, as wear took it off
-        image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
+        stress = self._total = np.add(applied_stress, self._caused(eigenstrain), out=self._total)
         remembered: list[Remembered] = []
-        if self._laws.cells.size:
-            e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
-            image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
-        change = norm_of(image - eigenstrain.reshape(6, -1))
+        if self._fills_box:
+            e, sigma, prescribed = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
+            image, remembered = self._laws.answer(e, sigma, prescribed, before, steps)
+        else:
+            image = prestrain.copy().reshape(6, -1)  # what a cell had that nothing fills any more, as wear took it off
+            image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
+            if self._laws.cells.size:
+                e, sigma, prescribed = (
+                    values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain)
+                )
+                image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
+        change = distance_of(image, eigenstrain)
         size = self._size(applied_stress, prestrain)
         if start is not None:
             size = max(size, _LEFT * norm_of(start))
@@ -137,7 +145,8 @@ class CellSweeps:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
         if self._prestrain_stress is None or self._prestrain_stress[0] is not prestrain:
             self._prestrain_stress = prestrain, self._stress_of(prestrain)
-        load = (applied_stress + self._prestrain_stress[1]).reshape(6, -1)
+        caused = self._prestrain_stress[1]
+        load = (applied_stress + caused if caused.any() else applied_stress).reshape(6, -1)
         sizes = [norm_of(load[:, cells]) for cells in (self._linear.cells, self._at)]
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 

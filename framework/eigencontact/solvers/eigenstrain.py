@@ -118,7 +118,11 @@ class VolumeField:
         image = nodes_around(lowest + layout.lattice_sum, pitch[2], unit)
         numbers = {kernel: number for number, kernel in enumerate(kernels)}
         far = far_apart(self.source, self.target.first, [float(self.target.centres(axis)[-1]) for axis in range(3)])
-        for group in kernel_groups(kernels, 8 * x.size * y.size * max(real.size, image.size)):
+        # Where x and y are alike, half of the kernels are the others with these exchanged.
+        alike = layout.folded and np.array_equal(x, y)
+        twins = {k: _turned(k) for k in kernels if alike and _turned(k) in numbers and _turned(k) < k}
+        sampled = [kernel for kernel in kernels if kernel not in twins]
+        for group in kernel_groups(sampled, 8 * x.size * y.size * max(real.size, image.size)):
             nodes = x, y, (image if group[0][0] == "image" else real)
             tables = self._tables(cell, group, nodes, far=far)
             tasks = [
@@ -126,6 +130,7 @@ class VolumeField:
                 for kernel, table in zip(group, tables, strict=True)
             ]
             in_parallel(self._threads, tasks)
+        in_parallel(self._threads, [partial(store.turn, numbers[k], numbers[twin]) for k, twin in twins.items()])
         return store
 
     def _tables(
@@ -173,6 +178,12 @@ class VolumeField:
         if self._local.any():
             add_local(out, self._local, strain, self.layout.origin)
         return out
+
+
+def _turned(kernel: Kernel) -> Kernel:
+    """Kernel with x and y exchanged: potentials of a cell do not know which axis is which."""
+    origin, name, (x, y, z) = kernel
+    return origin, name, (y, x, z)
 
 
 def check_request(source: Cells, target: Cells, quantity: str, space: str) -> None:

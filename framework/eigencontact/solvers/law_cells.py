@@ -51,7 +51,7 @@ _ROUND_OFF = 1e-11
 #: Cells of which a law is asked at once where nothing but its stress is kept.
 _CHUNK = 16384
 #: Cells that answer as cells do at a time: with 274 000 of them fewer cost more calls, more no longer fit a cache.
-_ASKED = 65536
+_ASKED = 16384
 #: Roundings of the strain that the law may make stress of: a law much stiffer than the matrix strains by differences.
 _ROUNDINGS = 16.0 * np.finfo(float).eps
 
@@ -145,7 +145,8 @@ class LawCells:
         several: list[int] = []
 
         def ask(chunk: slice) -> None:
-            ball = stress[:, chunk] + self._ball(eigenstrain[:, chunk])
+            ball = self._ball(eigenstrain[:, chunk])
+            ball += stress[:, chunk]
             before = {name: values[:, chunk] for name, values in records.items()}
             try:
                 response = cell_answer_of(law, ball, prestrain[:, chunk], self._around, before, step.of(chunk))

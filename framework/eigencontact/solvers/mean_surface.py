@@ -154,12 +154,13 @@ class SurfaceAndCells:
         strain = np.asarray(eigenstrain, dtype=float)
         expected = (6, *self.cells.shape)
         require(strain.shape == expected, "surface", "eigenstrain", strain.shape, f"of shape {expected}")
-        signs = np.array([_mirrored(name) for name in COMPONENTS])[:, None, None, None]
-        planes, nz = (signs * strain).reshape(-1, *self.cells.shape[1:]), self.cells.shape[0]
-        rows = [
-            [self._spectra[1][n % nz][n // nz][traction] for n in range(len(planes))]
-            for traction in range(len(self._directions))
-        ]
+        # Layers of components that are zero everywhere, as those below a plastic zone, are not transformed.
+        present = np.argwhere(strain.any(axis=(2, 3)))
+        planes = np.array([_mirrored(COMPONENTS[row]) * strain[row, layer] for row, layer in present])
+        directions = range(len(self._directions))
+        rows = [[self._spectra[1][layer][row][traction] for row, layer in present] for traction in directions]
+        if not len(present):
+            return np.zeros((len(self._directions), *self.grid.shape))
         values = np.asarray(self._convolvers[1].apply(planes, rows), dtype=float)
         # V / A is the height of the cells.
         height = self.cells.pitch[2] * np.array([_mirrored(direction) for direction in self._directions])

@@ -167,14 +167,14 @@ def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
             f"the largest von Mises stress, at ({where}), lies at the edge of a contact with friction, where it "
             "converges with the square root of the cells' size only; compare with finer cells"
         )
-        yield Caution("slow-place", words)
+        yield Caution("slow-place", words, number="max_von_mises", order=0.5)
     for source in model.sources:
         if source.body == region.body and not isinstance(source.shape, Patch) and _on_a_rim(source.shape, place, edge):
             words = (
                 f"the largest von Mises stress, at ({where}), lies on an edge of {source.name!r}, where stress grows "
                 "without bound as points and cells come closer: its value is that of their distance"
             )
-            yield Caution("slow-place", words)
+            yield Caution("slow-place", words, number="max_von_mises")
             return
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.plugin import (
     FloatArray,
@@ -155,12 +156,12 @@ class J2(BodyConstants):
         NotUnique
             Points that soften faster than -3G.
         """
-        bulk, volume = self._constants[1], _UNIT @ strain
-        drive = self._drive(_DEVIATOR @ strain, 0.0, before, step)
-        now = self._return.state(drive, self._return.increments(drive))
-        deviator, after = self._after(drive, now, before)
-        stress = deviator + now.sound * bulk * volume * _UNIT[:, None]
-        return Response(stress=stress, tangent=self._tangent(drive, now, deviator, volume), variables=after)
+        bulk, volume = self._constants[1], strain[:3].sum(axis=0)
+        drive = self._drive(strain.copy(), 0.0, before, step)
+        flowed = self._flowed(drive, before)
+        stress = flowed.deviator(drive)
+        stress[:3] += flowed.sound * bulk * volume
+        return Response(stress=stress, tangent=self._tangent(flowed, volume), variables=flowed.after)
 
     def cell_answer(
         self,
@@ -171,43 +172,50 @@ class J2(BodyConstants):
         step: LawStep,
     ) -> tuple[FloatArray, dict[str, FloatArray]]:
         """See `HasCellAnswer.cell_answer`."""
-        mean = _UNIT @ foreign / 3.0
-        shear, bulk = around.shear_stiffness, around.bulk_stiffness
-        drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before, step)
-        deviator, sound, after = self._flowed(drive, before)
-        soft = 1.0 / (3.0 * self._constants[1] * sound)
-        pressed = (mean / bulk - _UNIT @ prestrain / 3.0) / (soft + around.bulk_give)
-        # Eigenstrain: what flowed, and what the stress strains this material more than the one around. It is zero,
-        # without rounding, where nothing flowed and the constants are those of the body.
-        further = 0.5 / (self._constants[0] * sound) - around.shear_compliance
-        away = after["plastic_strain"] + further * deviator + (soft - around.bulk_compliance) * pressed * _UNIT[:, None]
-        return away + prestrain, after
+        driving = foreign / around.shear_stiffness
+        driving -= prestrain
+        drive = self._drive(driving, around.shear_give, before, step)
+        flowed = self._flowed(drive, before)
+        eigenstrain = flowed.after["plastic_strain"] + prestrain
+        # What the stress strains this material more than the one around: nothing where the constants are the same.
+        shear, bulk = self._constants
+        own = 0.5 / shear, 1.0 / (3.0 * bulk)
+        if self.damage is not None or own != (around.shear_compliance, around.bulk_compliance):
+            further, soft = 0.5 / (shear * flowed.sound) - around.shear_compliance, 1.0 / (3.0 * bulk * flowed.sound)
+            mean = (foreign[:3].sum(axis=0) / around.bulk_stiffness - prestrain[:3].sum(axis=0)) / 3.0
+            pressed = mean / (soft + around.bulk_give)
+            eigenstrain += further * flowed.deviator(drive)
+            eigenstrain[:3] += (soft - around.bulk_compliance) * pressed
+        return eigenstrain, flowed.after
 
-    def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
+    def _drive(self, strain: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
+        """Drive by the deviator of a strain, in whose memory it is computed."""
+        strain[:3] -= strain[:3].sum(axis=0) / 3.0
+        strain -= before["plastic_strain"]
         back_stresses = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
         about = step.means.get("equivalent_plastic_strain")
         mean = None if about is None else np.maximum(about[0], 0.0)
-        stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *deviator.shape))
-        return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked, mean)
+        stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *strain.shape))
+        return Drive(strain, give, before["equivalent_plastic_strain"][0], stacked, mean)
 
-    def _flowed(
-        self, drive: Drive, before: Mapping[str, FloatArray]
-    ) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
-        """Deviatoric stress, 1 - D, and what is remembered; most points of a box do not flow, and cost little."""
-        w, sound, flows = self._return.elastic(drive)
-        deviator = (w * sound if self._return.effective else w) * drive.tau
+    def _flowed(self, drive: Drive, before: Mapping[str, FloatArray]) -> _Flowed:
+        """State at the end of the increment; most points of a box do not flow, and cost little."""
+        w, sound, points = self._return.elastic(drive)
+        if not points.size and self.damage is None:
+            return _Flowed(w, sound, points, after=dict(before))
         after = {name: values.copy() for name, values in before.items()}
+        out = _Flowed(w * sound if self._return.effective else w, sound, points, after)
         if self.damage is not None:
             after["damage"] = (1.0 - sound)[None]
-        if flows.any():
-            some = drive.of(flows)
-            now = self._return.returned(some, flows)
-            sound[flows] = now.sound
-            before_flow = {name: values[:, flows] for name, values in before.items()}
-            deviator[:, flows], changed = self._after(some, now, before_flow)
+        if points.size:
+            some = drive.of(points)
+            now = self._return.returned(some, points)
+            sound[points] = now.sound
+            stress, changed = self._after(some, now, {name: values[:, points] for name, values in before.items()})
             for name, values in changed.items():
-                after[name][:, flows] = values
-        return deviator, sound, after
+                after[name][:, points] = values
+            out.drive, out.now, out.stress = some, now, stress
+        return out
 
     def _after(
         self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]
@@ -249,12 +257,26 @@ class J2(BodyConstants):
             work += 0.5 * density * (1.0 - state["damage"] if effective else 1.0)
         return work
 
-    def _tangent(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
-        """Derivative of the stress by the strain, ``(6, 6, n)``."""
+    def _tangent(self, flowed: _Flowed, volume: FloatArray) -> FloatArray:
+        """Derivative of the stress by the strain, ``(6, 6, n)``, or ``(6, 6)`` where all is sound and none flows."""
+        pressed = self._constants[1] * np.outer(_UNIT, _UNIT)
+        if self.damage is None:
+            elastic = 2.0 * self._constants[0] * _DEVIATOR + pressed
+            if not flowed.points.size:
+                return elastic
+            out = np.repeat(elastic[:, :, None], volume.size, axis=2)
+        else:
+            out = flowed.w * _DEVIATOR[:, :, None] + flowed.sound * pressed[:, :, None]
+        if flowed.drive is not None and flowed.now is not None and flowed.stress is not None:
+            some = flowed.drive, flowed.now, flowed.stress
+            out[:, :, flowed.points] = self._tangent_of_flow(*some, volume[flowed.points])
+        return out
+
+    def _tangent_of_flow(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
+        """The same of points that flow."""
         bulk, effective = self._constants[1], self._return.effective
         unit, m = np.eye(6)[:, :, None], now.flow
-        # Derivative of dp by τ: zero where nothing flows.
-        grown: Any = np.where(now.dp > 0.0, -_ROOT * now.w / now.slope, 0.0) * m
+        grown = (-_ROOT * now.w / now.slope) * m  # derivative of dp by τ
         size = np.sqrt(np.sum(now.reached**2, axis=0))
         moved = now.w * unit + _outer(now.dw * drive.tau - now.drecalled, grown)
         across = (moved - _outer(m, np.einsum("in,ijn->jn", m, moved))) / np.where(size > 0.0, size, 1.0)
@@ -266,6 +288,40 @@ class J2(BodyConstants):
         out = out + _outer(now.dsound * bulk * volume * _UNIT[:, None], grown)
         out = np.einsum("ijn,jk->ikn", out, _DEVIATOR)
         return cast("FloatArray", out + now.sound * bulk * np.outer(_UNIT, _UNIT)[:, :, None])
+
+
+@dataclass(slots=True, eq=False)
+class _Flowed:
+    """State of n points after an increment, of which few flow.
+
+    Attributes
+    ----------
+    w : (n,)
+        Deviatoric stress by the strain that drives points which do not flow [Pa].
+    sound : (n,)
+        1 - D.
+    points : (m,) of int
+        Those that flow.
+    after : mapping
+        What is remembered.
+    drive, now, stress
+        Of the points that flow, where there are any: their drive, state and deviatoric stress [Pa].
+    """
+
+    w: FloatArray
+    sound: FloatArray
+    points: NDArray[np.intp]
+    after: dict[str, FloatArray]
+    drive: Drive | None = None
+    now: Returned | None = None
+    stress: FloatArray | None = None
+
+    def deviator(self, drive: Drive) -> FloatArray:
+        """Deviatoric stress of all points [Pa]."""
+        out = self.w * drive.tau
+        if self.stress is not None:
+            out[:, self.points] = self.stress
+        return out
 
 
 def _outer(left: FloatArray, right: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ class Drive:
     back: FloatArray
     mean: FloatArray | None = None
 
-    def of(self, points: NDArray[np.bool_]) -> Drive:
+    def of(self, points: NDArray[np.intp]) -> Drive:
         """Some of the points."""
         mean = None if self.mean is None else self.mean[points]
         return Drive(self.tau[:, points], self.give, self.p[points], self.back[:, :, points], mean)
@@ -125,24 +125,28 @@ class RadialReturn:
     damage: PlasticDamage | None = None
     effective: bool = False
 
-    def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
         """State without a plastic increment: stiffness w [Pa], 1 - D, and which points go beyond their yield stress."""
         w, _, sound, _ = self._stiffness(drive, drive.p)
-        trial = w * drive.tau
-        if len(drive.back):
-            trial -= drive.back.sum(axis=0)
-        size = np.sqrt(np.einsum("in,in->n", trial, trial))
-        return w, sound, np.asarray(_ROOT * size > self.isotropic.flow_stress(drive.p)[0])
+        size = w * _size(drive.tau) if not len(drive.back) else _size(w * drive.tau - drive.back.sum(axis=0))
+        return w, sound, np.flatnonzero(_ROOT * size > self._yield_stress(drive.p))
 
-    def returned(self, drive: Drive, flows: NDArray[np.bool_]) -> Returned:
+    def _yield_stress(self, p: FloatArray) -> FloatArray:
+        """Yield stress [Pa] at plastic strains, of which most are zero: a power of each costs more than all else."""
+        (first, *_), _ = self.isotropic.flow_stress(np.zeros(1))
+        out, hardened = np.full(p.shape, first), np.flatnonzero(p)
+        out[hardened] = self.isotropic.flow_stress(p[hardened])[0]
+        return out
+
+    def returned(self, drive: Drive, flows: NDArray[np.intp]) -> Returned:
         """State after the plastic increments of the points that flow.
 
         Parameters
         ----------
         drive : Drive
             Of these points.
-        flows : (n,) of bool
-            Of all points, which are these.
+        flows : (n,) of int
+            Their numbers among all points, for messages.
 
         Raises
         ------
@@ -150,13 +154,6 @@ class RadialReturn:
             Points that soften faster than what drives them gives way: their answer is not unique.
         """
         return self.state(drive, self._root(drive, flows))
-
-    def increments(self, drive: Drive) -> FloatArray:
-        """Plastic increment dp of every point, zero where it does not yield; see `returned`."""
-        dp, flows = np.zeros_like(drive.p), self.elastic(drive)[2]
-        if flows.any():
-            dp[flows] = self._root(drive.of(flows), flows)
-        return dp
 
     def state(self, drive: Drive, dp: FloatArray) -> Returned:
         """State after increments dp."""
@@ -173,7 +170,7 @@ class RadialReturn:
             g += law.modulus / 1.5 * theta[number]
             dg += law.modulus / 1.5 * falling
         reached = w * drive.tau - recalled
-        size = np.sqrt(np.sum(reached**2, axis=0))
+        size = _size(reached)
         flow = reached / np.where(size > 0.0, size, 1.0)
         residual = _ROOT * size - 1.5 * dp * g - flow_stress
         slope = _ROOT * np.sum(flow * (dw * drive.tau - drecalled), axis=0) - 1.5 * (g + dp * dg) - hardening
@@ -199,46 +196,60 @@ class RadialReturn:
             return self.damage.damage(p)
         return self.damage.damage(mean)[0], np.zeros_like(p)
 
-    def _root(self, drive: Drive, active: NDArray[np.bool_]) -> FloatArray:
+    def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residual f and its slope; without back-stresses they follow from the sizes |τ|, without tensors."""
+        if self.kinematic:
+            now = self.state(drive, dp)
+            return now.residual, now.slope
+        p = drive.p + dp
+        (flow_stress, hardening), (w, dw, *_) = self.isotropic.flow_stress(p), self._stiffness(drive, p)
+        return _ROOT * w * size - 1.5 * dp * w - flow_stress, _ROOT * dw * size - 1.5 * (w + dp * dw) - hardening
+
+    def _root(self, drive: Drive, flows: NDArray[np.intp]) -> FloatArray:
         """Root of f in a bracket by Newton's steps, with bisection where they do not improve."""
-        low = np.zeros_like(drive.p)
-        now = self.state(drive, low)
+        low, size = np.zeros_like(drive.p), _size(drive.tau)
+        start = self.state(drive, low)
         # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.
-        first = now.slope - now.dw / now.w * now.residual
+        first = start.slope - start.dw / start.w * start.residual
         if not np.all(first < 0.0):
-            raise self._refusal(active, ~(first < 0.0))
-        scale = _ROOT * np.sqrt(np.sum(now.reached**2, axis=0))
-        high = now.residual / (1.5 * now.w)
+            raise _refusal(flows, ~(first < 0.0))
+        scale = _ROOT * _size(start.reached)
+        high = start.residual / (1.5 * start.w)
         for _ in range(_DOUBLINGS):
-            above = self.state(drive, high).residual > 0.0
+            residual, slope = self._equation(drive, size, high)
+            above = residual > 0.0
             if not above.any():
                 break
             low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
         else:
-            raise self._refusal(active, above)
-        dp, step = low, high - low
-        now = self.state(drive, dp)
+            raise _refusal(flows, above)
+        # The first step begins at the upper end: what hardens much at first has a slope there that leads near the root.
+        dp, step = high, high - low
         for _ in range(_STEPS):
-            low, high = np.where(now.residual > 0.0, dp, low), np.where(now.residual > 0.0, high, dp)
+            low, high = np.where(residual > 0.0, dp, low), np.where(residual > 0.0, high, dp)
             with np.errstate(divide="ignore", invalid="ignore"):
-                newton = dp - now.residual / now.slope
+                newton = dp - residual / slope
             good = (newton > low) & (newton < high) & (np.abs(newton - dp) < 0.5 * np.abs(step))
             following = np.where(good, newton, 0.5 * (low + high))
-            close = np.abs(now.residual) <= _ROUND_OFF * scale
+            close = np.abs(residual) <= _ROUND_OFF * scale
             following = np.where(close, dp, following)
             dp, step = following, np.where(close, step, following - dp)
             if close.all():
                 break
-            now = self.state(drive, dp)
-        unclear = ~(now.slope < 0.0)
+            residual, slope = self._equation(drive, size, dp)
+        unclear = ~(slope < 0.0)
         if unclear.any():
-            raise self._refusal(active, unclear)
+            raise _refusal(flows, unclear)
         return dp
 
-    def _refusal(self, active: NDArray[np.bool_], unstable: NDArray[np.bool_]) -> NotUnique:
-        points = np.flatnonzero(active)[unstable]
-        return NotUnique(
-            f"{points.size} points soften so fast that their answer is not unique, point {points[0]} the first of "
-            f"{active.size}",
-            points.tolist(),
-        )
+
+def _size(tensor: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("in,in->n", tensor, tensor)))
+
+
+def _refusal(flows: NDArray[np.intp], unstable: NDArray[np.bool_]) -> NotUnique:
+    points = flows[unstable]
+    return NotUnique(
+        f"{points.size} points soften so fast that their answer is not unique, first point {points[0]}",
+        points.tolist(),
+    )

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.tradeoff.fidelity import FIDELITIES, Changes, Fidelity
+from eigencontact.accuracy.changes import Changes, changed, refined_grid, refined_window
+from eigencontact.accuracy.settings import FIDELITIES, Fidelity
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -42,15 +43,7 @@ class Variant:
 
 def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
     """Tables of the scene with the changes of a variant; pictures are left out."""
-    out = {**resolved, "output": {**resolved.get("output", {}), "pictures": False, "vtk": False}}
-    for name, changes in variant.changes.items():
-        # a grid that is given is given anew as a whole
-        if name == "grid" or not isinstance(changes, Mapping):
-            out[name] = changes
-            continue
-        merged = {**out.get(name, {}), **changes}
-        out[name] = {key: value for key, value in merged.items() if value is not None}
-    return out
+    return changed(resolved, variant.changes)
 
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
@@ -60,8 +53,8 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
     """Reference, scene as it stands (at the factor `base`), then one change at a time, of all keys or only of some."""
-    base_grid, base_words = _grid(plan, fidelities.base)
-    fine_grid, fine_words = _grid(plan, fidelities.reference)
+    base_grid, base_words = refined_grid(plan, fidelities.base)
+    fine_grid, fine_words = refined_grid(plan, fidelities.reference)
     found = _grids(plan, fidelities) if not only or "grid" in only else []
     finest: dict[str, Any] = {}
     words = [fine_words]
@@ -75,7 +68,7 @@ def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tu
                 finest[name] = {**finest.get(name, {}), **changes}
         if only and one.key not in only:
             continue
-        grid = _window(plan, fidelities.base)[0] if one.keeps_window else base_grid
+        grid = refined_window(plan, fidelities.base)[0] if one.keeps_window else base_grid
         found += [
             Variant(key=one.key, words=one.words(other), changes={**one.of(plan, other), "grid": grid}, fidelity=one)
             for other in one.others(plan)
@@ -87,27 +80,7 @@ def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tu
 def _grids(plan: Plan, fidelities: Fidelities) -> list[Variant]:
     found = []
     for factor in fidelities.coarser:
-        grid, words = _grid(plan, factor)
+        grid, words = refined_grid(plan, factor)
         if grid.get("cells-per-contact-radius", 2.0) >= 2.0:
             found.append(Variant(key="grid", words=words, changes={"grid": grid}))
     return found
-
-
-def _grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
-    """Table of a grid with so many times the cells each way, and its resolution in words."""
-    spec = plan.scene.grid
-    if spec.automatic and plan.scene.geometry:
-        cells = factor * spec.cells_per_contact_radius
-        center = list(spec.center)
-        table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
-        return table, f"{cells:g} cells per contact radius"
-    return _window(plan, factor)
-
-
-def _window(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
-    """Table of a grid of the window of a plan, and its resolution in words."""
-    grid = plan.grid
-    nx, ny = (max(1, round(factor * count)) for count in (grid.nx, grid.ny))
-    size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
-    # the centre of the plan: an automatic window around inclusions has its own
-    return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"

@@ -207,13 +207,15 @@ class Cells(Responding):
 
     def applied(self, tractions: Fields) -> FloatArray:
         """See `Responding.applied`."""
-        total = np.zeros((6, *self._content.shape))
+        if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
+            caused = self._joint.stress(loads(self.body, self._tractions, tractions))
+            total = np.ascontiguousarray(self.at_centres(caused))
+        else:
+            total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:
             total += self._prescribed.at(self._time)
         if self.beside is not None:
             total += self.beside.stress()
-        if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
-            total += self.at_centres(self._joint.stress(loads(self.body, self._tractions, tractions)))
         return total
 
     def at_centres(self, means: FloatArray) -> FloatArray:

@@ -22,6 +22,7 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import shear_ratios
 from eigencontact.core.material import Material
 from eigencontact.core.numbers import Number
+from eigencontact.core.parallel import available_threads
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.averages import Averages
@@ -91,7 +92,9 @@ class SweptCells(Cells):
 
     def at_centres(self, means: FloatArray) -> FloatArray:
         """See `Cells.at_centres`."""
-        return means if self._faces is None else centre_values(means, self._faces)
+        if self._faces is None:
+            return means
+        return centre_values(means, self._faces, self._numerics.threads or available_threads())
 
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import accumulate, by_name
@@ -233,7 +234,7 @@ class Coupled:
                 mixer, share = _Mixer(), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                sizes = [scales[:, None, None], *(np.abs(taken).max() for taken in answers[1:])]
+                sizes = [scales[:, None, None], *(np.maximum(taken.max(), -taken.min()) for taken in answers[1:])]
                 mixed = mixer.next(guess, answers, sizes)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):
@@ -263,7 +264,9 @@ class _Mixer:
 
     def __init__(self) -> None:
         self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
-        self._moving = np.zeros(0, dtype=np.intp)
+        #: Entries that moved, in the order of their first move: number of the array, and flat indices in it.
+        self._moving: list[tuple[int, NDArray[np.intp]]] = []
+        self._known: list[NDArray[np.bool_]] = []
 
     def next(
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
@@ -278,20 +281,32 @@ class _Mixer:
             ]
         weights = [np.sqrt(array.size) if len(guess) > 1 else 1.0 for array in guess]
         scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
+        self._follow(guess, answers)
+
+        def units(n: int, entries: NDArray[np.intp]) -> FloatArray:
+            unit = scaled[n]
+            return unit.ravel() if unit.size == 1 else np.broadcast_to(unit, guess[n].shape).ravel()[entries]
 
         def packed(arrays: Sequence[FloatArray]) -> FloatArray:
-            return np.concatenate([(array / unit).ravel() for array, unit in zip(arrays, scaled, strict=True)])
+            return np.concatenate([arrays[n].ravel()[entries] / units(n, entries) for n, entries in self._moving])
 
-        before, after = packed(guess), packed(answers)
-        fresh = (before != 0.0) | (after != 0.0)
-        fresh[self._moving] = False
-        self._moving = np.concatenate([self._moving, np.flatnonzero(fresh)])
-        vector, out, begin = np.zeros_like(after), list[FloatArray](), 0
-        vector[self._moving] = self._anderson.next(before[self._moving], after[self._moving])
-        for array, unit in zip(guess, scaled, strict=True):
-            out.append(vector[begin : begin + array.size].reshape(array.shape) * unit)
-            begin += array.size
-        return out
+        vector, begin = self._anderson.next(packed(guess), packed(answers)), 0
+        out = [np.zeros(array.size) for array in guess]
+        for n, entries in self._moving:
+            out[n][entries] = vector[begin : begin + entries.size] * units(n, entries)
+            begin += entries.size
+        return [values.reshape(array.shape) for values, array in zip(out, guess, strict=True)]
+
+    def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
+        """Remember the entries that are no longer zero, behind those before."""
+        if not self._known:
+            self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
+        for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
+            fresh = before != 0.0
+            fresh |= after != 0.0
+            fresh &= ~self._known[number]
+            self._known[number] |= fresh
+            self._moving.append((number, np.flatnonzero(fresh)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,8 +79,10 @@ FRICTION_NUMBERS = (
     Number(name="shift_magnitude", unit="m", meaning="shift, magnitude", headline=True, label="shift"),
     Number(name="torsion_moment", unit="N m", meaning="torsion moment about the z axis, on body 1"),
     Number(name="twist", unit="rad", meaning="twist of body 2 against body 1 about the z axis, from x to y"),
-    Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area"),
-    Number(name="slip_fraction", unit="1", meaning="slipping part of the contact area", headline=True),
+    Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area", scatters=True),
+    Number(
+        name="slip_fraction", unit="1", meaning="slipping part of the contact area", headline=True, scatters=True
+    ),
     Number(
         name="dissipated_energy", unit="J", meaning="work of friction in the solved increments",
         headline=True,

@@ -53,13 +53,14 @@ NORMAL_NUMBERS = (
     Number(name="moment_x", unit="N m", meaning="moment about the x axis"),
     Number(name="moment_y", unit="N m", meaning="moment about the y axis"),
     Number(
-        name="contact_radius", unit="m", meaning="radius of the circle of equal contact area", headline=True
+        name="contact_radius", unit="m", meaning="radius of the circle of equal contact area", headline=True,
+        scatters=True,
     ),
     Number(
         name="contact_area", unit="m2", meaning="contact area, corrected for cells cut by the edge of the contact",
-        headline=True,
+        headline=True, scatters=True,
     ),
-    Number(name="contact_area_counted", unit="m2", meaning="area of the loaded cells"),
+    Number(name="contact_area_counted", unit="m2", meaning="area of the loaded cells", scatters=True),
     Number(
         name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True, label="largest pressure"
     ),

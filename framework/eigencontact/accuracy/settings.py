@@ -6,13 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.accuracy.changes import Changes
+
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["FIDELITIES", "Changes", "Fidelity"]
-
-#: Tables of a scene by name, with the values that change (None takes one out); a list takes the place of the table's.
-Changes = Mapping[str, Any]
+__all__ = ["FIDELITIES", "Fidelity"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

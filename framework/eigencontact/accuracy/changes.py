@@ -1,0 +1,82 @@
+"""Changes of the tables of a scene that make its discretisation coarser or finer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["Changes", "changed", "refined_grid", "refined_steps", "refined_window"]
+
+#: Tables of a scene by name, with the values that change (None removes one); a list replaces that of the scene.
+Changes = Mapping[str, Any]
+
+#: Keys of the output that cost time beside the results.
+_FILES = ("pictures", "vtk", "animation", "errors")
+
+
+def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
+    """Tables of a scene with changes, without pictures and other files.
+
+    Examples
+    --------
+    >>> tables = {"numerics": {"tolerance": 1e-6, "threads": 2}}
+    >>> out = changed(tables, {"numerics": {"tolerance": 1e-4, "threads": None}})
+    >>> out["numerics"], out["output"]["pictures"]
+    ({'tolerance': 0.0001}, False)
+    """
+    out = {**tables, "output": {**tables.get("output", {}), **dict.fromkeys(_FILES, False)}}
+    for name, change in changes.items():
+        # a grid is replaced as a whole: two of its keys exclude the others
+        if name == "grid" or not isinstance(change, Mapping):
+            out[name] = change
+            continue
+        merged = {**out.get(name, {}), **change}
+        out[name] = {key: value for key, value in merged.items() if value is not None}
+    return out
+
+
+def refined_grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
+    """Table of a grid with `factor` times the cells each way, and its resolution in words."""
+    spec = plan.scene.grid
+    if spec.automatic and plan.scene.geometry:
+        cells = factor * spec.cells_per_contact_radius
+        center = list(spec.center)
+        table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
+        return table, f"{cells:g} cells per contact radius"
+    return refined_window(plan, factor)
+
+
+def refined_window(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
+    """Table of a grid over the window of a plan with `factor` times the cells each way, and its resolution in words."""
+    grid = plan.grid
+    nx, ny = (max(1, round(factor * count)) for count in (grid.nx, grid.ny))
+    size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
+    # the centre of the plan: an automatic window around inclusions has its own
+    return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
+
+
+def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict[str, Any]], float]:
+    """Tables of the steps with `factor` times the increments, at least one each, and the ratio of all increments.
+
+    Examples
+    --------
+    >>> refined_steps([{"normal-load": 1.0, "increments": 5}, {"cycle": [{"shift-x": 1e-6}], "repeat": 9}], 0.5)
+    ([{'normal-load': 1.0, 'increments': 3}, {'cycle': [{'shift-x': 1e-06, 'increments': 1}], 'repeat': 9}], 0.666...)
+    """
+    before = after = 0
+    out = []
+    for step in steps:
+        if step.get("cycle") is not None:
+            inner, _ = refined_steps(step["cycle"], factor)
+            pairs = list(zip(step["cycle"], inner, strict=True))
+            out.append({**step, "cycle": inner})
+        else:
+            single = {**step, "increments": max(1, int(factor * step.get("increments", 1) + 0.5))}
+            pairs = [(step, single)]
+            out.append(single)
+        before += sum(old.get("increments", 1) for old, _ in pairs)
+        after += sum(new["increments"] for _, new in pairs)
+    return out, after / before

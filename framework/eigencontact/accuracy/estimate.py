@@ -1,0 +1,94 @@
+"""Error of one number from its values on coarser discretisations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import NamedTuple
+
+__all__ = ["Estimate", "estimate"]
+
+#: Factor on an extrapolated error, whose order is observed on three discretisations (Roache 1998: 1.25).
+_SAFETY = 1.25
+#: Orders beyond those known by so much still count as observed: three nearby discretisations tell the order poorly.
+_SLACK = 0.5
+#: Factor on the largest difference where no order was observed: two differences of a number that scatters with the
+#: place of the cells (contact area, largest value over cells) may both be small. Measured, see the page on error bars.
+_SCATTER = 2.0
+_HIGHEST_ORDER = 8.0
+
+
+class Estimate(NamedTuple):
+    """Error of a number, and the order with which it fell; None where no order was observed."""
+
+    error: float
+    order: float | None
+
+
+def estimate(
+    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool = False
+) -> Estimate:
+    """Estimate the error of a value with step size 1.
+
+    Parameters
+    ----------
+    value : float
+        Value of the discretisation in use.
+    others : sequence of (float, float)
+        Step size in units of that of `value`, and the value there; one or two, the nearest first.
+    lowest, highest : float
+        Orders between which the error is known to fall.
+    scatters : bool
+        Whether no order can be read off two differences, as of an area of cells.
+
+    Returns
+    -------
+    Estimate
+        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety.
+        Otherwise the largest difference, taken as one of the lowest order, times a factor for scatter.
+
+    Notes
+    -----
+    Let ``v(h) = v(0) + c h^p``. Then ``v(1) - v(0) = (v(h) - v(1)) / (h^p - 1)``. Two step sizes give the order:
+    ``(v(h2) - v(1)) / (v(h1) - v(1)) = (h2^p - 1) / (h1^p - 1)``, which rises with `p`.
+
+    References
+    ----------
+    P. J. Roache, Verification and Validation in Computational Science and Engineering, Hermosa, 1998, section 5.6.
+
+    Examples
+    --------
+    >>> estimate(1.01, [(1.5, 1.0225), (2.0, 1.04)], 1.0, 2.0)  # of second order, true error 0.01
+    Estimate(error=0.0125..., order=2.0...)
+    >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
+    True
+    """
+    worst = max(abs(other - value) / abs(size**lowest - 1.0) for size, other in others)
+    if len(others) < 2:
+        return Estimate(worst, None)
+    (near, near_value), (far, far_value) = others
+    order = None if scatters else _observed(near, near_value - value, far, far_value - value)
+    if order is None or order < lowest - _SLACK:
+        return Estimate(_SCATTER * worst, None)
+    if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
+        return Estimate(worst, None)
+    used = min(order, highest)
+    return Estimate(_SAFETY * abs(near_value - value) / (near**used - 1.0), order)
+
+
+def _observed(near: float, near_difference: float, far: float, far_difference: float) -> float | None:
+    """Order from two differences; None where they do not fall alike."""
+    if near_difference == 0.0 or not isfinite(far_difference / near_difference):
+        return None
+    quotient = far_difference / near_difference
+
+    def excess(order: float) -> float:
+        return float((far**order - 1.0) / (near**order - 1.0) - quotient)
+
+    low, high = 1e-3, _HIGHEST_ORDER
+    if excess(low) > 0.0 or excess(high) < 0.0:
+        return None
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
+    return 0.5 * (low + high)

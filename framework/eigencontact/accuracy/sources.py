@@ -1,0 +1,179 @@
+"""Sources of numerical error: what a run discretises, and coarser discretisations of each part alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.accuracy.changes import Changes, refined_grid, refined_steps
+from eigencontact.accuracy.settings import FIDELITIES
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
+
+#: Cells per contact radius from which on a third of them still shows the contact.
+_MANY = 18.0
+#: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
+_ADAPTIVE = 0.5
+_SETTINGS = {setting.key: setting for setting in FIDELITIES}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Variation:
+    """One discretisation beside that of the scene."""
+
+    changes: Changes  #: changes of the scene's tables
+    ratio: float  #: its step size in step sizes of the scene (cell edge, increment, tolerance); below 1 it is finer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ErrorSource:
+    """One part of the discretisation.
+
+    Attributes
+    ----------
+    name : str
+        In ``summary.json`` and on the console.
+    lowest, highest : float
+        Orders between which the error is known to fall with the step size.
+    applies : callable
+        Whether the plan of a scene has this part.
+    variations : callable
+        Plan to variations, the nearest to the scene first.
+    on_coarse : bool
+        Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
+    """
+
+    name: str
+    applies: Callable[[Plan], bool]
+    variations: Callable[[Plan], Sequence[Variation]]
+    lowest: float = 1.0
+    highest: float = 2.0
+    on_coarse: bool = True
+
+
+def error_sources(plan: Plan) -> list[ErrorSource]:
+    """Sources of error in the run of a plan, in the order in which they are varied."""
+    return [source for source in SOURCES if source.applies(plan)]
+
+
+def _cells(plan: Plan) -> list[Variation]:
+    """Cells 2 and 3 times larger; 1.5 and 2 times where the contact has few. Coarse cells are accepted here."""
+    spec = plan.scene.grid
+    few = spec.automatic and bool(plan.scene.geometry) and spec.cells_per_contact_radius < _MANY
+    numerics = {"allow-coarse": True}
+    return [
+        Variation(changes={"grid": refined_grid(plan, 1.0 / ratio)[0], "numerics": numerics}, ratio=ratio)
+        for ratio in ((1.5, 2.0) if few else (2.0, 3.0))
+    ]
+
+
+def _has_path(plan: Plan) -> bool:
+    """Whether a state depends on the path of the loads: friction, wear, a law with memory."""
+    scene = plan.scene
+    has_memory = any(law.variables for law in plan.model.laws)
+    return scene.friction is not None or scene.wear is not None or has_memory
+
+
+def _increments(plan: Plan) -> list[Variation]:
+    """Half the increments; twice as many where each step has one."""
+    tables = plan.scene.resolved()["steps"]
+    for factor in (0.5, 2.0):
+        steps, ratio = refined_steps(tables, factor)
+        if ratio != 1.0:
+            return [Variation(changes={"steps": steps}, ratio=1.0 / ratio)]
+    return []
+
+
+def _of_setting(key: str, value: Callable[[Plan], Any], ratio: float) -> Callable[[Plan], list[Variation]]:
+    """Variation of one setting of the scene."""
+
+    def variations(plan: Plan) -> list[Variation]:
+        return [Variation(changes=_SETTINGS[key].of(plan, value(plan)), ratio=ratio)]
+
+    return variations
+
+
+def _has(key: str) -> Callable[[Plan], bool]:
+    return _SETTINGS[key].has
+
+
+def _own_pitch(plan: Plan) -> bool:
+    """Whether the height of the cells of inhomogeneities does not follow the grid."""
+    return plan.numerics.inclusion_pitch is not None and _SETTINGS["inclusion-pitch"].has(plan)
+
+
+def _degree(plan: Plan) -> int:
+    """Degree that the scene gives for whole inhomogeneities; 0 where it gives none."""
+    degree = getattr(plan.numerics.inclusion_resolution, "whole", 0)
+    return degree if isinstance(degree, int) else 0
+
+
+def _lower_degree(plan: Plan) -> list[Variation]:
+    return [Variation(changes={"numerics": {"inclusion-resolution": {"whole": _degree(plan) - 1}}}, ratio=2.0)]
+
+
+def _jumps(plan: Plan) -> list[Variation]:
+    """Twice the error that a jump over cycles may have, or jumps over twice the cycles."""
+    wear = plan.scene.wear
+    assert wear is not None
+    if wear.error is None:
+        assert wear.cycles_per_update is not None
+        return [Variation(changes={"wear": {"cycles-per-update": 2 * wear.cycles_per_update}}, ratio=2.0)]
+    return [Variation(changes={"wear": {"jump-error": min(1.0, 2.0 * wear.error)}}, ratio=2.0)]
+
+
+def _layer_error(plan: Plan) -> float:
+    assert plan.scene.wear is not None
+    return min(1.0, 2.0 * plan.scene.wear.layer_error)
+
+
+def _plastic_error(plan: Plan) -> float:
+    return min(1.0, 2.0 * (plan.numerics.plastic_error or 0.0))
+
+
+def _expands_clouds(plan: Plan) -> bool:
+    return plan.numerics.cloud_tolerance > 0.0 and _SETTINGS["cloud-tolerance"].has(plan)
+
+
+SOURCES: tuple[ErrorSource, ...] = (
+    ErrorSource(name="cells", applies=lambda _: True, variations=_cells, on_coarse=False),
+    ErrorSource(name="load steps", applies=_has_path, variations=_increments, highest=1.0),
+    ErrorSource(
+        name="cells along z",
+        applies=_own_pitch,
+        variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * (plan.numerics.inclusion_pitch or 0.0), 1.5),
+    ),
+    ErrorSource(
+        name="cells of regions",
+        applies=_has("inclusion-cells"),
+        variations=_of_setting("inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0),
+    ),
+    ErrorSource(name="degree", applies=lambda plan: _degree(plan) > 0, variations=_lower_degree),
+    ErrorSource(
+        name="plastic-error",
+        applies=lambda plan: plan.numerics.plastic_error is not None,
+        variations=_of_setting("plastic-error", _plastic_error, 2.0),
+        lowest=_ADAPTIVE,
+    ),
+    ErrorSource(name="jumps over cycles", applies=_has("jump-error"), variations=_jumps, lowest=_ADAPTIVE),
+    ErrorSource(
+        name="layer-error",
+        applies=_has("layer-error"),
+        variations=_of_setting("layer-error", _layer_error, 2.0),
+        lowest=_ADAPTIVE,
+    ),
+    ErrorSource(
+        name="cloud-tolerance",
+        applies=_expands_clouds,
+        variations=_of_setting("cloud-tolerance", lambda plan: min(0.01, 10.0 * plan.numerics.cloud_tolerance), 10.0),
+    ),
+    ErrorSource(
+        name="tolerance",
+        applies=_has("tolerance"),
+        variations=_of_setting("tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0),
+    ),
+)

@@ -1,0 +1,153 @@
+"""Error bars of runs: against closed forms, and against each planted fault."""
+
+from math import pi
+
+import pytest
+
+import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
+from close import close
+from eigencontact.accuracy import bars, sources
+from eigencontact.accuracy.bars import error_bars
+from eigencontact.accuracy.changes import refined_steps
+from eigencontact.errors import SceneError
+
+HERTZ = {
+    "body1": STEEL,
+    "geometry": {"type": "sphere", "radius": 105e-6},
+    "steps": {"normal-load": 0.65},
+    "grid": {"cells-per-contact-radius": 13},
+}
+FRICTION = {"friction": {"type": "coulomb", "coefficient": 0.3}}
+SHEARED = [{"normal-load": 0.65}, {"tangential-load-x": 0.1, "increments": 4}]
+
+
+def number(name, value, role="result"):
+    return {name: {"name": name, "unit": "m", "meaning": name, "role": role}}, {name: value}
+
+
+def summary(value, warnings=()):
+    declared, values = number("depth", value)
+    return {"numbers": declared, "observed": {}, "warnings": list(warnings), **values}
+
+
+def solver(of_changes):
+    """Runs whose depth follows from edge and increments; nothing is solved."""
+
+    def solve(tables):
+        planned = ec.plan(tables)
+        return planned, summary(of_changes(planned))
+
+    return solve
+
+
+def increments(planned):
+    return sum(step.increments for step in planned.scene.steps)
+
+
+def test_the_bars_of_a_hertz_contact_hold_the_closed_form():
+    result = ec.run(HERTZ, errors=True).summary
+    modulus = STEEL["young-modulus"] / (1 - STEEL["poisson-ratio"] ** 2)
+    radius = (3 * 0.65 * 105e-6 / (4 * modulus)) ** (1 / 3)
+    exact = {"max_pressure": 1.5 * 0.65 / (pi * radius**2), "approach": radius**2 / 105e-6, "contact_radius": radius}
+    for name, value in exact.items():
+        bar = result["errors"][name]
+        assert bar["value"] == result[name]
+        assert abs(bar["value"] - value) <= bar["error"] <= 0.05 * value
+        assert bar["source"] == "cells"
+        assert sum(bar["parts"].values()) == close(bar["error"])
+    assert result["errors_left_out"] == {}
+    assert result["error_runs"] == 3
+    assert result["errors"]["normal_load"]["error"] < 1e-9 * 0.65
+
+
+def test_without_the_option_there_are_no_errors():
+    assert "errors" not in ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}}).summary
+
+
+def test_every_source_counts_by_itself():
+    """Cells of second order and increments of first order, each with its known error."""
+    tables = HERTZ | FRICTION | {"steps": SHEARED}
+    planned = ec.plan(tables)
+    edge, count = planned.grid.dx, increments(planned)
+
+    def depth(other):
+        return 1.0 + 0.01 * (other.grid.dx / edge) ** 2 + 0.02 * count / increments(other)
+
+    found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
+    assert found.error >= 0.03
+    assert found.parts["cells"] == close(1.25 * 0.01, rel=0.05)
+    assert found.parts["load steps"] == close(0.02, rel=1e-6)
+    assert found.parts["tolerance"] == 0.0
+    assert found.source == "load steps"
+
+
+def test_a_source_left_out_is_seen(monkeypatch):
+    """Without the increments, the bar of a number whose error comes from these does not hold."""
+    monkeypatch.setattr(
+        bars, "error_sources", lambda plan: [s for s in sources.error_sources(plan) if s.name != "load steps"]
+    )
+    with pytest.raises(AssertionError):
+        test_every_source_counts_by_itself()
+
+
+def test_half_an_estimate_is_seen(monkeypatch):
+    halved = bars.estimate
+
+    def fault(*given, **options):
+        found = halved(*given, **options)
+        return found._replace(error=0.5 * found.error)
+
+    monkeypatch.setattr(bars, "estimate", fault)
+    with pytest.raises(AssertionError):
+        test_every_source_counts_by_itself()
+
+
+def test_a_refused_coarser_run_is_named():
+    planned = ec.plan(HERTZ)
+
+    def refuse(_):
+        raise SceneError("grid must be finer")
+
+    found = error_bars(planned, summary(1.0), refuse)
+    assert found.left_out == {"cells": "grid must be finer", "tolerance": "grid must be finer"}
+    assert found.bars == {}
+
+
+@pytest.mark.parametrize(("order", "expected"), [(0.5, 0.1), (0.0, None)])
+def test_a_number_that_converges_slowly_or_not_at_all(order, expected):
+    warning = {"code": "slow-place", "words": "at the edge", "number": "depth", "order": order}
+    planned = ec.plan(HERTZ)
+    edge = planned.grid.dx
+    exponent = order or -1.0
+
+    def depth(other):
+        return 1.0 + 0.1 * (other.grid.dx / edge) ** exponent
+
+    found = error_bars(planned, summary(depth(planned), [warning]), solver(depth))
+    if expected is None:
+        assert "depth" not in found.bars
+        assert found.left_out["depth"] == "at the edge"
+    else:
+        assert expected <= found.bars["depth"].error <= 1.3 * expected
+
+
+def test_increments_are_halved_in_steps_and_cycles():
+    steps, ratio = refined_steps([{"increments": 4}, {"cycle": [{"increments": 2}, {"increments": 6}]}], 0.5)
+    assert [steps[0]["increments"], *(step["increments"] for step in steps[1]["cycle"])] == [2, 1, 3]
+    assert ratio == 0.5
+
+
+def test_the_scene_asks_for_errors_and_a_sweep_has_them_beside_the_numbers(tmp_path):
+    coarse = HERTZ | {"grid": {"cells-per-contact-radius": 6}, "output": {"errors": True, "pictures": False}}
+    swept = ec.sweep(coarse, {"steps.normal-load": [0.3, 0.6]}, tmp_path / "sweep").dataset
+    assert swept["max_pressure_error"].attrs["estimates"] == "max_pressure"
+    assert (swept["max_pressure_error"] > 0).all()
+    assert (swept["max_pressure_error"] < 0.1 * swept["max_pressure"]).all()
+
+
+def test_the_console_and_the_report_show_errors(tmp_path):
+    result = ec.run(HERTZ | {"output": {"pictures": False}}, tmp_path / "run", errors=True)
+    assert "±" in result._repr_html_()
+    page = ec.report(tmp_path / "run").read_text(encoding="utf-8")
+    assert page.count("<small>±") >= 3
