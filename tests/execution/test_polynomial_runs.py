@@ -115,15 +115,14 @@ def test_the_degree_follows_the_error_that_is_allowed():
     near, far = ball(VOID, 0.2, 0.3, x=-0.6), ball(VOID, 0.2, 1.0, x=0.6)
     explained = ec.explain(scene(near, far, whole="auto", error=0.01))
     assert "2 inhomogeneities of polynomial eigenstrain of degrees 3 to 5, 210 unknowns, foretold error" in explained
-    assert "nothing (a void), with one polynomial eigenstrain of degree chosen by its error" in explained
+    for degree in (3, 5):
+        assert f"nothing (a void), with one polynomial eigenstrain of degree {degree}" in explained
 
 
-def test_a_uniform_eigenstrain_states_no_small_error():
-    """There is no lower degree: all that the void does to the pressure stands for the error."""
-    result = run(ball(VOID, 0.33, 0.5), whole=0, cells=21)
-    per_degree = np.exp(-np.arccosh(0.5 / 0.33))
-    assert result.summary["inclusion_degree_error"] == close(per_degree / (1 - per_degree), rel=1e-6)
-    assert 0.7 < result.summary["degree_pressure_error"] / P0 < 0.9
+def test_a_uniform_eigenstrain_states_no_error():
+    """There is no lower degree to compare with."""
+    summary = run(ball(VOID, 0.33, 0.5), whole=0, cells=21).summary
+    assert not {"inclusion_degree_error", "degree_pressure_error"} & set(summary)
 
 
 def test_alone_in_full_space_nothing_reflects():

@@ -167,7 +167,6 @@ def test_resume_after_growth_continues_to_the_bit(grown, tmp_path):
             marks=pytest.mark.slow,
         ),
         ({"type": "j3"}, {}, r"body1.law.*'j2'"),
-        (perfect("1 GPa"), {"numerics": {"inclusion_resolution": "whole"}}, r"inclusion-resolution = \"cells\""),
     ],
 )  # fmt: skip
 def test_laws_that_a_body_cannot_have_are_refused(law, more, message):

@@ -81,7 +81,7 @@ def test_a_given_window_keeps_its_place_and_size():
     [
         (
             "void-near-surface", [], "inclusion-resolution",
-            [f"inclusion-resolution whole{degree}" for degree in ("", " = 2", " = 4")],
+            [f"inclusion-resolution whole{degree}" for degree in (" = 0", " = 2", " = 4")],
         ),
         ("plastic-hertz", COARSE, "inclusion-resolution", []),
         ("plastic-hertz", COARSE, "plastic-error", ["plastic-error 0.03", "plastic-error 0.1"]),

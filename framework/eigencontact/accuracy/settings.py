@@ -83,11 +83,10 @@ def _resolutions(plan: Plan) -> list[Any]:
     """Cells, one eigenstrain, and polynomials of two degrees where every shape has the potentials for these."""
     from eigencontact.halfspace.potentials import HasMomentPotentials
 
-    found: list[Any] = _but("inclusion_resolution", ("cells", "whole"))(plan)
-    if all(isinstance(source.shape, HasMomentPotentials) for source in plan.model.cells.inhomogeneities):
-        own = getattr(plan.numerics.inclusion_resolution, "whole", None)
-        found += [{"whole": degree} for degree in (2, 4) if degree != own]
-    return found
+    own = getattr(plan.numerics.inclusion_resolution, "whole", None)
+    found: list[Any] = [] if own is None else ["cells"]
+    polynomials = all(isinstance(source.shape, HasMomentPotentials) for source in plan.model.cells.inhomogeneities)
+    return found + [{"whole": degree} for degree in ((0, 2, 4) if polynomials else (0,)) if degree != own]
 
 
 def _precisions(plan: Plan) -> object:

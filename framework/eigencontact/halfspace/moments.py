@@ -145,12 +145,11 @@ def stress_integrals(
     x, y, z = points
     real, image = _weights(coefficients, "stress", poisson_ratio, space)
     total = np.asarray(shape.moment_integrals(degree, real, x, y, z, tests, image=False))
-    count = len(total)
-    powers = next((len(of_orders) // count for _, of_orders in image.values()), 0)
-    for power in range(powers):
-        part = slice(power * count, (power + 1) * count)
-        rows = {name: (orders, of_orders[part]) for name, (orders, of_orders) in image.items()}
-        total = total + shape.moment_integrals(degree, rows, x, y, z, tests * z**power, image=True)
+    if image:
+        powers = len(next(iter(image.values()))[1]) // len(total)
+        products = np.concatenate([tests * z**power for power in range(powers)])
+        every = shape.moment_integrals(degree, image, x, y, z, products, image=True)
+        total = total + np.einsum("pkpd->kd", every.reshape(powers, len(total), powers, len(tests)))
     return total.reshape(len(coefficients), 6, -1)
 
 

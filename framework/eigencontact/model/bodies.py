@@ -76,9 +76,6 @@ def _refuse_law(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
         raise SceneError(
             f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
         )
-    uniform = scene.numerics.inclusion_resolution == "whole"
-    rule = 'of a scene with numerics.inclusion-resolution = "cells", or a degree: { whole = 4 }'
-    require(not uniform, where, "type", law.key, rule)
 
 
 def bodies_of(scene: Scene, registry: Registry) -> Solids:

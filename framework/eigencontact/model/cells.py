@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.halfspace.potentials import HasFarField, HasMomentPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies
 from eigencontact.model.boxes import with_cells, with_lattices
@@ -16,6 +16,7 @@ from eigencontact.model.resolution import refuse_coarse_regions
 from eigencontact.model.sources import Inhomogeneity, Source, build_patches
 from eigencontact.model.window import Window
 from eigencontact.scene.schema import Scene, StressRequest
+from eigencontact.scene.whole import Whole
 
 __all__ = ["Cells", "Sources", "cut_cells", "place_sources"]
 
@@ -89,19 +90,23 @@ def place_sources(
     return Sources(prescribed=prescribed, inhomogeneities=inhomogeneities, interface=interface)
 
 
-def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[int, InitialState]) -> Cells:
+def cut_cells(
+    scene: Scene, bodies: Bodies, window: Window, sources: Sources, initial: Mapping[int, InitialState]
+) -> Cells:
     """Sources with their cells on the columns of the window's grid.
 
     Raises
     ------
     SceneError
-        Too many cells, or cells wider than a region.
+        Too many cells, cells wider than a region, or a degree that misses the error of the scene.
     """
     grid, inhomogeneities = window.grid, sources.inhomogeneities
     prescribed = with_lattices(sources.prescribed, scene, grid)
     heights = {body: state.height for body, state in initial.items()}
-    inhomogeneities = _resolved_by_whom(inhomogeneities, scene)
     for body in (1, 2):
+        members = [source for source in inhomogeneities if source.body == body]
+        wholes = _wholes(members, scene, bodies)
+        inhomogeneities = tuple(wholes.get(id(source), source) for source in inhomogeneities)
         members = [source for source in inhomogeneities if source.body == body]
         if not all(source.whole for source in members):
             celled = dict(zip(map(id, members), with_cells(members, scene, grid, heights), strict=True))
@@ -113,18 +118,23 @@ def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[i
     return Cells(prescribed=prescribed, inhomogeneities=inhomogeneities, requests=requests)
 
 
-def _resolved_by_whom(sources: Sequence[Inhomogeneity], scene: Scene) -> tuple[Inhomogeneity, ...]:
-    """Mark inhomogeneities that are wholes; by degree these are linear ones whose shape has moment potentials."""
+def _wholes(sources: Sequence[Inhomogeneity], scene: Scene, bodies: Bodies) -> dict[int, Inhomogeneity]:
+    """Inhomogeneities of a body that are wholes, with their degrees, by the identity of those given."""
     resolution = scene.numerics.inclusion_resolution
     if resolution == "cells":
-        return tuple(sources)
-    if resolution == "whole":
-        return tuple(replace(source, whole=True) for source in sources)
-    return tuple(
-        replace(source, whole=True, degree=resolution.whole) if _has_polynomials(source) else source
-        for source in sources
-    )
+        return {}
+    chosen = [source for source in sources if _is_whole(source, resolution)]
+    if not chosen:
+        return {}
+    from eigencontact.model.whole_degrees import degrees_of
+
+    surface = scene.numerics.half_space not in ("full-space", "image-pressure")
+    degrees = degrees_of(chosen, resolution, bodies.half_space(chosen[0].body), surface=surface)
+    return {id(source): replace(source, degree=item) for source, item in zip(chosen, degrees, strict=True)}
 
 
-def _has_polynomials(source: Inhomogeneity) -> bool:
-    return isinstance(source.shape, HasMomentPotentials) and source.field.uniform and source.uniform_law is not None
+def _is_whole(source: Inhomogeneity, resolution: Whole) -> bool:
+    """Whether a region is uniform, and its shape has the potentials that the degree asks for."""
+    exact = source.exact and isinstance(source.shape, HasFarField) and resolution.whole == 0
+    has_potentials = exact or isinstance(source.shape, HasMomentPotentials)
+    return has_potentials and source.field.uniform and source.uniform_law is not None

@@ -137,7 +137,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
     elastic = build_interface(scene, registry, bodies.solids)
     window = _window(scene, bodies, elastic)
     sources = place_sources(scene, registry, bodies, elastic, window, initial)
-    cells = cut_cells(scene, window, sources, initial)
+    cells = cut_cells(scene, bodies, window, sources, initial)
     wear = wear_model(scene, registry)
     laws = {"friction": elastic and elastic.friction, "wear": wear and wear.law}
     return Model(

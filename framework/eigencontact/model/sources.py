@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShap
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import eigenstrain_table
 from eigencontact.scene.schema import Scene
+
+if TYPE_CHECKING:
+    from eigencontact.model.whole_degrees import WholeDegree
 
 __all__ = [
     "Inhomogeneity",
@@ -162,16 +165,17 @@ class Inhomogeneity(Source):
     Attributes
     ----------
     law : ConstitutiveLaw
-    whole : bool
-        Whether it has one eigenstrain, uniform or a polynomial; cells, if any, are then those that it takes from what
-        lies around it.
-    degree : int or "auto" or None
-        Degree of that polynomial as the scene has it; None for a uniform eigenstrain.
+    degree : WholeDegree or None
+        Degree of its one polynomial eigenstrain, and the error foretold; None where it is resolved by cells.
     """
 
     law: ConstitutiveLaw
-    whole: bool = False
-    degree: int | Literal["auto"] | None = None
+    degree: WholeDegree | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether it has one eigenstrain; cells, if any, are then those that it takes from what lies around it."""
+        return self.degree is not None
 
     @property
     def material(self) -> str | None:
@@ -197,10 +201,8 @@ class Inhomogeneity(Source):
     def how(self) -> str:
         """Resolution of the region, in words."""
         if self.degree is not None:
-            degree = "chosen by its error" if self.degree == "auto" else f"{self.degree}"
-            return f"{self.law.words}, with one polynomial eigenstrain of degree {degree}"
-        if self.whole:
-            return f"one eigenstrain of {self.law.words}"
+            kind = f"polynomial eigenstrain of degree {self.degree.degree}" if self.degree.degree else "eigenstrain"
+            return f"{self.law.words}, with one {kind}"
         assert self.lattice is not None
         nz, ny, nx = self.lattice.shape
         return f"{nx} x {ny} x {nz} cells of {self.law.words}"

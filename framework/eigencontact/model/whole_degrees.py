@@ -14,7 +14,7 @@ from eigencontact.model.sources import Inhomogeneity
 from eigencontact.scene.whole import HIGHEST_DEGREE, Whole
 from eigencontact.solvers.inclusion_reach import contrast_of, degree_for, reflection, stated_error
 
-__all__ = ["WholeDegree", "degrees_of"]
+__all__ = ["WholeDegree", "degrees_of", "functions_up_to"]
 
 #: Least degree that ``"auto"`` takes: differences of lower ones foretell nothing.
 _LEAST = 3
@@ -38,6 +38,11 @@ class WholeDegree:
     degree: int
     quality: float
     error: float
+
+
+def functions_up_to(degree: int) -> int:
+    """Equilibrated fields up to a degree: unknowns of one inhomogeneity."""
+    return 3 * (degree + 1) * (degree + 3) - 3
 
 
 def degrees_of(

@@ -36,7 +36,7 @@ from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
 from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength, Table, Tables
 from eigencontact.scene.wear import Wear
-from eigencontact.scene.whole import Whole
+from eigencontact.scene.whole import Whole, uniform_or_given
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -107,10 +107,10 @@ class Numerics(Table):
         Cells along z across a region that has to be cut into cells: a shape without potentials, or an eigenstrain that
         is not uniform.
     inclusion_resolution : {"cells", "whole"} or Whole
-        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own; as a ``"whole"`` with one
-        uniform eigenstrain (cheap; shapes with potentials, away from the surface and each other); or as a whole with a
+        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own; or as a whole with a
         polynomial, ``{ whole = 4 }`` or ``{ whole = "auto" }`` (balls and ellipsoids: more accurate than cells, and
-        cheaper).
+        cheaper). ``"whole"`` is ``{ whole = 0 }``, one uniform eigenstrain (also of cuboids; for regions away from the
+        surface and each other).
     inclusion_pitch : float, optional
         Height of those cells [m]; by default it follows the grid and the shapes.
     law_room : float
@@ -149,7 +149,7 @@ class Numerics(Table):
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
-    inclusion_resolution: Literal["cells", "whole"] | Whole = "cells"
+    inclusion_resolution: Annotated[Literal["cells"] | Whole, BeforeValidator(uniform_or_given)] = "cells"
     inclusion_pitch: PositiveLength | None = None
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"

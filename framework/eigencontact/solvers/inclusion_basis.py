@@ -23,6 +23,9 @@ from eigencontact.solvers.navier_polynomials import all_polynomials, equilibrate
 
 __all__ = ["InclusionBasis", "basis_of"]
 
+#: Size of an eigenstrain, over the largest, that is rounding of those that it depends on.
+_DEPENDENT = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class InclusionBasis:
@@ -35,12 +38,15 @@ class InclusionBasis:
         Degree of each function; they ascend.
     eigenstrain : (n + 6, 6, densities)
         x of each function per density of the shape; then the six uniform eigenstrains, for a prestrain.
+    span : (r, 6, densities)
+        Independent eigenstrains of which all these are made, as the uniform ones are among the functions as a rule:
+        what costs a field is computed of these.
+    mix : (n + 6, r)
+        The eigenstrains by those of `span`.
     work : (n, n + 6)
         Integral of τ of one function with x of another [m^3, in units of the matrix's shear modulus].
     overlap : (n, n)
         Mean over the inclusion of x : x.
-    mean : (6, n + 6)
-        Mean of x over the inclusion.
     volume : float
         Of the inclusion [m^3].
     """
@@ -48,9 +54,10 @@ class InclusionBasis:
     degree: int
     degrees: IntArray
     eigenstrain: FloatArray
+    span: FloatArray
+    mix: FloatArray
     work: FloatArray
     overlap: FloatArray
-    mean: FloatArray
     volume: float
 
     @property
@@ -106,14 +113,16 @@ def basis_of(
     uniform = np.zeros((6, 6, densities_up_to(degree)))
     uniform[:, :, 0] = np.eye(6) / densities[0].mean() * root[0, 0]
     every = np.concatenate((x, uniform))
-    means = orthonormal @ weights / volume
     to_densities = np.linalg.inv(root)
+    left, sizes, right = np.linalg.svd(every.reshape(len(every), -1), full_matrices=False)
+    kept = sizes > _DEPENDENT * sizes[0]
     return InclusionBasis(
         degree=degree,
         degrees=np.asarray(degrees, dtype=np.intp),
         eigenstrain=every @ to_densities,
+        span=right[kept].reshape(-1, *every.shape[1:]) @ to_densities,
+        mix=left[:, kept] * sizes[kept],
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),
-        mean=(every @ means).T,
         volume=volume,
     )

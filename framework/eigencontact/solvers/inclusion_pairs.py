@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,7 +12,6 @@ from scipy.spatial import cKDTree
 from eigencontact.core.array_types import FloatArray
 from eigencontact.halfspace.cloud import cloud_sources
 from eigencontact.halfspace.moments import stress_integrals
-from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.region_means import is_ball
 from eigencontact.solvers.distant_work import DistantWork
 from eigencontact.solvers.inclusion_reach import counts_between
@@ -51,8 +50,7 @@ class InclusionPairs:
         self._system = system
         self.own: dict[Hashable, FloatArray] = {}
         self._distant = None
-        shapes = [cast("HasPotentials", shape) for shape in system.shapes]
-        if len(shapes) > _MANY and all(cloud_sources(shape) is not None for shape in shapes):
+        if len(system.regions) > _MANY and all(cloud_sources(shape) is not None for shape in system.regions):
             self._distant = DistantWork(system)
         self._blocks = list(self._interactions().values())
 
@@ -66,11 +64,7 @@ class InclusionPairs:
             every = np.concatenate((own, uniform[:, sources]))
             np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
         if self._distant is not None:
-            means = [
-                basis.mean @ np.concatenate((system.of(amplitudes, number), uniform[:, number]))
-                for number, basis in enumerate(system.bases)
-            ]
-            out -= self._distant.work(np.array(means))
+            out -= self._distant.work(amplitudes, uniform)
         return out
 
     def _interactions(self) -> dict[Hashable, _Blocks]:
@@ -82,11 +76,13 @@ class InclusionPairs:
                 caused = self._stress_work(number, number)[: basis.size]
                 self.own[key] = -caused
                 self.own[key][:, : basis.size] += basis.work[:, : basis.size]
-                blocks[key] = _Blocks(self.own[key] + self._counted(number, number))
+                blocks[key] = _Blocks(self.own[key])
             blocks[key].targets.append(number)
             blocks[key].sources.append(number)
         for target, source in self._near_pairs():
             self._add_pair(blocks, target, source)
+        if self._distant is not None:
+            self._take_out(blocks.values(), self._distant)
         return blocks
 
     def _near_pairs(self) -> list[tuple[int, int]]:
@@ -102,9 +98,16 @@ class InclusionPairs:
             pairs |= {(min(i, j), max(i, j)) for i, near in enumerate(images) for j in near if i != j}
         return sorted(pairs)
 
-    def _counted(self, target: int, source: int) -> FloatArray | float:
-        """What the sum over mean eigenstrains holds of a pair, ``(n, n + 6)``."""
-        return 0.0 if self._distant is None else self._distant.pair(target, source)
+    @staticmethod
+    def _take_out(blocks: Iterable[_Blocks], distant: DistantWork) -> None:
+        """Take out of near pairs what the sum over mean eigenstrains, of all pairs, holds of them."""
+        by_source: dict[int, list[_Blocks]] = {}
+        for block in blocks:
+            by_source.setdefault(block.sources[0], []).append(block)
+        for source, members in by_source.items():
+            shares = distant.shares(source, [block.targets[0] for block in members])
+            for block, share in zip(members, shares, strict=True):
+                block.matrix = block.matrix + share
 
     def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
         """Both directions of a pair: one matrix is the other's transpose."""
@@ -115,9 +118,8 @@ class InclusionPairs:
         there, back = (*key, "there"), (*key, "back")
         if there not in blocks:
             caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self._system.bases[target].size] + self._counted(target, source))
-            transposed = np.ascontiguousarray(caused[:, : self._system.bases[source].size].T)
-            blocks[back] = _Blocks(transposed + self._counted(source, target))
+            blocks[there] = _Blocks(caused[: self._system.bases[target].size])
+            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self._system.bases[source].size].T))
         blocks[there].targets.append(target)
         blocks[there].sources.append(source)
         blocks[back].targets.append(source)
@@ -132,16 +134,20 @@ class InclusionPairs:
         within = system.halves[target] if target == source else system.radii[target]
         degree = max(first.degree, second.degree)
         counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
-        if target == source and is_ball(system.shapes[source]):
-            counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
+        if is_ball(system.regions[target]):
+            # Stress from outside is r^l and r^(l+2) times a harmonic of degree l, and no l above the density's counts.
+            counts = (degree + 3, *counts[1:])
+            if target == source:
+                counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
         points, weights = system.shapes[target].density_rule(counts)
         x, y, z = points.T
         densities = system.shapes[target].densities(first.degree, x, y, z)
         moments = stress_integrals(
-            system.shapes[source], second.eigenstrain, (x, y, z), densities * weights, degree=second.degree,
+            system.shapes[source], second.span, (x, y, z), densities * weights, degree=second.degree,
             poisson_ratio=system.matrix.poisson_ratio, space=system.space, threads=system.threads,
         )  # fmt: skip
-        return np.asarray(np.einsum("nid,kid->nk", first.eigenstrain, moments, optimize=True))
+        work = np.einsum("nid,kid->nk", first.span, moments, optimize=True)
+        return np.asarray(first.mix @ work @ second.mix.T)
 
     def _distance(self, target: int, source: int) -> float:
         """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""

@@ -35,6 +35,7 @@ from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.cloud import likeness
 from eigencontact.halfspace.moments import densities_up_to
 from eigencontact.halfspace.potentials import HasMomentPotentials
+from eigencontact.halfspace.uniform_density import with_densities
 from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.inclusion_basis import InclusionBasis, basis_of
 from eigencontact.solvers.inclusion_pairs import ALIKE, InclusionPairs
@@ -74,7 +75,7 @@ class PolynomialInclusions:
     Parameters
     ----------
     shapes : sequence of HasMomentPotentials
-        Inclusions that do not overlap.
+        Inclusions that do not overlap; of degree 0 also shapes with potentials and point sources (`HasFarField`).
     matrix : Material
         The material around; ν up to 0.5.
     materials : sequence of Elasticity or of (6, 6)
@@ -110,13 +111,15 @@ class PolynomialInclusions:
         require(len(degrees) == count, where, "degrees", len(degrees), f"one for each of {count} inclusions")
         maps = any(isinstance(item, ElasticityOfCells) for item in materials)
         require(not maps, where, "materials", "a map", "uniform in each inclusion; resolve maps by cells")
-        self.shapes, self.matrix, self.degrees = list(shapes), matrix, list(degrees)
+        self.regions: list[Any] = list(shapes)
+        self.matrix, self.degrees = matrix, list(degrees)
+        self.shapes = [with_densities(shape) for shape in shapes]
         self.space, self.threads = space, threads
         known: dict[Hashable, InclusionBasis] = {}
         self.kinds: list[Hashable] = []
         self.bases: list[InclusionBasis] = []
-        for shape, material, degree in zip(shapes, materials, degrees, strict=True):
-            kind = (likeness(shape), _constants(material, matrix.shear_modulus), degree)
+        for region, shape, material, degree in zip(shapes, self.shapes, materials, degrees, strict=True):
+            kind = (likeness(region), _constants(material, matrix.shear_modulus), degree)
             if kind not in known:
                 known[kind] = basis_of(shape, material, matrix, degree)
             self.kinds.append(kind)

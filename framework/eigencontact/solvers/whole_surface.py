@@ -70,6 +70,7 @@ class WholeSurface:
         for group, table in self._groups:
             for number, part in self._parts(group):
                 weights = np.concatenate((self._system.of(amplitudes, number), prestrain[:, number]))
+                weights = weights @ self._system.bases[number].mix
                 out += np.einsum("f,fdyx->dyx", weights, table[..., *part])
         return out
 
@@ -83,9 +84,9 @@ class WholeSurface:
         load = tractions[:, y, x] * self._grid.cell_area
         for group, table in self._groups:
             for number, (rows, columns) in self._parts(group):
-                here = table[:, :, rows, columns][: self._system.bases[number].size, :, y, x]
-                start = self._system.starts[number]
-                out[start : start + len(here)] = np.einsum("fdyx,dyx->f", here, load)
+                basis, here = self._system.bases[number], table[:, :, rows, columns][..., y, x]
+                start, end = self._system.starts[number : number + 2]
+                out[start:end] = basis.mix[: basis.size] @ np.einsum("fdyx,dyx->f", here, load)
         return out
 
     def _parts(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
@@ -98,7 +99,7 @@ class WholeSurface:
         ]
 
     def _table(self, group: _Group) -> FloatArray:
-        """Mean displacement by unit amplitudes, ``(functions, directions, rows, columns)``."""
+        """Mean displacement by the eigenstrains of `InclusionBasis.span`, ``(r, directions, rows, columns)``."""
         grid, system, number = self._grid, self._system, group.members[0]
         columns, rows = (np.array([cell[axis] for cell in group.cells]) for axis in (0, 1))
         x = grid.x[0] + grid.dx * (np.arange(grid.nx + int(np.ptp(columns))) + columns[0] - columns.max())
@@ -108,12 +109,12 @@ class WholeSurface:
         order = int(np.clip(np.ceil(_FEW * wide), _FEW, _MOST))
         nodes, weights = np.polynomial.legendre.leggauss(order)
         basis, shape = system.bases[number], system.shapes[number]
-        out = np.zeros((len(basis.eigenstrain), len(self._rows), y.size, x.size))
+        out = np.zeros((len(basis.span), len(self._rows), y.size, x.size))
         for node_y, weight_y in zip(nodes, weights, strict=True):
             for node_x, weight_x in zip(nodes, weights, strict=True):
                 at_y, at_x = np.meshgrid(y + 0.5 * grid.dy * node_y, x + 0.5 * grid.dx * node_x, indexing="ij")
                 values = surface_displacement(
-                    shape, basis.eigenstrain, (at_x.ravel(), at_y.ravel()), self._rows, degree=basis.degree,
+                    shape, basis.span, (at_x.ravel(), at_y.ravel()), self._rows, degree=basis.degree,
                     poisson_ratio=system.matrix.poisson_ratio, threads=self._threads,
                 )  # fmt: skip
                 out += 0.25 * weight_x * weight_y * values.reshape(out.shape)

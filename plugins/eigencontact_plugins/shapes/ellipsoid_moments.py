@@ -202,6 +202,6 @@ def weighted_sums(
     for first in range(0, points[0].size, CHUNK):
         here = (points[0][first : first + CHUNK], points[1][first : first + CHUNK], points[2][first : first + CHUNK])
         values = outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
-        for block, part in zip(used, (rows @ values).reshape(len(used), len(out), -1), strict=True):
+        for block, part in zip(used, (rows @ values).reshape(len(used), len(out), values.shape[-1]), strict=True):
             out[:, first : first + CHUNK] += part if block == 3 else here[block] * part
     return out

@@ -64,6 +64,7 @@ def densities_of(degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> Fl
     return np.asarray(functions.real_part(rows) @ functions.values(x, y, z))
 
 
+@lru_cache(64)
 def rule(counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
     """Points ``(m, 3)`` and weights of the unit ball: Gauss along r with r², Gauss along cos, equal angles."""
     radial, polar, turns = counts

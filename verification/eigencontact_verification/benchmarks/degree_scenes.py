@@ -135,11 +135,9 @@ class _Run:
     @classmethod
     def of(cls, inclusions: Sequence[dict[str, Any]], degree: int, cells: int) -> _Run:
         import eigencontact as ec
-        from eigencontact.model.whole_degrees import degrees_of
 
         plan: Any = ec.plan(scene_of(inclusions, {"inclusion-resolution": {"whole": degree}}, cells))
         sources = plan.model.cells.inhomogeneities
-        resolution, matrix = plan.numerics.inclusion_resolution, _matrix()
         result = ec.run(plan)
         numbers, data = result.summary, result.dataset
         name = next(name for name in data if data[name].attrs.get("role") == "history")
@@ -147,7 +145,7 @@ class _Run:
             pressure=data["pressure"][-1].values / PRESSURE,
             eigenstrain=data[name][-1].values,
             stated=(numbers["degree_pressure_error"] / PRESSURE, numbers["inclusion_degree_error"]),
-            foretold=max(item.error for item in degrees_of(sources, resolution, matrix)),
+            foretold=max(source.degree.error for source in sources),
             shapes=[source.shape for source in sources],
             degree=degree,
         )

@@ -263,7 +263,7 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
-    from eigencontact.solvers.whole_inclusions import WholeInclusions
+    from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
 
     matrix = problem.matrix
     shape = make("sphere", kind="inclusion-shape", center=problem.centre, radius=problem.radius)
@@ -283,9 +283,9 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
     prestrain = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
-    solver = WholeInclusions([shape], matrix, [problem.stiffness])
-    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
-    eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0])
+    solver = PolynomialInclusions([shape], matrix, [problem.stiffness], [0])
+    load = solver.moments(_applied(problem, np.ascontiguousarray(solver.points.T)))
+    eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0, 0])
     total = applied + np.einsum("cun,u->cn", caused, eigenstrain)
     remainder = -answer @ (stress @ total + (strain @ (eigenstrain - prestrain))[:, None])
     parts = [

@@ -40,24 +40,24 @@ class BesideCells:
         system, total = self._wholes.system, np.zeros((6, int(np.prod(self._shape))))
         for number, table in enumerate(self._tables):
             every = np.concatenate((system.of(self._wholes.amplitudes, number), self._wholes.present[:, number]))
-            total += np.tensordot(every, table, 1)
+            total += np.tensordot(every @ system.bases[number].mix, table, 1)
         return system.matrix.shear_modulus * total.reshape(6, *self._shape)
 
     def work(self) -> FloatArray:
         """Work [J] of the present eigenstrain of the cells on every function of the wholes."""
         system, strain = self._wholes.system, self.cells.eigenstrain.reshape(6, -1)
         parts = [
-            np.tensordot(table[: basis.size], strain, 2)
+            basis.mix[: basis.size] @ np.tensordot(table, strain, 2)
             for table, basis in zip(self._tables, system.bases, strict=True)
         ]
         return system.matrix.shear_modulus * self._volume * np.concatenate(parts)
 
     def _table(self, number: int, at: Sequence[FloatArray]) -> FloatArray:
-        """Stress at the cells by unit functions, ``(functions, 6, cells)``, in units of the shear modulus."""
+        """Stress at the cells by the eigenstrains of its `span`, ``(r, 6, cells)``, in units of the shear modulus."""
         system = self._wholes.system
         shape, basis = self._wholes.sources[number].shape, system.bases[number]
         edges = self.cells.box.lattice.edges[::-1]
-        out = np.zeros((len(basis.eigenstrain), 6, at[0].size))
+        out = np.zeros((len(basis.span), 6, at[0].size))
         shifts = [(np.arange(_POINTS) + 0.5) / _POINTS - 0.5 for _ in range(3)]
         near = self._near(number, at)
         inside = np.zeros(near.size)
@@ -88,7 +88,7 @@ class BesideCells:
         system = self._wholes.system
         x, y, z = points
         return moment_field(
-            system.shapes[number], system.bases[number].eigenstrain, (x, y, z), degree=system.bases[number].degree,
+            system.shapes[number], system.bases[number].span, (x, y, z), degree=system.bases[number].degree,
             poisson_ratio=system.matrix.poisson_ratio, quantity="stress", space=system.space, threads=system.threads,
         )  # fmt: skip
 

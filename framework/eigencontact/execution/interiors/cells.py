@@ -24,8 +24,8 @@ from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.matrix_law import matrix_law
+from eigencontact.model.whole_degrees import functions_up_to
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
-from eigencontact.scene.whole import Whole
 
 if TYPE_CHECKING:
     from eigencontact.execution.interiors.beside_cells import BesideCells
@@ -128,12 +128,8 @@ class Cells(Responding):
 
     def _beside_wholes(self, wholes: Subsurface) -> Cost:
         """Price of tables of the stress in the cells by each function of wholes."""
-        from eigencontact.model.whole_degrees import degrees_of
-
-        whole, material = self._numerics.inclusion_resolution, self._half_space.material
-        assert isinstance(whole, Whole)
-        degrees = [item.degree for item in degrees_of(wholes.inhomogeneities, whole, material)]
-        values = sum(6 * (3 * (degree + 1) * (degree + 3) + 3) * self._box.lattice.cells for degree in degrees)
+        degrees = [source.degree.degree for source in wholes.inhomogeneities if source.degree is not None]
+        values = sum(6 * functions_up_to(degree) * self._box.lattice.cells for degree in degrees)
         seconds = _FUNCTION * values
         return Cost(
             memory=8.0 * 1.5 * values, seconds_once=seconds, seconds_per_step=1e-9 * self._applications * values

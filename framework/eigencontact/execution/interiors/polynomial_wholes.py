@@ -26,9 +26,8 @@ from eigencontact.halfspace.region_means import is_ball
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.overlaps import overlapping
 from eigencontact.model.regions import RegionLattice
-from eigencontact.model.whole_degrees import degrees_of
+from eigencontact.model.whole_degrees import functions_up_to
 from eigencontact.results.records import HistoryRecord
-from eigencontact.scene.whole import Whole
 from eigencontact.solvers.whole_surface import WholeSurface, table_key
 
 if TYPE_CHECKING:
@@ -53,7 +52,6 @@ class PolynomialWholes(Responding):
         Inclusions that overlap, or an error that no degree reaches.
     """
 
-    estimates_degree = True
     numbers: Sequence[Number] = (
         *Responding.numbers,
         Number(
@@ -65,26 +63,30 @@ class PolynomialWholes(Responding):
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions, None)
-        whole = self._numerics.inclusion_resolution
-        assert isinstance(whole, Whole)
         self.beside: BesideCells | None = None
         for first, second in overlapping(self.sources):
             raise SceneError(
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
                 "numerics.inclusion-resolution (got ground that both hold); set it to 'cells'"
             )
-        self._degrees = degrees_of(self.sources, whole, self._half_space.material, surface=not self._half_space.full)
+        self._degrees = [source.degree for source in self.sources if source.degree is not None]
+        # Below degree 0 there is nothing to compare with.
+        self.estimates_degree = max(item.degree for item in self._degrees) > 0
+        if not self.estimates_degree:
+            self.numbers = Responding.numbers
         self.why = self._reason()
         self._declare()
 
     def _reason(self) -> str:
         lowest, highest = (pick(item.degree for item in self._degrees) for pick in (min, max))
         degrees = f"degree {highest}" if lowest == highest else f"degrees {lowest} to {highest}"
-        unknowns = sum(_functions(item.degree) for item in self._degrees)
+        unknowns = sum(functions_up_to(item.degree) for item in self._degrees)
         worst = max(item.error for item in self._degrees)
         count = "its" if len(self.sources) == 1 else f"{len(self.sources)} inhomogeneities of"
-        text = f"{count} polynomial eigenstrain of {degrees}, {unknowns} unknowns"
-        return f"{text}, foretold error {100 * worst:.2g} % of what the load causes there" if worst > 0 else text
+        kind = f"polynomial eigenstrain of {degrees}" if highest else "uniform eigenstrain"
+        text = f"{count} {kind}, {unknowns} unknowns"
+        foretold = f", foretold error {100 * worst:.2g} % of what the load causes there"
+        return text + foretold if worst > 0 and highest else text
 
     def _declare(self) -> None:
         """Set price and kernels."""
@@ -93,7 +95,7 @@ class PolynomialWholes(Responding):
             (likeness(source.shape), item.degree, table_key(source.shape.bounds, self._grid), is_ball(source.shape))
             for source, item in zip(self.sources, self._degrees, strict=True)
         )
-        functions = [(_functions(degree) + 6, members) for (_, degree, _, _), members in alike.items()]
+        functions = [(functions_up_to(degree), members) for (_, degree, _, _), members in alike.items()]
         tables = sum(size * cells * min(members, 4) for size, members in functions)
         blocks = sum(8.0 * size**2 * min(count, 30) for size, _ in functions)
         matrices = [_matrix_cost(degree, ball=ball) for _, degree, _, ball in alike]
@@ -193,7 +195,7 @@ class PolynomialWholes(Responding):
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""
-        return {**super().scalars(), "inclusion_degree_error": self._error()}
+        return super().scalars() | ({"inclusion_degree_error": self._error()} if self.estimates_degree else {})
 
     def _lower(self) -> tuple[FloatArray, FloatArray]:
         """Amplitudes with one degree less, and with two, under the present load."""
@@ -222,7 +224,7 @@ class PolynomialWholes(Responding):
 
     def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
         """See `Interior.normal_displacement_by_less`."""
-        if self._table is None or not self._amplitudes.any():
+        if self._table is None or not (self.estimates_degree and self._amplitudes.any()):
             return 0.0, ()
         nothing = np.zeros_like(self._prestrain)
         changes = [
@@ -238,17 +240,12 @@ class PolynomialWholes(Responding):
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
 
 
-def _functions(degree: int) -> int:
-    """Equilibrated fields up to a degree."""
-    return 3 * (degree + 1) * (degree + 3) - 3
-
-
 def _matrix_cost(degree: int, *, ball: bool) -> tuple[float, float]:
     """Bytes held and seconds taken by the matrix of one pair, or of one inclusion and its image, on one thread.
 
     Fitted to voids half a radius below the surface, degrees 4 to 12 of a ball and 2 to 6 of an ellipsoid.
     """
-    weights = 24.0 * (_functions(degree) + 6) * densities_up_to(degree)
+    weights = 24.0 * functions_up_to(degree) * densities_up_to(degree)
     if ball:
         return 0.7e3 * weights, 0.03 + 0.12 * (0.2 * (degree + 1)) ** 5.6
     return 4.4e3 * weights, 0.2 + 1.7 * (0.2 * (degree + 1)) ** 7.5

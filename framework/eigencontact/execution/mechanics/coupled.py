@@ -47,6 +47,8 @@ _TIGHTEST = 1e-13
 _PASSES = 12
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
+#: Part of an error that a round may leave.
+_SHRINKS = 0.9
 #: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
 _ALONG = 0.05
 
@@ -341,4 +343,8 @@ class _Seen:
         if not self._ratios:
             return 0.0
         middle = max(1.0 + 0.5 * (min(self._ratios) + max(self._ratios)), 1.0 / _EXTREME)
-        return float(2.0 ** (0.5 * round(2.0 * np.log2(middle)))) - 1.0
+        softer = float(2.0 ** (0.5 * round(2.0 * np.log2(middle))))
+        # A round leaves |R - θ S| / (1 + θ) S of an error. Rounded down, θ may miss that the largest ratio shrinks.
+        if 1.0 + max(self._ratios) > (1.0 + _SHRINKS) * softer:
+            softer *= 2.0**0.5
+        return softer - 1.0

@@ -408,12 +408,8 @@ def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Int
             from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
 
             interiors.append((SweptCells if should_sweep(subsurface) else Cells)(subsurface, directions))
-        elif subsurface.inhomogeneities and subsurface.half_space.numerics.inclusion_resolution != "whole":
+        elif subsurface.inhomogeneities:
             from eigencontact.execution.interiors.polynomial_wholes import PolynomialWholes
 
             interiors.append(PolynomialWholes(subsurface, directions))
-        elif subsurface.inhomogeneities:
-            from eigencontact.execution.interiors.uniform_inclusions import Wholes
-
-            interiors.append(Wholes(subsurface, directions))
     return interiors

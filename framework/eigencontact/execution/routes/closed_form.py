@@ -33,7 +33,7 @@ _KNOWN: dict[tuple[object, ...], float] = {}
 
 
 class ClosedForms(Route):
-    """Field of a uniform eigenstrain in each of some shapes, ``(6, n)``."""
+    """Field of a uniform eigenstrain in each of some shapes, ``(6, n)``, or of degree 0 as stored, ``(6, 1, n)``."""
 
     @property
     def words(self) -> str:
@@ -116,6 +116,7 @@ class ClosedForms(Route):
     def field(self, eigenstrain: FloatArray) -> FloatArray:
         """See `Route.field`."""
         points, threads = self.lattice.flat_points(), self.half_space.numerics.threads
+        eigenstrain = eigenstrain.reshape(6, -1)
         if len(self.sources) >= _CLOUD:
             from eigencontact.halfspace.cloud import field_of_cloud
 

@@ -19,8 +19,6 @@ __all__ = ["MomentForms"]
 _POINT, _FUNCTION = 1.5e-6, 4e-8
 #: Functions of degree N: about (N + 6)², twice.
 _ABOVE = 6
-#: Degree that ``"auto"`` chooses, typically.
-_USUAL = 4
 
 
 class MomentForms(Route):
@@ -35,8 +33,8 @@ class MomentForms(Route):
     def cost(self) -> Cost:
         """See `Route.cost`; nothing is kept but the field itself."""
         count = int(np.prod(self.lattice.shape))
-        degrees = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
-        functions = [2 * ((degree if isinstance(degree, int) else _USUAL) + _ABOVE) ** 2 for degree in degrees]
+        chosen = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
+        functions = [2 * (item.degree + _ABOVE) ** 2 for item in chosen if item is not None]
         seconds = count * (len(functions) * _POINT + sum(functions) * _FUNCTION)
         held = 8.0 * count * len(self.rows) * 3 + 64e6
         return Cost(memory=held, seconds_per_step=seconds / working_threads(self.half_space.threads))

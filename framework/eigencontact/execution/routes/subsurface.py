@@ -125,9 +125,9 @@ class Subsurface:
         """Route from the equivalent eigenstrain of the inhomogeneities to a field at the points of a lattice."""
         if self.in_cells:
             return cell_route(self.half_space, self.box, quantity, lattice, rows)
-        if self.half_space.numerics.inclusion_resolution != "whole":
-            return MomentForms(self.half_space, self.inhomogeneities, quantity, lattice, rows)
-        return ClosedForms(self.half_space, self.inhomogeneities, quantity, lattice, rows)
+        uniform = all(source.degree is not None and source.degree.degree == 0 for source in self.inhomogeneities)
+        route = ClosedForms if uniform else MomentForms
+        return route(self.half_space, self.inhomogeneities, quantity, lattice, rows)
 
     def prescribed_field(
         self, quantity: str, lattice: RegionLattice, rows: tuple[int, ...] | None = None
