@@ -139,7 +139,8 @@ def contact_cases_of(
     lines = contact_lines(folder, stored, scene)
     if coarser is not None and second is not None:
         try:
-            lines = with_two_grids(lines, stored, contact_lines(coarser, second, _scene_of(second)), second)
+            others = contact_lines(coarser, second, _scene_of(second))
+            lines = with_two_grids(lines, stored, others, second, regions=bool(scene.regions))
         except NotJudged as problem:
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     if scene.cells and not any(line.kind == "stress" for line in lines):

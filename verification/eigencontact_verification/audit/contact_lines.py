@@ -10,7 +10,8 @@ The run's own error is added to that of the elements:
   and not less than half of that of any step;
 - *contact radius*, from the count of cells: the size of the correction for cells that the edge cuts, which holds for a
   pressure that falls as in Hertz's contact, and what a count of this lattice can miss (`contact_edge.counting_error`);
-- *contact radius from the gap*, which is read between the cells: what it says of itself (`contact_edge.edge_radius`);
+- *contact radius from the gap*, which is read between the cells: what the pressure says otherwise (`contact_edge`),
+  after the largest load not less than under it;
 - *pressure*: values stand for means over cells, and the mean of a smooth field over a cell differs from its middle by a
   24th of the second difference along each edge: an eighth, for three edges, of the second difference between
   neighbouring cells; where cells cut a boundary, of an inclusion, also half a cell's change of what differs from the
@@ -218,8 +219,7 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     error = _bend(p)
     if h and stored.homogeneous is not None:
         error = error + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
-    if not scene.cut:
-        error = np.maximum(error, 0.5 * error[inside].max())
+    error = np.maximum(error, 0.5 * error[inside].max())  # on the axis a slope is zero, and no error is
     bend = float(np.median(error[inside]))
     lines.append(_surface("pressure", stored, row, inside, -p, error, peak))
     if stored.load[last] == 0.0 and stored.residual is not None:
@@ -245,14 +245,15 @@ def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[Contac
     """Contact radius over steps: as it is stored, and read between the cells."""
     r = np.hypot(*np.meshgrid(stored.x, stored.y)).ravel()
     counted = np.array([counting_error(r, stored.cell**2, a[k]) for k in steps])
-    edges = np.array([edge_radius(r, stored.gap[k].ravel(), stored.cell, a[k]) for k in steps])
+    fields = [(stored.gap[k].ravel(), stored.pressure[k].ravel()) for k in steps]
+    edges = np.array([edge_radius(r, *both, stored.cell, a[k]) for k, both in zip(steps, fields, strict=True)])
     read = np.isfinite(edges).all(axis=1)
+    late = read & (steps > stored.peak)  # beyond the edge lies what was pressed before, and keeps its form
+    edges[late, 1] = np.maximum(edges[late, 1], edges[read & (steps == stored.peak), 1].max(initial=0.0))
     lines, scale = [], float(a.max())
-    radius, error = edges[read].T  # two readings that happen to agree have an error too
-    error = np.maximum(error, np.median(error)) if error.size else error
     for kind, name, which, radii, own in (
         ("radius", "contact radius", steps, a[steps], stored.correction[steps] + counted),
-        ("edge", "contact radius from the gap", steps[read], radius, error),
+        ("edge", "contact radius from the gap", steps[read], edges[read, 0], edges[read, 1]),
     ):
         nowhere, number = np.zeros((which.size, 3)), np.asarray(which + 1, dtype=np.float64)
         if which.size:

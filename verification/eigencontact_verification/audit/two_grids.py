@@ -21,19 +21,25 @@ FloatArray = NDArray[np.float64]
 _SAFETY, _ORDER = 1.25, 1.0
 #: Least ratio of the cells.
 _RATIO = 1.2
-#: Counts of cells jump: two of them say nothing about a third; what is read between cells is read twice in one run.
-_ALONE = ("radius", "edge")
+#: Lines that are compared. Counts of cells jump with their places: two of them say nothing about a third. Stress has a
+#: kink at every boundary, which no interpolation meets.
+_SMOOTH, _WITHOUT_REGIONS = ("approach", "print", "pressure"), ("stress",)
 #: Fewest points of a line that is interpolated.
 _FEWEST = 4
 
 
 def with_two_grids(
-    lines: Sequence[ContactLine], stored: StoredContact, others: Sequence[ContactLine], coarser: StoredContact
+    lines: Sequence[ContactLine],
+    stored: StoredContact,
+    others: Sequence[ContactLine],
+    coarser: StoredContact,
+    *,
+    regions: bool = False,
 ) -> tuple[ContactLine, ...]:
-    """Lines whose own error is estimated from both runs; those that the second run has not, as they are.
+    """Lines whose own error is not less than both runs say; counts, and stress beside regions, stay as they are.
 
-    The estimate is ``1.25 |f - g| / (ratio - 1)``, an index of first order, and nowhere less than half of the largest
-    on its line, because where the difference happens to vanish the error does not.
+    Both say ``1.25 |f - g| / (ratio - 1)``, an index of first order, and nowhere less than half of the largest on the
+    line, because where the difference happens to vanish the error does not.
 
     Parameters
     ----------
@@ -41,6 +47,8 @@ def with_two_grids(
         Of the run that is judged, and of the coarser one.
     stored, coarser : StoredContact
         Both runs.
+    regions : bool
+        Whether the body has regions of other material.
 
     Raises
     ------
@@ -53,8 +61,9 @@ def with_two_grids(
     if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
         raise NotJudged("the coarser run must have the same loads")
     named = {line.profile.name: line for line in others}
+    kinds = _SMOOTH if regions else _SMOOTH + _WITHOUT_REGIONS
     return tuple(
-        line if line.kind in _ALONE or line.profile.name not in named
+        line if line.kind not in kinds or line.profile.name not in named
         else _estimated(line, named[line.profile.name], ratio)
         for line in lines
     )  # fmt: skip
@@ -77,4 +86,4 @@ def _estimated(line: ContactLine, other: ContactLine, ratio: float) -> ContactLi
     along = line.profile.along
     index = _SAFETY * np.abs(line.values - found) / (ratio**_ORDER - 1)
     index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
-    return replace(line, own=np.maximum(index, 0.5 * index.max(axis=0)))
+    return replace(line, own=np.maximum(line.own, np.maximum(index, 0.5 * index.max(axis=0))))
