@@ -16,11 +16,13 @@ The run's own error is added to that of the elements:
   24th of the second difference along each edge: an eighth, for three edges, of the second difference between
   neighbouring cells; where cells cut a boundary, of an inclusion, also half a cell's change of what differs from the
   homogeneous body. What yields has no boundary that cells cut, and its error was seen to fall in second order
-  (`crosscheck.plasticity`): there it is the same eighth of what differs, over a cell of the body, and not less than
-  half of the largest on the row;
+  (`crosscheck.plasticity`): there it is the same eighth of what differs, over a cell of the body. Either is not less
+  than half of the largest on the row: on the axis a slope is zero, and no error is;
 - *print*: where something is cut into cells, half of a cell's change, and not less than half of the largest on the row;
 - *stress*: the same along depth, of what differs from a homogeneous body under the stored pressure, not less than half
   of the largest on the line (of both components, where nothing is cut), and the median of the pressure's under load.
+
+`two_grids` raises some of these where a run on coarser cells says more.
 
 Runs of 'plastic-hertz' with 12 and 24 cells to the contact radius differ nowhere by more than 0.82 of what this says of
 the first.
@@ -219,7 +221,7 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     error = _bend(p)
     if h and stored.homogeneous is not None:
         error = error + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
-    error = np.maximum(error, 0.5 * error[inside].max())  # on the axis a slope is zero, and no error is
+    error = np.maximum(error, 0.5 * error[inside].max())
     bend = float(np.median(error[inside]))
     lines.append(_surface("pressure", stored, row, inside, -p, error, peak))
     if stored.load[last] == 0.0 and stored.residual is not None:
