@@ -6,8 +6,9 @@ import eigencontact as ec
 from close import close
 
 COARSER = [
-    "grid.cells=12", "numerics.inclusion-pitch='32 nm'", "numerics.tolerance=1e-4", "numerics.allow-coarse=true",
-    "steps.0.increments=2", "steps.1.increments=2", "stress=[]", "output.pictures=false",
+    "grid.cells=12", "grid.size=['384 nm', '384 nm']", "numerics.inclusion-pitch='32 nm'",
+    "numerics.tolerance=1e-4", "numerics.allow-coarse=true", "steps.0.increments=2", "steps.1.increments=2",
+    "stress=[]", "output.pictures=false",
 ]  # fmt: skip
 
 

@@ -226,7 +226,8 @@ def test_the_command_judges_a_run_and_its_contact(command, quick, tmp_path):
     assert outcome.code == 0
     cases = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))["cases"]
     words = {case["name"]: {row["profile"]: row["word"] for row in case["rows"]} for case in cases}
-    assert words.pop("contact") == dict.fromkeys(("approach", "contact radius", "pressure, step 1"), "agrees")
+    compared = ("approach", "contact radius", "contact radius from the gap", "pressure, step 1")
+    assert words.pop("contact") == dict.fromkeys(compared, "agrees")
     assert "surface along x" in str(words)
 
 

@@ -44,6 +44,10 @@ def main(
     contact: Annotated[
         bool, typer.Option("--contact", help="Solve whole contacts of revolution in place of the audit.")
     ] = False,
+    coarser: Annotated[
+        Path | None,
+        typer.Option("--coarser", help="Folder with runs on coarser cells, named after their scenes; with --contact."),
+    ] = None,
     markdown: Annotated[
         Path | None, typer.Option("--markdown", help="Page with the markers `audit:SECTION` around its table.")
     ] = None,
@@ -62,7 +66,7 @@ def main(
     solve = partial(run_cases, store=Store(output / "solutions"), executor=executor)
     names = scenes or bundled_names()
     if contact:
-        text, words = _contacts([_run_of(name, runs, output) for name in names], solve, quick=not full)
+        text, words = _contacts([_run_of(name, runs, output) for name in names], solve, quick=not full, coarser=coarser)
     else:
         files = {name: output / "scenes" / f"{Path(name).name}.json" for name in names}
         for name in () if collect else names:
@@ -109,12 +113,16 @@ def _audit(run: Path, file: Path, solve: Solve, *, quick: bool) -> None:
     file.write_text(json.dumps(line_of(audit)), encoding="utf-8")
 
 
-def _contacts(runs: Sequence[Path], solve: Solve, *, quick: bool) -> tuple[str, set[str]]:
+def _contacts(runs: Sequence[Path], solve: Solve, *, quick: bool, coarser: Path | None) -> tuple[str, set[str]]:
     """Table of the whole contacts of runs, and their verdicts."""
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.crosscheck.progress import Bar
 
-    answers = [contact_cases_of(run, quick=quick) for run in runs]
+    second = [None if coarser is None else coarser / run.name for run in runs]
+    answers = [
+        contact_cases_of(run, quick=quick, coarser=other if other is not None and other.is_dir() else None)
+        for run, other in zip(runs, second, strict=True)
+    ]
     with Bar(show=True) as bar:
         solved = solve([case for cases, _ in answers for case in cases], progress=bar)
     judged = [judge(case) for case in solved]

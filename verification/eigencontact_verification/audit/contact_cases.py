@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
-from eigencontact_verification.audit.contact_lines import ContactLine, contact_lines, read_contact
+from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
+from eigencontact_verification.audit.two_grids import with_two_grids
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
 
@@ -87,7 +88,7 @@ def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> Fl
     """Values (n, components) of a line; radii in the widest of the run."""
     if line.kind == "approach":
         return np.array([[solution.moments[k].depth] for k in line.moments])
-    if line.kind == "radius":
+    if line.kind in ("radius", "edge"):
         return np.array([[solution.moments[k].contact_radius / widest] for k in line.moments])
     (moment,) = line.moments
     x, y, z = line.profile.points.T
@@ -105,7 +106,9 @@ def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> Fl
     return np.stack([columns[name] for name in line.profile.components], axis=1)
 
 
-def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[ContactCase, ...], tuple[Gap, ...]]:
+def contact_cases_of(
+    folder: str | Path, *, quick: bool = True, coarser: str | Path | None = None
+) -> tuple[tuple[ContactCase, ...], tuple[Gap, ...]]:
     """The case of a run whose contact is of revolution, and what it leaves out; or no case, and why.
 
     Parameters
@@ -114,12 +117,15 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
         Folder of the run, or its ``results.nc``.
     quick : bool
         Lighter meshes.
+    coarser : str or Path, optional
+        A run of the same scene with coarser cells: both together tell the error of the cells (`two_grids`).
     """
     name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
     try:
         stored = read_contact(folder)
         name = stored.name
-        scene = contact_scene(stored.text, float(stored.radius[: stored.straight].max(initial=0.0)))
+        scene = _scene_of(stored)
+        second = None if coarser is None else read_contact(coarser)
     except NotJudged as problem:
         return (), (Gap(subject=name, what="whole contact", reason=str(problem)),)
     if not stored.load[: stored.straight].max(initial=0.0) > 0:
@@ -131,6 +137,12 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
         gaps.append(Gap(subject=name, what="whole contact: later steps", reason=later))
     a = float(stored.radius[: stored.straight].max())
     lines = contact_lines(folder, stored, scene)
+    if coarser is not None and second is not None:
+        try:
+            others = contact_lines(coarser, second, _scene_of(second))
+            lines = with_two_grids(lines, stored, others, second, regions=bool(scene.regions))
+        except NotJudged as problem:
+            gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     if scene.cells and not any(line.kind == "stress" for line in lines):
         none = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
         gaps.append(Gap(subject=name, what="whole contact: stress", reason=none))
@@ -149,6 +161,10 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
         lines=lines,
     )
     return (case,), tuple(gaps)
+
+
+def _scene_of(stored: StoredContact) -> ContactScene:
+    return contact_scene(stored.text, float(stored.radius[: stored.straight].max(initial=0.0)))
 
 
 def _yields(scene: ContactScene) -> bool:

@@ -8,16 +8,21 @@ The run's own error is added to that of the elements:
   middles of cells: the height of the rigid body half a diagonal of a cell off its axis. Where something is cut into
   cells, half of a cell's change of the displacement by eigenstrain is added, the largest on the row (as for a print),
   and not less than half of that of any step;
-- *contact radius*: the size of the correction for cells that the edge cuts;
+- *contact radius*, from the count of cells: the size of the correction for cells that the edge cuts, which holds for a
+  pressure that falls as in Hertz's contact, and what a count of this lattice can miss (`contact_edge.counting_error`);
+- *contact radius from the gap*, which is read between the cells: what the pressure says otherwise (`contact_edge`),
+  after the largest load not less than under it;
 - *pressure*: values stand for means over cells, and the mean of a smooth field over a cell differs from its middle by a
   24th of the second difference along each edge: an eighth, for three edges, of the second difference between
   neighbouring cells; where cells cut a boundary, of an inclusion, also half a cell's change of what differs from the
   homogeneous body. What yields has no boundary that cells cut, and its error was seen to fall in second order
-  (`crosscheck.plasticity`): there it is the same eighth of what differs, over a cell of the body, and not less than
-  half of the largest on the row;
+  (`crosscheck.plasticity`): there it is the same eighth of what differs, over a cell of the body. Either is not less
+  than half of the largest on the row: on the axis a slope is zero, and no error is;
 - *print*: where something is cut into cells, half of a cell's change, and not less than half of the largest on the row;
 - *stress*: the same along depth, of what differs from a homogeneous body under the stored pressure, not less than half
   of the largest on the line (of both components, where nothing is cut), and the median of the pressure's under load.
+
+`two_grids` raises some of these where a run on coarser cells says more.
 
 Runs of 'plastic-hertz' with 12 and 24 cells to the contact radius differ nowhere by more than 0.82 of what this says of
 the first.
@@ -31,6 +36,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.audit.contact_edge import counting_error, edge_radius
 from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.lines import spread
@@ -47,6 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["ContactLine", "StoredContact", "contact_lines", "read_contact"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 #: Pressure is compared within this part of the contact radius; print and stress to these depths and distances, in it.
 _INNER, _AWAY, _SHALLOW, _DEEP = 0.8, 1.4, 0.15, 2.4
@@ -60,6 +67,7 @@ _MEAN = 1 / 8
 _PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "approach": ("displacement", "step [1]", ("u_z",), "m"),
     "radius": ("strain", "step [1]", ("a",), "largest a"),
+    "edge": ("strain", "step [1]", ("a",), "largest a"),
     "pressure": ("stress", "x [m]", ("s_zz",), "Pa"),
     "print": ("displacement", "x [m]", ("u_z",), "m"),
     "stress": ("stress", "z [m]", ("s_xx", "s_zz"), "Pa"),
@@ -77,7 +85,7 @@ class ContactLine:
     profile : Profile
         ``along`` of lines over load steps is the number of the step.
     kind : str
-        ``"approach"``, ``"radius"``, ``"pressure"``, ``"print"`` or ``"stress"``.
+        ``"approach"``, ``"radius"``, ``"edge"``, ``"pressure"``, ``"print"`` or ``"stress"``.
     moments : tuple of int
         Load steps, from 0: of every point, or one for all.
     values, own : (n, components) float64
@@ -105,8 +113,8 @@ class StoredContact:
         Steps, from the first, without tilt and shear.
     x, y : (nx,), (ny,) float64
         Middles of the cells of the surface [m].
-    pressure, residual, homogeneous : (steps, ny, nx) float64 or None
-        Pressure, displacement by eigenstrain, pressure of a homogeneous body.
+    pressure, gap, residual, homogeneous : (steps, ny, nx) float64 or None
+        Pressure, gap, displacement by eigenstrain, pressure of a homogeneous body.
     cell, pitch : float
         Edge of a cell of the surface, and the longest of a cell inside a body; 0 without.
     """
@@ -121,6 +129,7 @@ class StoredContact:
     x: FloatArray
     y: FloatArray
     pressure: FloatArray
+    gap: FloatArray
     residual: FloatArray | None
     homogeneous: FloatArray | None
     cell: float
@@ -175,6 +184,7 @@ def read_contact(path: str | Path) -> StoredContact:
         x=x,
         y=y,
         pressure=arrays["pressure"],
+        gap=arrays["gap"],
         residual=arrays.get("residual_displacement_z"),
         homogeneous=arrays.get("homogeneous_pressure"),
         cell=float(size.max()),
@@ -190,7 +200,7 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     h = stored.pitch if scene.cells else 0.0
     row = int(np.abs(stored.y).argmin())
     r = np.hypot(stored.x, stored.y[row])
-    right = stored.x > 0
+    right = stored.x > -0.25 * stored.cell  # the axis too, where a cell lies on it
     moved = np.zeros(len(steps))
     if h and stored.residual is not None:
         slope = np.gradient(stored.residual[:, row], stored.x, axis=1)
@@ -205,16 +215,13 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     error = np.maximum(share * np.abs(d), open_rim) + moved
     lines = [_line("approach", "approach", nowhere, number, d, error, tuple(steps))]
     wide = np.flatnonzero(a > _WIDE * a.max())
-    radii, error = a[wide] / a.max(), stored.correction[wide] / a.max()
-    moments = tuple(int(k) for k in wide)
-    lines.append(_line("radius", "contact radius", nowhere[wide], number[wide], radii, error, moments))
+    lines += _radii(stored, a, wide)
     inside = right & (r < _INNER * a[peak])
     p = stored.pressure[peak, row]
     error = _bend(p)
     if h and stored.homogeneous is not None:
         error = error + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
-    if not scene.cut:
-        error = np.maximum(error, 0.5 * error[inside].max())
+    error = np.maximum(error, 0.5 * error[inside].max())
     bend = float(np.median(error[inside]))
     lines.append(_surface("pressure", stored, row, inside, -p, error, peak))
     if stored.load[last] == 0.0 and stored.residual is not None:
@@ -234,6 +241,27 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
             line = _stress(name, *region, stored, scene, float(a.max()), h, under, step)
             lines += [line] if line is not None else []
     return tuple(lines)
+
+
+def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[ContactLine]:
+    """Contact radius over steps: as it is stored, and read between the cells."""
+    r = np.hypot(*np.meshgrid(stored.x, stored.y)).ravel()
+    counted = np.array([counting_error(r, stored.cell**2, a[k]) for k in steps])
+    fields = [(stored.gap[k].ravel(), stored.pressure[k].ravel()) for k in steps]
+    edges = np.array([edge_radius(r, *both, stored.cell, a[k]) for k, both in zip(steps, fields, strict=True)])
+    read = np.isfinite(edges).all(axis=1)
+    late = read & (steps > stored.peak)  # beyond the edge lies what was pressed before, and keeps its form
+    edges[late, 1] = np.maximum(edges[late, 1], edges[read & (steps == stored.peak), 1].max(initial=0.0))
+    lines, scale = [], float(a.max())
+    for kind, name, which, radii, own in (
+        ("radius", "contact radius", steps, a[steps], stored.correction[steps] + counted),
+        ("edge", "contact radius from the gap", steps[read], edges[read, 0], edges[read, 1]),
+    ):
+        nowhere, number = np.zeros((which.size, 3)), np.asarray(which + 1, dtype=np.float64)
+        if which.size:
+            moments = tuple(int(k) for k in which)
+            lines.append(_line(kind, name, nowhere, number, np.asarray(radii / scale), own / scale, moments))
+    return lines
 
 
 def _homogeneous(stored: StoredContact, scene: ContactScene, points: FloatArray, step: int) -> FloatArray:

@@ -1,0 +1,89 @@
+"""Error of the cells of a run from a second run of the same scene with coarser ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
+
+from eigencontact_verification.audit.bodies import NotJudged
+from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact
+
+__all__ = ["with_two_grids"]
+
+FloatArray = NDArray[np.float64]
+
+#: Factor of safety of a grid convergence index of two grids whose order is not assumed to be more than 1, and the
+#: order.
+_SAFETY, _ORDER = 1.25, 1.0
+#: Least ratio of the cells.
+_RATIO = 1.2
+#: Lines that are compared. Counts of cells jump with their places: two of them say nothing about a third. Stress has a
+#: kink at every boundary, which no interpolation meets.
+_SMOOTH, _WITHOUT_REGIONS = ("approach", "print", "pressure"), ("stress",)
+#: Fewest points of a line that is interpolated.
+_FEWEST = 4
+
+
+def with_two_grids(
+    lines: Sequence[ContactLine],
+    stored: StoredContact,
+    others: Sequence[ContactLine],
+    coarser: StoredContact,
+    *,
+    regions: bool = False,
+) -> tuple[ContactLine, ...]:
+    """Lines whose own error is not less than both runs say; counts, and stress beside regions, stay as they are.
+
+    Both say ``1.25 |f - g| / (ratio - 1)``, an index of first order, and nowhere less than half of the largest on the
+    line, because where the difference happens to vanish the error does not.
+
+    Parameters
+    ----------
+    lines, others : sequence of ContactLine
+        Of the run that is judged, and of the coarser one.
+    stored, coarser : StoredContact
+        Both runs.
+    regions : bool
+        Whether the body has regions of other material.
+
+    Raises
+    ------
+    NotJudged
+        The second run has other loads, or cells that are not coarser by a fifth.
+    """
+    ratio = min(b / a for a, b in zip((stored.cell, stored.pitch), (coarser.cell, coarser.pitch), strict=True) if a)
+    if not ratio >= _RATIO:
+        raise NotJudged(f"the coarser run must have cells larger by a factor of {_RATIO} (got {ratio:.3g})")
+    if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
+        raise NotJudged("the coarser run must have the same loads")
+    named = {line.profile.name: line for line in others}
+    kinds = _SMOOTH if regions else _SMOOTH + _WITHOUT_REGIONS
+    return tuple(
+        line if line.kind not in kinds or line.profile.name not in named
+        else _estimated(line, named[line.profile.name], ratio)
+        for line in lines
+    )  # fmt: skip
+
+
+def _estimated(line: ContactLine, other: ContactLine, ratio: float) -> ContactLine:
+    at, values = other.profile.along, other.values
+    if line.kind == "approach":  # over the same steps
+        found = values
+    else:
+        if line.kind != "stress":  # of revolution: the row goes on beyond the axis
+            at, where = np.unique(np.concatenate((-at, at)), return_index=True)
+            values = np.concatenate((values, values))[where]
+        if at.size < _FEWEST:
+            return line
+        found = Akima1DInterpolator(at, values)(line.profile.along)
+    known = np.isfinite(found).all(axis=1)
+    if not known.any():
+        return line
+    along = line.profile.along
+    index = _SAFETY * np.abs(line.values - found) / (ratio**_ORDER - 1)
+    index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
+    return replace(line, own=np.maximum(line.own, np.maximum(index, 0.5 * index.max(axis=0))))
