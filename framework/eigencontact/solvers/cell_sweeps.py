@@ -76,6 +76,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]] = (),
         steps: Sequence[Any] = (),
         start: FloatArray | None = None,
+        caused: FloatArray | None = None,
     ) -> Sweep:
         """Sweep once.
 
@@ -91,8 +92,10 @@ class CellSweeps:
             For each law that is not linear; see `LawCells.answer`.
         start : (6, nz, ny, nx), optional
             Eigenstrain that the increment begins with.
+        caused : (6, nz, ny, nx), optional
+            Stress [Pa] by the eigenstrain; by default that of the operator, for cells that are all there is.
         """
-        stress = applied_stress + self._caused(eigenstrain)
+        stress = applied_stress + (self._caused(eigenstrain) if caused is None else caused)
         image = prestrain.copy().reshape(6, -1)  # whatever a cell had that nothing fills any more, as wear took it off
         image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
         remembered: list[Remembered] = []
@@ -116,6 +119,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
         start: FloatArray | None = None,
+        caused: FloatArray | None = None,
     ) -> float:
         """Largest difference of the stress of cells from the response of their laws, relative to the largest stress.
 
@@ -125,7 +129,7 @@ class CellSweeps:
         """
         if not self._laws.cells.size:
             return 0.0
-        stress = applied_stress + self._caused(eigenstrain)
+        stress = applied_stress + (self._caused(eigenstrain) if caused is None else caused)
         e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
         if start is not None:

@@ -28,7 +28,9 @@ from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 from eigencontact.scene.whole import Whole
 
 if TYPE_CHECKING:
+    from eigencontact.core.grid import Grid
     from eigencontact.execution.interiors.beside_cells import BesideCells
+    from eigencontact.solvers.mean_stress import MeanVolumeField
 
 __all__ = ["Cells"]
 
@@ -143,6 +145,16 @@ class Cells(Responding):
     def box(self) -> CellBox:
         """Box of the cells."""
         return self._box
+
+    @property
+    def grid(self) -> Grid:
+        """Grid on whose columns the cells lie."""
+        return self._grid
+
+    @property
+    def operator(self) -> MeanVolumeField:
+        """Mean stress in the cells by their eigenstrain."""
+        return self._operator
 
     def start(self) -> None:
         """See `Interior.start`."""
