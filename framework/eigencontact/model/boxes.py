@@ -103,8 +103,16 @@ def with_cells(
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
     celled = [replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources]
     if scene.numerics.inclusion_refinement > 1:
-        return tuple(with_patch(source) for source in celled)
+        celled = [_with_patches(source, [with_patch(member) for member in celled]) for source in celled]
     return tuple(celled)
+
+
+def _with_patches(source: Inhomogeneity, members: Sequence[Inhomogeneity]) -> Inhomogeneity:
+    """Inclusion with its patch of finer cells, or yielding body whose cells fill all patches of the body as well."""
+    if not source.guessed:
+        return with_patch(source)
+    lattices = [member.lattice for member in members if member.body == source.body and member.lattice is not None]
+    return replace(source, lattice=_union(lattices))
 
 
 def boxes_of(sources: Sequence[Source]) -> list[CellBox]:

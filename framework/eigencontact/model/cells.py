@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from eigencontact.errors import SceneError
 from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies
@@ -101,6 +102,12 @@ def cut_cells(scene: Scene, window: Window, sources: Sources, initial: Mapping[i
     prescribed = with_lattices(sources.prescribed, scene, grid)
     heights = {body: state.height for body, state in initial.items()}
     inhomogeneities = _resolved_by_whom(inhomogeneities, scene)
+    finer = scene.numerics.inclusion_refinement
+    if finer > 1 and not any(_is_refined(inhomogeneities, body) for body in (1, 2)):
+        raise SceneError(
+            f"numerics.inclusion-refinement must be 1 without inclusions of another material in cells (got {finer}); "
+            "leave it out, or give a finer grid"
+        )
     for body in (1, 2):
         members = [source for source in inhomogeneities if source.body == body]
         if not all(source.whole for source in members):
@@ -124,6 +131,12 @@ def _resolved_by_whom(sources: Sequence[Inhomogeneity], scene: Scene) -> tuple[I
         replace(source, whole=True, degree=resolution.whole) if _has_polynomials(source) else source
         for source in sources
     )
+
+
+def _is_refined(sources: Sequence[Inhomogeneity], body: int) -> bool:
+    """Whether a body has inclusions, and cells."""
+    members = [source for source in sources if source.body == body]
+    return not all(source.guessed for source in members) and not all(source.whole for source in members)
 
 
 def _has_polynomials(source: Inhomogeneity) -> bool:

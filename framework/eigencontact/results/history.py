@@ -2,7 +2,8 @@
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
-coordinates (``finer_cells_<body>_z`` and so on for finer cells at inclusions), ``(history_step, y, x)`` in the cells of a surface, or
+coordinates (``finer_cells_<body>_z`` and so on for finer cells at inclusions), ``(history_step, y, x)`` in the cells
+of a surface, or
 ``(history_step[, mandel][, density_<body>], inclusion_<body>)``; their role is ``history``. Six components are those of
 a Mandel vector: shears times √2.
 """

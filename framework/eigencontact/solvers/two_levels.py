@@ -11,7 +11,7 @@ difference in brackets is the field of all that lies outside the patch, and smoo
 over coarse cells to means over fine ones, and its transpose W, times the ratio of volumes, spreads eigenstrain of fine
 cells over coarse ones: e_p = W e_f. Means of interpolated values over each coarse cell are the values that they are
 interpolated from. So uniform eigenstrain in a coarse cell stays what it is, and all eigenstrain keeps its total, and
-its moments up to the second. The operator of both levels is symmetric because each of its parts is.
+its moments up to the fourth. The operator of both levels is symmetric because each of its parts is.
 
 References
 ----------
@@ -32,35 +32,37 @@ __all__ = ["TwoLevels", "interpolation"]
 
 Place = tuple[slice, slice, slice]
 
+#: Coarse intervals along each axis that a value is interpolated from.
+_WIDTH = 5
+
 
 def interpolation(count: int, ratio: int) -> FloatArray:
-    """Means over fine intervals from means over `count` coarse ones, ``(count * ratio, count)``, by parabolas.
+    """Means over fine intervals from means over `count` coarse ones, ``(count * ratio, count)``, by polynomials.
 
-    The parabola of an interval has the means of the interval and of its two neighbours. Beyond the ends the means are
-    continued linearly.
+    The polynomial of an interval has the means of the interval and of the nearest ones, five in all where there are as
+    many.
 
     Examples
     --------
     >>> edges = np.arange(6.0)
-    >>> coarse, fine = (np.diff(x**3) / np.diff(x) for x in (edges, np.linspace(0.0, 5.0, 11)))
-    >>> (interpolation(5, 2) @ coarse)[2:8] - fine[2:8]
-    array([0., 0., 0., 0., 0., 0.])
+    >>> coarse, fine = (np.diff(x**5) / np.diff(x) for x in (edges, np.linspace(0.0, 5.0, 11)))
+    >>> np.allclose(interpolation(5, 2) @ coarse, fine)
+    True
     """
-    x = (np.arange(ratio) + 0.5) / ratio - 0.5
-    curved = x**2 + (1.0 / ratio**2 - 1.0) / 12.0
-    before, after = 0.5 * (curved - x), 0.5 * (curved + x)
+    width = min(_WIDTH, count)
     out = np.zeros((count, ratio, count))
     for cell in range(count):
-        out[cell, :, cell] += 1.0 - curved
-        for weights, neighbour, opposite in ((before, cell - 1, cell + 1), (after, cell + 1, cell - 1)):
-            if 0 <= neighbour < count:
-                out[cell, :, neighbour] += weights
-            elif 0 <= opposite < count:
-                out[cell, :, cell] += 2.0 * weights
-                out[cell, :, opposite] -= weights
-            else:
-                out[cell, :, cell] += weights
+        first = min(max(cell - width // 2, 0), count - width)
+        coarse = _powers(np.arange(first - cell, first - cell + width + 1.0), width)
+        fine = _powers(np.arange(ratio + 1.0) / ratio, width)
+        out[cell, :, first : first + width] = np.linalg.solve(coarse.T, fine.T).T
     return out.reshape(count * ratio, count)
+
+
+def _powers(edges: FloatArray, count: int) -> FloatArray:
+    """Means of the first powers, from 0, over intervals."""
+    powers = np.arange(1, count + 1)
+    return np.asarray(np.diff(edges[:, None] ** powers, axis=0) / powers / np.diff(edges)[:, None])
 
 
 class TwoLevels:
@@ -73,6 +75,15 @@ class TwoLevels:
         fine cells.
     inner : (slice, slice, slice)
         Coarse cells of the patch within its rim, along z, y, x.
+
+    Attributes
+    ----------
+    place : (slice, slice, slice)
+        Patch in the coarse box.
+    ratio : int
+        Fine cells along an edge of a coarse one.
+    applications : int
+        How often stress was computed anew.
     """
 
     def __init__(self, coarse: VolumeField, patch: VolumeField, fine: VolumeField, inner: Place) -> None:
@@ -84,6 +95,7 @@ class TwoLevels:
         self.place: Place = tuple(slice(k, k + n) for k, n in zip(first, part.shape, strict=True))  # type: ignore[assignment]
         self.ratio = fine.source.shape[0] // part.shape[0]
         self._along = [interpolation(n, self.ratio) for n in part.shape]
+        self.applications = 0
         self._last: tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None = None
 
     def interpolated(self, coarse: FloatArray) -> FloatArray:
@@ -117,6 +129,7 @@ class TwoLevels:
         return last[2], last[3]
 
     def _stress(self, coarse: FloatArray, fine: FloatArray) -> tuple[FloatArray, FloatArray]:
+        self.applications += bool(coarse.any() or fine.any())
         around = coarse[:, *self.place]
         total = coarse + self.spread(fine) if fine.any() else coarse
         of_coarse = _applied(self._coarse, total)

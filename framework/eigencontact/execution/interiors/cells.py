@@ -24,6 +24,7 @@ from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.matrix_law import matrix_law
+from eigencontact.model.sources import Lattice
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 from eigencontact.scene.whole import Whole
 
@@ -104,12 +105,9 @@ class Cells(Responding):
         key = str(getattr(self._half_space.cell, "key", "cell"))
         who = f"eigenstrain of {self._box.names}"
         uses = [KernelUse("mean stress (6 components)", who, key, self._box.words, 58)]
-        volume = Pace.of(self._half_space, "stress").volume(self._box.lattice, (ny, nx), (0.0, 0.0), nz)
-        # The Gauss points of the means share nodes; the solver keeps two vectors of six components an iteration.
-        cost = Cost(
-            memory=volume.memory + 8.0 * 12 * self._box.lattice.cells * _ITERATIONS,
-            seconds_once=_MEANS * volume.seconds_once,
-            seconds_per_step=volume.seconds_per_step * self._applications + self._seconds_of_laws(),
+        # The solver keeps two vectors of six components an iteration.
+        cost = self._operator_cost(self._box.lattice) + Cost(
+            memory=8.0 * 12 * self._box.lattice.cells * _ITERATIONS, seconds_per_step=self._seconds_of_laws()
         )
         layout = Layout(self._grid.shape, (ny, nx), (row, column))
         for item, influence in zip(self._tractions, self._subsurface.influences, strict=True):
@@ -127,6 +125,16 @@ class Cells(Responding):
             cost += self._beside_wholes(self._subsurface.wholes)
         self.kernels = tuple(uses)
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
+
+    def _operator_cost(self, lattice: Lattice) -> Cost:
+        """Price of the mean stress in the cells of a lattice by their eigenstrain."""
+        nz, *across = lattice.shape
+        volume = Pace.of(self._half_space, "stress").volume(lattice, (across[0], across[1]), (0.0, 0.0), nz)
+        return Cost(
+            memory=volume.memory,
+            seconds_once=_MEANS * volume.seconds_once,  # their Gauss points share nodes
+            seconds_per_step=volume.seconds_per_step * self._applications,
+        )
 
     def _beside_wholes(self, wholes: Subsurface) -> Cost:
         """Price of tables of the stress in the cells by each function of wholes."""

@@ -41,8 +41,12 @@ class CoarseCells(SweptCells):
     Joined with these before it begins; see `join_levels`.
     """
 
+    def __init__(self, subsurface: Subsurface, directions: str) -> None:
+        super().__init__(subsurface, directions)
+        self.why = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
+
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """See `Interior.begin`; what is remembered in the patch are means over finer cells, which have it themselves."""
+        """See `Interior.begin`; in the patch coarse cells remember means over finer ones, and have no state."""
         super().begin(increment, last)
         assert self.levels is not None
         self.eigenstrain = self._start = self.levels.without_patch(self.eigenstrain)
@@ -101,7 +105,7 @@ class FinerCells(SweptCells):
         self._stored = _finer(self._stored)
         self.remembers = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
         ratio = self._numerics.inclusion_refinement
-        self.why = f"the same {ratio} times finer at inclusions, swept"
+        self.why = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer, at inclusions, swept with those"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None
 
     def _name(self, variable: str) -> str:
@@ -109,6 +113,10 @@ class FinerCells(SweptCells):
 
     def _record(self, name: str, values: FloatArray, unit: str, meaning: str) -> HistoryRecord:
         return replace(super()._record(name, values, unit, meaning), finer=True)
+
+    def _declare(self) -> None:
+        super()._declare()
+        self.cost += self._operator_cost(self._patch)
 
     def start(self) -> None:
         """See `Interior.start`."""
@@ -184,7 +192,8 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
     inclusions = [source for source in members if not source.guessed]
     patch = box_of_inhomogeneities(inclusions).lattice
     inner = inner_bounds(patch, grid)
-    around = ground_of(replace(inclusions[0], shape=inner, lattice=patch, whole=False, degree=None), half_space.material)
+    place = replace(inclusions[0], name="finer cells", shape=inner, lattice=patch, whole=False, degree=None)
+    around = ground_of(place, half_space.material)
     finer = replace(
         subsurface, half_space=replace(half_space, grid=divided_grid(grid, ratio)), influences=(),
         inhomogeneities=(
@@ -203,7 +212,7 @@ def _refuse_others(subsurface: Subsurface) -> None:
     averaged = any(layer.averaged for source in sources for layer in _layers(source.law))
     reasons = {
         f"body {subsurface.body} has no inclusion": all(source.guessed for source in sources),
-        f"body {subsurface.body} has no law that is not linear": linear,
+        f"all laws of body {subsurface.body} are linear, and beyond 1/20 to 20 times as stiff or no contact": linear,
         f"body {subsurface.body} has prescribed eigenstrain": bool(subsurface.prescribed),
         f"body {subsurface.body} begins with the state of another run": subsurface.initial is not None,
         f"the surface of body {subsurface.body} wears": subsurface.recedes,

@@ -162,12 +162,12 @@ class SweptCells(Cells):
         """See `Interior.image`."""
         if not self._sweeping:
             return super().image(tractions, tolerance)
-        before, self._load = self._sweeps.applications, self.applied(tractions)
+        before, self._load = self._applied, self.applied(tractions)
         sweep = self._sweeps.sweep(
             self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
         )
         self._after, self._residual, self._size = sweep.remembered, sweep.residual, sweep.size
-        self._spent += self._sweeps.applications - before
+        self._spent += self._applied - before
         self._change = sweep.image - self.eigenstrain
         if not self._about.size:
             return sweep.image, sweep.residual
@@ -176,6 +176,11 @@ class SweptCells(Cells):
         change = float(np.linalg.norm(means - self._about)) / size if size > 0.0 else 0.0
         self._residual = max(sweep.residual, change)
         return np.concatenate([sweep.image, means]), self._residual
+
+    @property
+    def _applied(self) -> int:
+        """Applications of the operator so far; those of both levels are counted by the first that asks."""
+        return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
 
     def _caused(self) -> FloatArray | None:
         """Stress in these cells by the eigenstrain of both levels; None where these are all there is."""
