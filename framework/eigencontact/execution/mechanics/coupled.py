@@ -44,6 +44,8 @@ _LOOSEST_SWEPT, _SHARE_SWEPT = 1e-2, 0.03
 _TIGHTEST = 1e-13
 #: Times that wholes and cells of one body answer each other without tractions: a pass leaves less than a third.
 _PASSES = 12
+#: Residual that may be left then, in tolerances.
+_AGREED = 10.0
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
 #: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
@@ -161,6 +163,13 @@ class Coupled:
                         f"{self._tolerance:.1e}){interior.trouble()}; use smaller steps or a larger tolerance"
                     )
                 interior.take(mixer.next(interior.unknown, image))
+        if passes > 1:
+            left = max((interior.image({}, self._tolerance)[1] for interior in self._responding), default=0.0)
+            if left > _AGREED * self._tolerance:
+                raise NotConverged(
+                    f"interiors of one body: residual {left:.1e} after {passes} passes without a contact (tolerance "
+                    f"{_AGREED * self._tolerance:.1e}); use a larger tolerance, or one kind of cells"
+                )
         return self._solved(None, {})
 
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
