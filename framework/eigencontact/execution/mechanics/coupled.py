@@ -240,7 +240,7 @@ class Coupled:
                 mixer, share = _Mixer(), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                sizes = [scales[:, None, None], *(np.abs(taken).max() for taken in answers[1:])]
+                sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
                 mixed = mixer.next(guess, answers, sizes)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):
@@ -258,6 +258,12 @@ class Coupled:
         if not displacements:
             return np.zeros((len(names), *self._shape))
         return np.asarray(np.sum([[displacement[name] for name in names] for displacement in displacements], axis=0))
+
+
+def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> list[FloatArray]:
+    """Largest unknown of each interior and of all others in its body, where they may be of different onset."""
+    largest = [(interior.body, np.abs(values).max()) for interior, values in zip(interiors, unknowns, strict=True)]
+    return [np.max([size for body, size in largest if body == own]) for own, _ in largest]
 
 
 class _Mixer:
