@@ -11,6 +11,7 @@ import numpy as np
 
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
+from eigencontact.model.refined import with_patch
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sizes import BYTES_OF_LAW_CELL, BYTES_OF_ONE, comfortable, cut_down, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Lattice, Patch, Source
@@ -100,7 +101,18 @@ def with_cells(
     free = {} if pitch is not None else stored
     heights = {body: free.get(body) or _layer_height(some, scene, grid) for body, some in members.items() if some}
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
-    return tuple(replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources)
+    celled = [replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources]
+    if scene.numerics.inclusion_refinement > 1:
+        celled = [_with_patches(source, [with_patch(member) for member in celled]) for source in celled]
+    return tuple(celled)
+
+
+def _with_patches(source: Inhomogeneity, members: Sequence[Inhomogeneity]) -> Inhomogeneity:
+    """Inclusion with its patch of finer cells, or yielding body whose cells fill all patches of the body as well."""
+    if not source.guessed:
+        return with_patch(source)
+    lattices = [member.lattice for member in members if member.body == source.body and member.lattice is not None]
+    return replace(source, lattice=_union(lattices))
 
 
 def boxes_of(sources: Sequence[Source]) -> list[CellBox]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from eigencontact.errors import SceneError
 from eigencontact.halfspace.potentials import HasFarField, HasMomentPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies
@@ -111,6 +112,12 @@ def cut_cells(
         if not all(source.whole for source in members):
             celled = dict(zip(map(id, members), with_cells(members, scene, grid, heights), strict=True))
             inhomogeneities = tuple(celled.get(id(source), source) for source in inhomogeneities)
+    finer = scene.numerics.inclusion_refinement
+    if finer > 1 and not any(_is_refined(inhomogeneities, body) for body in (1, 2)):
+        raise SceneError(
+            f"numerics.inclusion-refinement must be 1 without inclusions of another material in cells (got {finer}); "
+            "leave it out, or give a finer grid"
+        )
     regions = (*prescribed, *inhomogeneities)
     if not scene.numerics.allow_coarse:
         refuse_coarse_regions(regions)
@@ -138,3 +145,9 @@ def _is_whole(source: Inhomogeneity, resolution: Whole) -> bool:
     exact = source.exact and isinstance(source.shape, HasFarField) and resolution.whole == 0
     has_potentials = exact or isinstance(source.shape, HasMomentPotentials)
     return has_potentials and source.field.uniform and source.uniform_law is not None
+
+
+def _is_refined(sources: Sequence[Inhomogeneity], body: int) -> bool:
+    """Whether a body has inclusions, and cells."""
+    members = [source for source in sources if source.body == body]
+    return not all(source.guessed for source in members) and not all(source.whole for source in members)

@@ -76,6 +76,8 @@ class HistoryRecord:
         the window along ``"y"``, ``"x"`` alone; empty where the values belong to inclusions.
     unit, meaning : str
         SI unit, and in words.
+    finer : bool
+        Whether the cells are the finer ones at the inclusions of a body, which have coordinates of their own.
     """
 
     name: str
@@ -84,6 +86,7 @@ class HistoryRecord:
     coords: dict[str, FloatArray]
     unit: str
     meaning: str
+    finer: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -113,6 +113,9 @@ class Numerics(Table):
         surface and each other).
     inclusion_pitch : float, optional
         Height of those cells [m]; by default it follows the grid and the shapes.
+    inclusion_refinement : int
+        Divides the cells of a body at its inclusions, and two cells around them, so many times along each edge, where a
+        law of the body is not linear: strain in thin layers beside a hard inclusion needs finer cells than the contact.
     law_room : float
         Room around the part of a body in which its law may be more than elastic, in sizes of that part: the cells fill
         both, and become more where that proves too little.
@@ -151,6 +154,7 @@ class Numerics(Table):
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     inclusion_resolution: Annotated[Literal["cells"] | Whole, BeforeValidator(uniform_or_given)] = "cells"
     inclusion_pitch: PositiveLength | None = None
+    inclusion_refinement: Annotated[int, AfterValidator(in_range(1, 8, "finer cells along an edge"))] = 1
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     coupling: Literal["none", "partial", "one-way", "full"] = "full"

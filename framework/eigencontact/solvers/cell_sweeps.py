@@ -78,6 +78,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]] = (),
         steps: Sequence[Any] = (),
         start: FloatArray | None = None,
+        caused: FloatArray | None = None,
     ) -> Sweep:
         """Sweep once.
 
@@ -93,8 +94,11 @@ class CellSweeps:
             For each law that is not linear; see `LawCells.answer`.
         start : (6, nz, ny, nx), optional
             Eigenstrain that the increment begins with.
+        caused : (6, nz, ny, nx), optional
+            Stress [Pa] by the eigenstrain; by default that of the operator, for cells that are all there is.
         """
-        stress = self._total = np.add(applied_stress, self._caused(eigenstrain), out=self._total)
+        by_cells = self._caused(eigenstrain) if caused is None else caused
+        stress = self._total = np.add(applied_stress, by_cells, out=self._total)
         remembered: list[Remembered] = []
         if self._fills_box:
             e, sigma, prescribed = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
@@ -124,6 +128,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
         start: FloatArray | None = None,
+        caused: FloatArray | None = None,
     ) -> float:
         """Largest difference of the stress of cells from the response of their laws, relative to the largest stress.
 
@@ -133,7 +138,7 @@ class CellSweeps:
         """
         if not self._laws.cells.size:
             return 0.0
-        stress = applied_stress + self._caused(eigenstrain)
+        stress = applied_stress + (self._caused(eigenstrain) if caused is None else caused)
         e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
         if start is not None:

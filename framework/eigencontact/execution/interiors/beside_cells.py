@@ -28,8 +28,8 @@ class BesideCells:
 
     def __init__(self, wholes: PolynomialWholes, cells: Cells) -> None:
         self._wholes, self.cells = wholes, cells
-        box, grid = cells.box, wholes.grid
-        z, y, x = box.lattice.axes(grid)
+        box = cells.box
+        z, y, x = box.lattice.axes(cells.grid)
         self._shape = box.lattice.shape
         self._volume = float(np.prod(box.lattice.edges))
         at = [values.ravel() for values in np.meshgrid(z, y, x, indexing="ij")][::-1]
@@ -95,10 +95,11 @@ class BesideCells:
 
 def join_wholes(interiors: Sequence[Interior]) -> None:
     """Make tables for wholes and cells of one body that do not know each other yet; all are started."""
-    all_cells = [cells for cells in interiors if isinstance(cells, Cells)]
     for wholes in interiors:
         if isinstance(wholes, PolynomialWholes):
-            cells = next((cells for cells in all_cells if cells.body == wholes.body), None)
-            if cells is not None and (wholes.beside is None or wholes.beside.cells is not cells):
-                wholes.beside = cells.beside = BesideCells(wholes, cells)
+            levels = [cells for cells in interiors if isinstance(cells, Cells) and cells.body == wholes.body]
+            for cells in levels:
+                if cells.beside is None:
+                    cells.beside = BesideCells(wholes, cells)
                 wholes.is_beside = cells.is_beside = True
+            wholes.beside = [cells.beside for cells in levels if cells.beside is not None]

@@ -24,11 +24,14 @@ from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.matrix_law import matrix_law
+from eigencontact.model.sources import Lattice
 from eigencontact.model.whole_degrees import functions_up_to
 from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 
 if TYPE_CHECKING:
+    from eigencontact.core.grid import Grid
     from eigencontact.execution.interiors.beside_cells import BesideCells
+    from eigencontact.solvers.mean_stress import MeanVolumeField
 
 __all__ = ["Cells"]
 
@@ -102,12 +105,9 @@ class Cells(Responding):
         key = str(getattr(self._half_space.cell, "key", "cell"))
         who = f"eigenstrain of {self._box.names}"
         uses = [KernelUse("mean stress (6 components)", who, key, self._box.words, 58)]
-        volume = Pace.of(self._half_space, "stress").volume(self._box.lattice, (ny, nx), (0.0, 0.0), nz)
-        # The Gauss points of the means share nodes; the solver keeps two vectors of six components an iteration.
-        cost = Cost(
-            memory=volume.memory + 8.0 * 12 * self._box.lattice.cells * _ITERATIONS,
-            seconds_once=_MEANS * volume.seconds_once,
-            seconds_per_step=volume.seconds_per_step * self._applications + self._seconds_of_laws(),
+        # The solver keeps two vectors of six components an iteration.
+        cost = self._operator_cost(self._box.lattice) + Cost(
+            memory=8.0 * 12 * self._box.lattice.cells * _ITERATIONS, seconds_per_step=self._seconds_of_laws()
         )
         layout = Layout(self._grid.shape, (ny, nx), (row, column))
         for item, influence in zip(self._tractions, self._subsurface.influences, strict=True):
@@ -126,6 +126,16 @@ class Cells(Responding):
         self.kernels = tuple(uses)
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
 
+    def _operator_cost(self, lattice: Lattice) -> Cost:
+        """Price of the mean stress in the cells of a lattice by their eigenstrain."""
+        nz, *across = lattice.shape
+        volume = Pace.of(self._half_space, "stress").volume(lattice, (across[0], across[1]), (0.0, 0.0), nz)
+        return Cost(
+            memory=volume.memory,
+            seconds_once=_MEANS * volume.seconds_once,  # their Gauss points share nodes
+            seconds_per_step=volume.seconds_per_step * self._applications,
+        )
+
     def _beside_wholes(self, wholes: Subsurface) -> Cost:
         """Price of tables of the stress in the cells by each function of wholes."""
         degrees = [source.degree.degree for source in wholes.inhomogeneities if source.degree is not None]
@@ -139,6 +149,16 @@ class Cells(Responding):
     def box(self) -> CellBox:
         """Box of the cells."""
         return self._box
+
+    @property
+    def grid(self) -> Grid:
+        """Grid on whose columns the cells lie."""
+        return self._grid
+
+    @property
+    def operator(self) -> MeanVolumeField:
+        """Mean stress in the cells by their eigenstrain."""
+        return self._operator
 
     def start(self) -> None:
         """See `Interior.start`."""

@@ -44,7 +44,7 @@ def initial_states(scene: Scene) -> dict[int, InitialState]:
         if step not in steps:
             raise SceneError(f"{where}.step must be one that {file} holds, {steps[0]} to {steps[-1]} (got {step})")
         history = read_history(file, str(read_attributes(file)["scene_hash"]), step)
-        records = {name: item for name, item in history.items() if item.body == body and item.coords}
+        records = {name: item for name, item in history.items() if item.body == body and item.coords and not item.finer}
         if not records:
             raise SceneError(
                 f"{where}.step must be one whose history is stored (got {step}, after which {file} holds nothing of "

@@ -63,7 +63,7 @@ class PolynomialWholes(Responding):
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions, None)
-        self.beside: BesideCells | None = None
+        self.beside: Sequence[BesideCells] = ()
         for first, second in overlapping(self.sources):
             raise SceneError(
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
@@ -170,8 +170,8 @@ class PolynomialWholes(Responding):
     def applied(self, tractions: Fields) -> FloatArray:
         """Work of the contact and of prescribed eigenstrain on every function, ``(unknowns,)`` [J]."""
         total = np.zeros(self._system.size)
-        if self.beside is not None:
-            total += self.beside.work()
+        for cells in self.beside:
+            total += cells.work()
         if self._prescribed is not None:
             total += self._system.moments(self._prescribed.at(self._time).reshape(6, -1))
         if tractions:

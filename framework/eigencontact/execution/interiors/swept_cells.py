@@ -14,6 +14,7 @@ Voids beside stiff inclusions, or in clusters, take hundreds of sweeps: beyond a
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.cut_cells import CutCells
 from eigencontact.execution.interiors.initial import moved_state
-from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
+from eigencontact.execution.interiors.interior import Outgrown, Remembered
 from eigencontact.execution.interiors.linked_cells import linked_cells
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.growth import enlarged, lattice_of
@@ -37,6 +38,9 @@ from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings
 from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.second_order import centre_values
+
+if TYPE_CHECKING:
+    from eigencontact.execution.interiors.finer_cells import Levels
 
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
@@ -50,7 +54,13 @@ _LOOKS = 512
 
 
 class SweptCells(Cells):
-    """Equivalent eigenstrain of the cells of one box, iterated on with the contact; see `Cells` for the parameters."""
+    """Equivalent eigenstrain of the cells of one box, iterated on with the contact; see `Cells` for the parameters.
+
+    Attributes
+    ----------
+    levels : Levels or None
+        These cells and finer ones in a part of the box.
+    """
 
     numbers = (
         *Cells.numbers,
@@ -62,10 +72,15 @@ class SweptCells(Cells):
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions)
+        self.levels: Levels | None = None
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
-        self.remembers |= {f"{name}_{self.body}" for source in self.sources for name in source.law.variables}
+        self.remembers |= {self._name(name) for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
         self.why += ", swept with the contact" if self._kernels else ", swept"
+
+    def _name(self, variable: str) -> str:
+        """Name under which a variable of a law is remembered."""
+        return f"{variable}_{self.body}"
 
     @property
     def _applications(self) -> float:
@@ -117,7 +132,7 @@ class SweptCells(Cells):
         """Variables of the cells of a law in stored records; zero at rest."""
         variables = {}
         for name, variable in law.variables.items():
-            record, count = last.get(f"{name}_{self.body}"), variable.components
+            record, count = last.get(self._name(name)), variable.components
             whole = np.zeros((count, cells.size)) if record is None else self.fitted(record).reshape(count, -1)
             variables[name] = whole if record is None else whole[:, cells]
         return variables
@@ -141,7 +156,7 @@ class SweptCells(Cells):
 
     def answer_as_a_whole(self) -> bool:
         """See `Interior.answer_as_a_whole`."""
-        if not (self._sweeping and self._linear):
+        if not (self._sweeping and self._linear) or self.levels is not None:
             return False
         self._sweeping, self.eigenstrain = False, self._start
         return True
@@ -150,12 +165,12 @@ class SweptCells(Cells):
         """See `Interior.image`."""
         if not self._sweeping:
             return super().image(tractions, tolerance)
-        before, self._load = self._sweeps.applications, self.applied(tractions)
+        before, self._load = self._applied, self.applied(tractions)
         sweep = self._sweeps.sweep(
-            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start
+            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
         )
         self._after, self._residual, self._size = sweep.remembered, sweep.residual, sweep.size
-        self._spent += self._sweeps.applications - before
+        self._spent += self._applied - before
         self._change = sweep.image - self.eigenstrain
         if not self._about.size:
             return sweep.image, sweep.residual
@@ -165,19 +180,28 @@ class SweptCells(Cells):
         self._residual = max(sweep.residual, change)
         return np.concatenate([sweep.image, means]), self._residual
 
+    @property
+    def _applied(self) -> int:
+        """Applications of the operator so far; those of both levels are counted by the first that asks."""
+        return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
+
+    def _caused(self) -> FloatArray | None:
+        """Stress in these cells by the eigenstrain of both levels; None where these are all there is."""
+        return None if self.levels is None else self.levels.stress_in(self)
+
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`; with the certificate of laws that are not linear."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
             scalars["law_residual"] = self._sweeps.misfit(
-                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start
+                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
             )
         return scalars
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
         """See `Interior.flowed`."""
         names = {
-            f"{n}_{self.body}" for law, _ in self._laws for n, variable in law.variables.items() if not variable.elastic
+            self._name(n) for law, _ in self._laws for n, variable in law.variables.items() if not variable.elastic
         }
         return any(
             not np.array_equal(after[name].values, before[name].values) if name in before else after[name].values.any()
@@ -186,7 +210,7 @@ class SweptCells(Cells):
 
     def distance(self, state: Remembered, reference: Remembered) -> float:
         """See `Interior.distance`; relative to the strain of the reference where that is larger than the load's."""
-        first, second = (records[eigenstrain_name(self.body)].values for records in (state, reference))
+        first, second = (records[self._stored].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
     def trouble(self) -> str:
@@ -251,7 +275,7 @@ class SweptCells(Cells):
         records = super().remembered()
         for (law, cells), variables in zip(self._laws, self._after, strict=True):
             for name, variable in law.variables.items():
-                key, shape = f"{name}_{self.body}", (variable.components, *self._content.shape)
+                key, shape = self._name(name), (variable.components, *self._content.shape)
                 if key not in records:
                     records[key] = self._record(key, np.zeros(shape), variable.unit, variable.meaning)
                 records[key].values.reshape(shape[0], -1)[:, cells] = variables[name]

@@ -45,6 +45,8 @@ _LOOSEST_SWEPT, _SHARE_SWEPT = 1e-2, 0.03
 _TIGHTEST = 1e-13
 #: Times that wholes and cells of one body answer each other without tractions: a pass leaves less than a third.
 _PASSES = 12
+#: Residual that may be left then, in tolerances.
+_AGREED = 10.0
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
 #: Part of an error that a round may leave.
@@ -164,6 +166,13 @@ class Coupled:
                         f"{self._tolerance:.1e}){interior.trouble()}; use smaller steps or a larger tolerance"
                     )
                 interior.take(mixer.next(interior.unknown, image))
+        if passes > 1:
+            left = max((interior.image({}, self._tolerance)[1] for interior in self._responding), default=0.0)
+            if left > _AGREED * self._tolerance:
+                raise NotConverged(
+                    f"interiors of one body: residual {left:.1e} after {passes} passes without a contact (tolerance "
+                    f"{_AGREED * self._tolerance:.1e}); use a larger tolerance, or one kind of cells"
+                )
         return self._solved(None, {})
 
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
@@ -234,7 +243,7 @@ class Coupled:
                 mixer, share = _Mixer(), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                sizes = [scales[:, None, None], *(np.maximum(taken.max(), -taken.min()) for taken in answers[1:])]
+                sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
                 mixed = mixer.next(guess, answers, sizes)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):
@@ -252,6 +261,15 @@ class Coupled:
         if not displacements:
             return np.zeros((len(names), *self._shape))
         return np.asarray(np.sum([[displacement[name] for name in names] for displacement in displacements], axis=0))
+
+
+def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> list[FloatArray]:
+    """Largest unknown of each interior and of all others in its body, where they may be of different onset."""
+    largest = [
+        (interior.body, max(values.max(), -values.min()))
+        for interior, values in zip(interiors, unknowns, strict=True)
+    ]
+    return [np.max([size for body, size in largest if body == own]) for own, _ in largest]
 
 
 class _Mixer:

@@ -207,6 +207,10 @@ class RunningMechanics:
             from eigencontact.execution.interiors.beside_cells import join_wholes
 
             join_wholes(self._interiors)
+        if any(subsurface.refined for subsurface in self._plan.subsurfaces):
+            from eigencontact.execution.interiors.finer_cells import join_levels
+
+            join_levels(self._interiors)
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def _follow(self, solids: Solids | None) -> None:
@@ -403,7 +407,11 @@ def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Int
 
             interiors.append(PrescribedEigenstrain(subsurface, directions))
     for subsurface in subsurfaces:
-        if subsurface.inhomogeneities and subsurface.in_cells:
+        if subsurface.inhomogeneities and subsurface.refined:
+            from eigencontact.execution.interiors.finer_cells import two_levels
+
+            interiors += two_levels(subsurface, directions)
+        elif subsurface.inhomogeneities and subsurface.in_cells:
             from eigencontact.execution.interiors.cells import Cells
             from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
 

@@ -27,7 +27,7 @@ from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity, Lattice, Source
 from eigencontact.plugin import EigenstrainField, LinearLaw, SurfaceInfluence
 
-__all__ = ["Subsurface", "subsurfaces_of"]
+__all__ = ["Subsurface", "ground_of", "subsurfaces_of"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,6 +60,11 @@ class Subsurface:
     beside: bool = False
     wholes: Subsurface | None = None
 
+    @property
+    def refined(self) -> bool:
+        """Whether cells at inclusions are divided into finer ones."""
+        return self.in_cells and self.half_space.numerics.inclusion_refinement > 1
+
     @classmethod
     def of(cls, model: Model, body: int) -> Subsurface:
         """Subsurface of a body (1 or 2) of a model, with eigenstrain in it."""
@@ -85,7 +90,7 @@ class Subsurface:
         balls = tuple(source for source in members if source.whole)
         if not balls or len(balls) == len(members):
             return whole
-        left = tuple(_hole(source, half_space.material) if source.whole else source for source in members)
+        left = tuple(ground_of(source, half_space.material) if source.whole else source for source in members)
         return replace(whole, inhomogeneities=left, wholes=replace(whole, inhomogeneities=balls, beside=True))
 
     @property
@@ -179,9 +184,9 @@ class _Nothing(EigenstrainField):
         return np.zeros((6, *np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))))
 
 
-def _hole(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
-    """Ground of a whole inhomogeneity among cells: of the material of the body, without eigenstrain."""
+def ground_of(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
+    """Ground among cells that another interior stands for: of the material of the body, without eigenstrain."""
     law = matrix_law(matrix)
-    rule = "below 0.5 in a body with cells around whole inclusions"
+    rule = "below 0.5 in a body with cells around whole inclusions, or finer cells around inclusions"
     require(law is not None, f"body{source.body}", "poisson-ratio", matrix.poisson_ratio, rule)
     return replace(source, law=cast("LinearLaw", law), field=_Nothing())
