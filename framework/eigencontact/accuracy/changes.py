@@ -63,8 +63,8 @@ def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict
 
     Examples
     --------
-    >>> refined_steps([{"normal-load": 1.0, "increments": 5}, {"cycle": [{"shift-x": 1e-6}], "repeat": 9}], 0.5)
-    ([{'normal-load': 1.0, 'increments': 3}, {'cycle': [{'shift-x': 1e-06, 'increments': 1}], 'repeat': 9}], 0.666...)
+    >>> refined_steps([{"normal-load": 1.0, "increments": 3}, {"cycle": [{"shift-x": 1e-6}], "repeat": 9}], 0.5)
+    ([{'normal-load': 1.0, 'increments': 2}, {'cycle': [{'shift-x': 1e-06, 'increments': 1}], 'repeat': 9}], 0.75)
     """
     before = after = 0
     out = []

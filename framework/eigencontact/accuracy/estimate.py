@@ -58,8 +58,9 @@ def estimate(
 
     Examples
     --------
-    >>> estimate(1.01, [(1.5, 1.0225), (2.0, 1.04)], 1.0, 2.0)  # of second order, true error 0.01
-    Estimate(error=0.0125..., order=2.0...)
+    >>> error, order = estimate(1.01, [(1.5, 1.0225), (2.0, 1.04)], 1.0, 2.0)  # of second order, true error 0.01
+    >>> f"{error:.4f}, order {order:.2f}"
+    '0.0125, order 2.00'
     >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
     True
     """

@@ -217,7 +217,7 @@ class RadialReturn:
         high = start.residual / (1.5 * start.w)
         for _ in range(_DOUBLINGS):
             residual, slope = self._equation(drive, size, high)
-            above = residual > 0.0
+            above = residual > _ROUND_OFF * scale  # a point may yield by rounding alone: its bracket is empty
             if not above.any():
                 break
             low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
