@@ -262,7 +262,7 @@ def run(
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):
-            noted |= _errors(planned, summary_of(store.info, solved.last, noted["history"], noted), registry)
+            noted |= _errors(planned, summary_of(store.info, solved.last, noted["history"], noted), registry, watcher)
     summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
     if target is not None:
         from eigencontact.results.summary import write_summary
@@ -332,12 +332,18 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
 
 
-def _errors(planned: Plan, summary: Mapping[str, Any], registry: Registry | None) -> dict[str, Any]:
+def _errors(
+    planned: Plan, summary: Mapping[str, Any], registry: Registry | None, watcher: Watcher | None
+) -> dict[str, Any]:
     """Error bars of all numbers, from coarser runs in memory."""
     from eigencontact.accuracy.bars import error_bars
     from eigencontact.scene.schema import Scene
 
-    def solve(tables: Mapping[str, Any]) -> tuple[Plan, dict[str, Any]]:
+    announced = getattr(watcher, "announced", None)
+
+    def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
+        if announced is not None:
+            announced(f"error bars: {words}")
         coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
         return coarse, run(coarse).summary
 

@@ -91,6 +91,10 @@ class _ProgressBars:
             self._solve = self._bars.add_task("residual", total=60)
         self._bars.update(self._steps, completed=point.index - 1)
 
+    def announced(self, text: str) -> None:
+        """Write a line above the bars."""
+        self._bars.console.print(text, highlight=False)
+
     def iterated(self, text: str, residual: float, tolerance: float) -> None:
         """Show the decades of the residual that are behind us."""
         if not 0 < residual < float("inf"):
@@ -119,6 +123,10 @@ class ProgressLines:
         """Note which load step begins."""
         self._ends = self._ends or [self._clock()]
         self._now = f"load step {point.index} of {total}"
+
+    def announced(self, text: str) -> None:
+        """Write a line."""
+        self._say(text)
 
     def iterated(self, text: str, residual: float, tolerance: float) -> None:
         """Say how far a load step is that takes long."""

@@ -11,6 +11,7 @@ from eigencontact.accuracy import bars, sources
 from eigencontact.accuracy.bars import error_bars
 from eigencontact.accuracy.changes import refined_steps
 from eigencontact.errors import SceneError
+from eigencontact.progress import progress
 
 HERTZ = {
     "body1": STEEL,
@@ -34,7 +35,7 @@ def summary(value, warnings=()):
 def solver(of_changes):
     """Runs whose depth follows from edge and increments; nothing is solved."""
 
-    def solve(tables):
+    def solve(tables, _):
         planned = ec.plan(tables)
         return planned, summary(of_changes(planned))
 
@@ -106,7 +107,7 @@ def test_half_an_estimate_is_seen(monkeypatch):
 def test_a_refused_coarser_run_is_named():
     planned = ec.plan(HERTZ)
 
-    def refuse(_):
+    def refuse(*_):
         raise SceneError("grid must be finer")
 
     found = error_bars(planned, summary(1.0), refuse)
@@ -144,6 +145,12 @@ def test_the_scene_asks_for_errors_and_a_sweep_has_them_beside_the_numbers(tmp_p
     assert swept["max_pressure_error"].attrs["estimates"] == "max_pressure"
     assert (swept["max_pressure_error"] > 0).all()
     assert (swept["max_pressure_error"] < 0.1 * swept["max_pressure"]).all()
+
+
+def test_coarser_runs_are_announced(capsys):
+    with progress(enabled=True, verbose=True) as watcher:
+        ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}}, errors=True, watcher=watcher)
+    assert "error bars: cells, step size times 1.5" in capsys.readouterr().err
 
 
 def test_the_console_and_the_report_show_errors(tmp_path):

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Accuracy", "error_bars"]
 
-#: Solves a scene given by its tables: the plan and the contents of its summary.
-Solve = Callable[[Mapping[str, Any]], "tuple[Plan, Mapping[str, Any]]"]
+#: Solves a scene given by its tables, with what differs in words: the plan and the contents of its summary.
+Solve = Callable[[Mapping[str, Any], str], "tuple[Plan, Mapping[str, Any]]"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +60,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     summary : mapping
         Contents of its ``summary.json``.
     solve : callable
-        Tables of a scene to the plan and the summary of its run in memory; raises `EigencontactError`.
+        Tables of a scene, and what differs in words, to the plan and the summary of its run in memory; raises
+        `EigencontactError`.
 
     Returns
     -------
@@ -90,7 +91,7 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
         for variation in source.variations(start[1]):
             varied = changed(start[0], variation.changes)
             try:
-                coarse_plan, coarse = solve(varied)
+                coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
             except EigencontactError as problem:
                 left_out[source.name] = " ".join(str(problem).split())
                 break

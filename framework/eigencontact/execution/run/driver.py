@@ -29,7 +29,8 @@ __all__ = ["Watcher", "drive"]
 class Watcher(Protocol):
     """Sees the course of a run; all methods must be quick.
 
-    A watcher with a method ``step_took(seconds)`` is told, before `step_finished`, the time [s] of each block by name.
+    A watcher with a method ``step_took(seconds)`` is told, before `step_finished`, the time [s] of each block by name;
+    one with a method ``announced(text)`` is told what a run does before and after its load steps.
     """
 
     def step_started(self, point: LoadPoint, total: int) -> None:
