@@ -428,7 +428,7 @@ def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
     assert [words[16, kind] for kind in kinds] == ["agrees"] * 3
     assert words[3, "contact radius"] == "disagrees"
     assert report.exit_code == 0
-    assert "Agreement is claimed where cells >= 16: 3 verdicts, of which 3 agree" in totals(
+    assert "Agreement is claimed where cells >= 16: 4 verdicts, of which 4 agree" in totals(
         report.campaign, report.found
     )
 

@@ -95,7 +95,7 @@ FEATURE = Feature(
             "damage {}", certified,
             {"of the effective stress": (PERFECT, FADING),
              "that falls like -3.6 G, with a length": (PERFECT, {**BRITTLE, "length": 9e-8})},
-            bound=1e-5, reason=CERTIFIED,
+            bound=2e-5, reason="the tolerance 1e-5 is of a norm over all cells; the worst cell's law may miss more",
         ),
         refusal(f"softening of -{1.02 * LIMIT:.3g} G", lambda: bone(softer(1.02 * LIMIT)), "no unique answer"),
         refusal("damage that falls like -3.6 G, no length", lambda: bone(PERFECT, damage=BRITTLE), "no unique answer"),
