@@ -152,17 +152,19 @@ class ErrorBar:
         return cls(**{name: value for name, value in table.items() if name != "relative"})
 
     def words(self, number: Number) -> str:
-        """Error with its unit, for people, and its main source.
+        """Error in the unit in which the value is shown, and its main source.
 
         Examples
         --------
         >>> radius = Number(name="contact_radius", unit="m", meaning="radius of the contact")
         >>> ErrorBar(value=6e-6, error=3e-8, source="cells", order=1.94).words(radius)
-        '± 30 nm (0.5 %, cells)'
+        '± 0.03 um (0.5 %, cells)'
         """
-        error = float(f"{self.error:.2g}")
-        share = "" if self.relative is None else f"{100 * self.relative:.2g} %, "
-        return f"± {number.text(error)} ({share}{self.source})"
+        if not self.value:
+            return f"± {number.text(float(f'{self.error:.2g}'))} ({self.source})"
+        digits, _, unit = number.text(self.value).partition(" ")
+        error = f"{self.error * float(digits) / self.value:.2g} {unit}".strip()
+        return f"± {error} ({100 * self.error / abs(self.value):.2g} %, {self.source})"
 
 
 def by_name(numbers: Iterable[Number]) -> dict[str, Number]:
