@@ -77,7 +77,7 @@ def test_every_source_counts_by_itself():
 
     found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
     assert found.error >= 0.03
-    assert found.parts["cells"] == close(1.25 * 0.01, rel=0.05)
+    assert found.parts["cells"] == close(1.25 * 0.01, rel=1e-6)
     assert found.parts["load steps"] == close(0.02, rel=1e-6)
     assert found.parts["tolerance"] == 0.0
     assert found.source == "load steps"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -70,20 +70,18 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
 
     Notes
     -----
-    The cells of the grid become 1.5 and 2 times larger. Every other source is varied by itself on the coarsest of these
-    grids that could be solved, whose error from this source stands for that of the run. The errors of all sources are
-    added. They do not contain errors of the model: half-space, small strain, laws.
+    The cells of the grid become larger in two runs; see `eigencontact.accuracy.sources`. Every other source is varied
+    by itself on the coarsest of these grids that could be solved, whose error from this source stands for that of the
+    run. The errors of all sources are added. They do not contain errors of the model: half-space, small strain, laws.
     """
     began = perf_counter()
     tables = plan.scene.resolved()
-    sizes = {"cells": _edge(plan)}
     base_tables, base_plan, base = tables, plan, summary
     parts: dict[str, dict[str, Estimate]] = {}
-    left_out = {
-        warning["number"]: warning["words"]
-        for warning in summary["warnings"]
-        if warning.get("number") and warning["order"] == 0.0
-    }
+    slow = {warning["number"]: warning for warning in summary["warnings"] if warning.get("number")}
+    left_out = {name: warning["words"] for name, warning in slow.items() if warning["order"] == 0.0}
+    names = [name for name, _ in _results(summary) if name not in left_out]
+    orders = {name: warning["order"] for name, warning in slow.items()}
     runs = 0
     for source in error_sources(plan):
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
@@ -97,18 +95,19 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
                 break
             runs += 1
             # the planner rounds the number of cells: the ratio is that of the edges
-            ratio = variation.ratio if source.on_coarse else _edge(coarse_plan) / sizes["cells"]
+            ratio = variation.ratio if source.on_coarse else _edge(coarse_plan) / _edge(plan)
             if ratio == 1.0:
+                left_out[source.name] = "the grid cannot be coarser"
                 break
             others.append((ratio, coarse))
             if not source.on_coarse:
                 base_tables, base_plan, base = varied, coarse_plan, coarse
         if others:
             left_out.pop(source.name, None)
-            parts[source.name] = dict(_estimates(start[2], others, source))
-    return Accuracy(
-        bars=_joined(summary, parts), left_out=left_out, runs=runs, seconds=perf_counter() - began
-    )
+            known = {} if source.on_coarse else orders
+            parts[source.name] = dict(_estimates(names, start[2], others, source, known))
+    bars = _joined(names, summary, parts)
+    return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=perf_counter() - began)
 
 
 def _edge(plan: Plan) -> float:
@@ -125,37 +124,38 @@ def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
 
 
 def _estimates(
-    summary: Mapping[str, Any], others: list[tuple[float, Mapping[str, Any]]], source: ErrorSource
+    names: Sequence[str],
+    summary: Mapping[str, Any],
+    others: Sequence[tuple[float, Mapping[str, Any]]],
+    source: ErrorSource,
+    orders: Mapping[str, float],
 ) -> Iterator[tuple[str, Estimate]]:
-    """Estimates of one source, by name of the number; a number that a coarser run lacks has none."""
+    """Estimates of one source, by name of the number; a number that a coarser run lacks has none.
+
+    `orders` are those of numbers that converge more slowly than the source tells.
+    """
+    value_of = dict(_results(summary))
     values = [(ratio, dict(_results(coarse))) for ratio, coarse in others]
-    slow = _slow(summary) if not source.on_coarse else {}
-    for name, value in _results(summary):
+    for name in names:
         pairs = [(ratio, coarse[name]) for ratio, coarse in values if name in coarse]
-        order = slow.get(name)
-        if pairs and order != 0.0:
+        if pairs and name in value_of:
+            lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
             scatters = bool(summary["numbers"][name].get("scatters"))
-            yield name, estimate(value, pairs, order or source.lowest, order or source.highest, scatters=scatters)
+            yield name, estimate(value_of[name], pairs, lowest, highest, scatters=scatters)
 
 
-def _slow(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Orders of the numbers that a warning says converge slowly, 0 for those that do not."""
-    return {warning["number"]: warning["order"] for warning in summary["warnings"] if warning.get("number")}
-
-
-def _joined(summary: Mapping[str, Any], parts: Mapping[str, Mapping[str, Estimate]]) -> dict[str, ErrorBar]:
+def _joined(
+    names: Sequence[str], summary: Mapping[str, Any], parts: Mapping[str, Mapping[str, Estimate]]
+) -> dict[str, ErrorBar]:
     """Bar of each number from its parts."""
-    bars = {}
-    endless = {name for name, order in _slow(summary).items() if order == 0.0}
-    for name, value in _results(summary):
-        if name in endless:
-            continue
+    bars, value_of = {}, dict(_results(summary))
+    for name in names:
         own = {source: estimates[name] for source, estimates in parts.items() if name in estimates}
         if not own:
             continue
         largest = max(own, key=lambda source: own[source].error)
         bars[name] = ErrorBar(
-            value=value, error=sum(part.error for part in own.values()), source=largest, order=own[largest].order,
-            parts={source: part.error for source, part in own.items()},
+            value=value_of[name], error=sum(part.error for part in own.values()), source=largest,
+            order=own[largest].order, parts={source: part.error for source, part in own.items()},
         )  # fmt: skip
     return bars
