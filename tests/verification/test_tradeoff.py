@@ -80,7 +80,7 @@ def test_a_given_window_keeps_its_place_and_size():
     ("scene", "changes", "key", "expected"),
     [
         (
-            "void-near-surface", [], "inclusion-resolution",
+            "void-near-surface", ["numerics.inclusion-resolution=cells"], "inclusion-resolution",
             [f"inclusion-resolution whole{degree}" for degree in (" = 0", " = 2", " = 4")],
         ),
         ("plastic-hertz", COARSE, "inclusion-resolution", []),
