@@ -202,14 +202,14 @@ def test_impacts_leave_compression_below_the_surface(finished):
 
 
 #: As they are bundled: largest depth [nm], print [nm], largest pressure [MPa], as finite elements found them, and how
-#: far from them each may be. The print grows with refinement, and by some tenths of a per cent with load steps: the
-#: elements of 'plastic-hertz' find 77.8 nm with 10 steps from the onset of yield and 78.04 nm with 100.
+#: far from them each may be. The print grows with refinement: that beside the stiff ball by first order only, see the page
+#: of the theory. The elements of 'plastic-hertz' find 77.8 nm with 10 steps from the onset of yield, 78.04 nm with 100.
 FOUND = {
-    "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.02), (14485, 1e-2)),
+    "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.0075), (14485, 1e-2)),
     "fretting-mode-2-plastic": ((1995.8, 1e-3), (102.7, 0.025), (13777, 1e-2)),
-    "hard-inclusion-in-plastic-matrix": ((1997.1, 1e-3), None, (13704, 1e-2)),
-    "plastic-hertz": ((2009.7, 1e-3), (77.8, 0.015), (13310, 1e-2)),
-    "plastic-indentation": ((372.15, 2e-3), (81.6, 0.02), (5517, 2e-2)),
+    "hard-inclusion-in-plastic-matrix": ((1997.1, 1e-3), (109.4, 0.085), (13704, 1e-2)),
+    "plastic-hertz": ((2009.7, 1e-3), (78.04, 0.0075), (13310, 1e-2)),
+    "plastic-indentation": ((372.15, 2e-3), (81.6, 0.0075), (5517, 2e-2)),
 }
 
 
@@ -221,9 +221,8 @@ def test_as_they_are_bundled(name, finished):
     for field, reference, unit in zip(
         ("approach", "print_depth", "max_pressure"), FOUND[name], (1e-9, 1e-9, 1e6), strict=True
     ):
-        if reference is not None:
-            values = data[field][-1:] if field == "print_depth" else data[field]
-            assert float(values.max()) == close(reference[0] * unit, rel=reference[1])
+        values = data[field][-1:] if field == "print_depth" else data[field]
+        assert float(values.max()) == close(reference[0] * unit, rel=reference[1])
     if name == "fretting-mode-2-plastic":
         peak = int(data["normal_load"].values.argmax())
         assert float(data["stick_radius_ratio"][peak]) == close(0.895, rel=0.035)
