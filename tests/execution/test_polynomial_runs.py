@@ -172,3 +172,25 @@ def test_nothing_of_it_is_imported_without_it():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(("gap", "close_by"), [(0.5, False), (0.05, True)])
+def test_the_load_by_prescribed_eigenstrain_is_checked(gap, close_by, monkeypatch):
+    """An edge of a hot cube close to a void asks for more points; a rule of six times the points judges."""
+    from eigencontact.execution.interiors import checked_work
+
+    edge = 0.2 * A
+    middle = [0.33 * A + gap * 0.33 * A + 0.5 * edge, 0, 0.6 * A]
+    cube = {"name": "hot", "type": "cuboid", "center": middle, "edges": [edge] * 3, "eigenstrain": 1e-3}
+
+    def found(*factors):
+        monkeypatch.setattr(checked_work, "_FACTORS", factors)
+        result = run(ball(VOID, 0.33, 0.6), cube, whole=2, cells=15)
+        return result.dataset["equivalent_eigenstrain_1"][-1].values, result.summary["inclusion_load_error"]
+
+    (refined, stated), (first, _), (judge, _) = found(1.0, 1.5, 2.25), found(1.0), found(1.0, 6.0)
+    largest = np.abs(judge).max()
+    errors = [np.abs(values - judge).max() / largest for values in (first, refined)]
+    assert bool(errors[0] > 1e-5) == close_by
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[1] < stated < 1e-2

@@ -16,7 +16,13 @@ from eigencontact.solvers.eigenstrain import VolumeField
 
 SECTION = ["observers=[]", "output.pictures=false", "output.vtk=false"]
 HERTZ = ["grid.cells-per-contact-radius=16", *SECTION]
-VOID = ["grid.cells-per-contact-radius=10", "stress.depth-cells=6", "numerics.allow-coarse=true", "numerics.inclusion-resolution=cells", *SECTION]
+VOID = [
+    "grid.cells-per-contact-radius=10",
+    "stress.depth-cells=6",
+    "numerics.allow-coarse=true",
+    "numerics.inclusion-resolution=cells",
+    *SECTION,
+]
 PLASTIC = ["grid.cells-per-contact-radius=6", *SECTION]
 FRICTION = ["grid.cells-per-contact-radius=12", "stress=[]", *SECTION]
 

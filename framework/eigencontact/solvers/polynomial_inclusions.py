@@ -139,8 +139,17 @@ class PolynomialInclusions:
     @cached_property
     def rules(self) -> list[tuple[FloatArray, FloatArray]]:
         """Points ``(m, 3)`` [m] and weights [m^3] of each inclusion for a stress that comes from elsewhere."""
+        return self._rules(1.0)
+
+    def refine_rules(self, factor: float) -> None:
+        """Take rules with `factor` times the points in each direction."""
+        self.rules = self._rules(factor)
+
+    def _rules(self, factor: float) -> list[tuple[FloatArray, FloatArray]]:
         return [
-            shape.density_rule((degree + 3, degree + 6, 2 * degree + 8))
+            shape.density_rule(
+                (round(factor * (degree + 3)), round(factor * (degree + 6)), round(factor * (2 * degree + 8)))
+            )
             for shape, degree in zip(self.shapes, self.degrees, strict=True)
         ]
 

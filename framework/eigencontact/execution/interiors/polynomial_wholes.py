@@ -16,6 +16,7 @@ from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.interiors.checked_work import CheckedWork
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.subsurface import Subsurface
@@ -25,7 +26,6 @@ from eigencontact.halfspace.potentials import HasMomentPotentials
 from eigencontact.halfspace.region_means import is_ball
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.overlaps import overlapping
-from eigencontact.model.regions import RegionLattice
 from eigencontact.model.whole_degrees import functions_up_to
 from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.whole_surface import WholeSurface, table_key
@@ -59,11 +59,17 @@ class PolynomialWholes(Responding):
             meaning="estimated error of the eigenstrain of whole inhomogeneities by their degree, in parts of it",
             headline=True, label="error of inclusions by degree",
         ),
+        Number(
+            name="inclusion_load_error", unit="1", role="error", over="max",
+            meaning="estimated error of the eigenstrain of whole inhomogeneities by the integration of the stress of "
+            "prescribed eigenstrain, in parts of what this stress causes",
+        ),
     )  # fmt: skip
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions, None)
         self.beside: Sequence[BesideCells] = ()
+        self._work: CheckedWork | None = None
         for first, second in overlapping(self.sources):
             raise SceneError(
                 f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for whole inclusions in "
@@ -127,11 +133,7 @@ class PolynomialWholes(Responding):
             along = "".join(item.direction for item in self._tractions)
             self._table = WholeSurface(self._system, self._grid, along, threads=self._numerics.threads)
         if self._subsurface.prescribed:
-            none = np.empty(0)
-            points = RegionLattice(
-                target=(0, 0), origin=(0.0, 0.0), x=none, y=none, depths=none, points=self._system.points.T.copy()
-            )
-            self._prescribed = self._subsurface.prescribed_field("stress", points)
+            self._work = CheckedWork(self._system, self._subsurface)
 
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""
@@ -142,6 +144,8 @@ class PolynomialWholes(Responding):
         self._amplitudes = self._system.amplitudes_of(self.eigenstrain, self._prestrain)
         self._load = np.zeros(self._system.size)
         self._below: tuple[FloatArray, FloatArray] | None = None
+        if self._work is not None:
+            self._work.begin(self._time)
 
     @property
     def system(self) -> PolynomialInclusions:
@@ -172,8 +176,8 @@ class PolynomialWholes(Responding):
         total = np.zeros(self._system.size)
         for cells in self.beside:
             total += cells.work()
-        if self._prescribed is not None:
-            total += self._system.moments(self._prescribed.at(self._time).reshape(6, -1))
+        if self._work is not None:
+            total += self._work.present
         if tractions:
             assert self._table is not None
             total += self._table.work(np.array(loads(self.body, self._tractions, tractions)))
@@ -195,7 +199,10 @@ class PolynomialWholes(Responding):
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""
-        return super().scalars() | ({"inclusion_degree_error": self._error()} if self.estimates_degree else {})
+        errors = {"inclusion_degree_error": self._error()} if self.estimates_degree else {}
+        if self._work is not None and self.estimates_degree:
+            errors["inclusion_load_error"] = self._work.error
+        return super().scalars() | errors
 
     def _lower(self) -> tuple[FloatArray, FloatArray]:
         """Amplitudes with one degree less, and with two, under the present load."""

@@ -1,0 +1,81 @@
+"""Work of prescribed eigenstrain on the functions of whole inhomogeneities, by rules refined until they agree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.execution.routes.prescribed import PrescribedField
+from eigencontact.execution.routes.subsurface import Subsurface
+from eigencontact.model.regions import RegionLattice
+
+if TYPE_CHECKING:
+    from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
+
+__all__ = ["CheckedWork"]
+
+#: Points of each rule in each direction, in parts of the first.
+_FACTORS = (1.0, 1.5, 2.25, 3.5)
+#: Error of the eigenstrain, in parts of the largest that the work causes, that is accepted.
+_ACCEPTED = 1e-5
+
+
+class CheckedWork:
+    """Work of prescribed eigenstrain.
+
+    An edge of a region close to an inhomogeneity asks for more points. The rules are refined at the first load step in
+    which there is eigenstrain, until two of them agree; the finer one is kept.
+
+    Parameters
+    ----------
+    system : PolynomialInclusions
+        Its rules are refined.
+    subsurface : Subsurface
+        With prescribed eigenstrain.
+
+    Attributes
+    ----------
+    present : (unknowns,)
+        Work on every function [J].
+    error : float
+        Difference of the eigenstrain by the two finest rules, in parts of the largest that the work alone causes.
+    """
+
+    def __init__(self, system: PolynomialInclusions, subsurface: Subsurface) -> None:
+        self._system, self._subsurface = system, subsurface
+        self._field = self._made()
+        self._checked = False
+        self.present, self.error = np.zeros(system.size), 0.0
+
+    def begin(self, time: float) -> None:
+        """Go to a time."""
+        self.present = self._at(time)
+        if not self._checked and self.present.any():
+            self._check(time)
+
+    def _check(self, time: float) -> None:
+        self._checked = True
+        system, nothing = self._system, np.zeros_like(self.present)
+        amplitudes = system.solve(self.present).amplitudes
+        for factor in _FACTORS[1:]:
+            before = amplitudes
+            system.refine_rules(factor)
+            self._field = self._made()
+            self.present = self._at(time)
+            amplitudes = system.solve(self.present, start=before).amplitudes
+            largest = system.difference(amplitudes, nothing).max()
+            self.error = float(system.difference(amplitudes, before).max() / largest) if largest else 0.0
+            if self.error <= _ACCEPTED:
+                break
+
+    def _made(self) -> PrescribedField:
+        none = np.empty(0)
+        points = RegionLattice(
+            target=(0, 0), origin=(0.0, 0.0), x=none, y=none, depths=none, points=self._system.points.T.copy()
+        )
+        return self._subsurface.prescribed_field("stress", points)
+
+    def _at(self, time: float) -> FloatArray:
+        return self._system.moments(self._field.at(time).reshape(6, -1))
