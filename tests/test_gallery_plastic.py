@@ -202,7 +202,7 @@ def test_impacts_leave_compression_below_the_surface(finished):
 
 
 #: As they are bundled: largest depth [nm], print [nm], largest pressure [MPa], as finite elements found them, and how
-#: far from them each may be. The print grows with refinement, beside the stiff ball by first order only, see the page of
+#: far from it each may be. The print grows with refinement, beside the stiff ball by first order only, see the page of
 #: the theory. The elements of 'plastic-hertz' find 77.8 nm with 10 steps from the onset of yield, 78.04 nm with 100.
 FOUND = {
     "elastic-plastic-coating": ((2006.3, 1e-3), (16.7, 0.0075), (14485, 1e-2)),
