@@ -34,13 +34,16 @@ class Comparison:
         Results of the run that is compared with the others.
     others : list of (float, dict of str to float)
         Step size in units of that run, and the results; the nearest first.
+    known : dict of str to float
+        Errors that follow from the plan.
     seconds : float
         Wall time of the other runs [s].
     """
 
     source: ErrorSource
-    values: Mapping[str, float]
-    others: Sequence[tuple[float, Mapping[str, float]]]
+    values: Mapping[str, float] = field(default_factory=dict)
+    others: Sequence[tuple[float, Mapping[str, float]]] = ()
+    known: Mapping[str, float] = field(default_factory=dict)
     seconds: float = 0.0
 
 
@@ -107,6 +110,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     runs = 0
     for source in error_sources(plan):
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
+        if source.known is not None:
+            comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
         others: list[tuple[float, Mapping[str, float]]] = []
         source_began = perf_counter()
         for variation in source.variations(start[1]):
@@ -175,6 +180,8 @@ def _estimates(
     """
     source, value_of = comparison.source, comparison.values
     for name in names:
+        if name in comparison.known:
+            yield name, Estimate(comparison.known[name], None)
         pairs = [(ratio, coarse[name]) for ratio, coarse in comparison.others if name in coarse]
         if pairs and name in value_of:
             lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)

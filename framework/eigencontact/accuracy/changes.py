@@ -52,10 +52,22 @@ def refined_grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
 def refined_window(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
     """Table of a grid over the window of a plan with `factor` times the cells each way, and its resolution in words."""
     grid = plan.grid
-    nx, ny = (max(1, round(factor * count)) for count in (grid.nx, grid.ny))
+    nx, ny = (_alike(factor * count, count) for count in (grid.nx, grid.ny))
     size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
     # the centre of the plan: an automatic window around inclusions has its own
     return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
+
+
+def _alike(wanted: float, count: int) -> int:
+    """Whole number nearest to one wanted that is odd where `count` is: the middle of the window keeps or lacks a cell.
+
+    Examples
+    --------
+    >>> _alike(22.5, 45), _alike(21.3, 64), _alike(0.4, 1)
+    (23, 22, 1)
+    """
+    odd = count % 2
+    return max(2 - odd, 2 * round(0.5 * (wanted - odd)) + odd)
 
 
 def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict[str, Any]], float]:

@@ -45,6 +45,8 @@ class Number:
         Of an error: name of the number that it belongs to.
     scatters : bool
         Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
+    of_points : bool
+        Whether it is the depth of one of the points of a region: it is known to half their distance.
 
     Examples
     --------
@@ -64,6 +66,7 @@ class Number:
     replaces: str = ""
     estimates: str = ""
     scatters: bool = False
+    of_points: bool = False
 
     @property
     def words(self) -> str:

@@ -64,6 +64,7 @@ def solved(tables: Mapping[str, Any], factor: float = 2.0) -> dict[str, Any]:
                 "source": one.source.name,
                 "values": dict(one.values),
                 "others": [list(pair) for pair in one.others],
+                "known": dict(one.known),
                 "seconds": one.seconds,
             }
             for one in accuracy.comparisons
@@ -85,7 +86,9 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
     sources = {source.name: source for source in SOURCES}
     comparisons = [
-        Comparison(source=sources[one["source"]], values=one["values"], others=one["others"])
+        Comparison(
+            source=sources[one["source"]], values=one["values"], others=one["others"], known=one.get("known", {})
+        )
         for one in row["comparisons"]
         if one["source"] in sources
     ]
