@@ -195,3 +195,10 @@ def test_the_console_and_the_report_show_errors(tmp_path):
     assert "±" in result._repr_html_()
     page = ec.report(tmp_path / "run").read_text(encoding="utf-8")
     assert page.count("<small>±") >= 3
+
+
+def test_a_region_without_a_name_is_solved_on_coarser_cells_too():
+    result = ec.run(HERTZ | {"stress": SECTION}, errors=True).summary
+    assert result["errors_left_out"] == {}
+    assert result["errors"]["max_von_mises"]["error"] > 0
+    assert result["errors"]["max_von_mises_depth"]["parts"]["points of regions"] == close(0.5e-6)
