@@ -187,7 +187,7 @@ def test_the_scene_asks_for_errors_and_a_sweep_has_them_beside_the_numbers(tmp_p
 def test_coarser_runs_are_announced(capsys):
     with progress(enabled=True, verbose=True) as watcher:
         ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}}, errors=True, watcher=watcher)
-    assert "error bars: cells, step size times 1.5" in capsys.readouterr().err
+    assert "error bars: cells, step size times 2.5" in capsys.readouterr().err
 
 
 def test_the_console_and_the_report_show_errors(tmp_path):

@@ -161,10 +161,12 @@ def _edge(plan: Plan) -> float:
 
 
 def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """Name and value of the results in a summary."""
-    for name, number in summary["numbers"].items():
-        value = summary.get(name, summary["observed"].get(name))
-        if number["role"] == "result" and isinstance(value, int | float):
+    """Name and value of the results in a summary, without those that another one replaces."""
+    declared = summary["numbers"]
+    values = {name: summary.get(name, summary["observed"].get(name)) for name in declared}
+    replaced = {number.get("replaces") for name, number in declared.items() if values[name]}
+    for name, value in values.items():
+        if declared[name]["role"] == "result" and isinstance(value, int | float) and name not in replaced:
             yield name, float(value)
 
 

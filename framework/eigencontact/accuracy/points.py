@@ -1,8 +1,8 @@
-"""Distance of the points of stress regions: a place of the largest stress is known to half of it."""
+"""Errors that follow from the plan: half the distance of the points of regions, and spots that no cell shows."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["half_distances", "has_points"]
+__all__ = ["half_distances", "has_points", "hidden_spots"]
 
 
 def has_points(plan: Plan) -> bool:
@@ -29,13 +29,27 @@ def half_distances(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
     requests = [request for request in plan.model.cells.requests if "stress" in request.fields]
     lattices = [region_lattice(request, plan.grid) for request in requests]
     depths = [np.unique(one.depths if one.points is None else one.points[:, 2]) for one in lattices]
-    names = [name for name, number in summary["numbers"].items() if number.get("of_points")]
-    found = {name: summary.get(name, summary["observed"].get(name)) for name in names}
     return {
-        name: 0.5 * max((_gap(float(value), axis) for axis in depths), default=0.0)
-        for name, value in found.items()
-        if value is not None
+        name: 0.5 * max((_gap(value, axis) for axis in depths), default=0.0)
+        for name, value in _declared(summary, "of_points")
     }
+
+
+def hidden_spots(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Area of a cell [m2], or radius of the circle of this area [m], for each size counted in cells that is zero."""
+    area = float(plan.grid.dx * plan.grid.dy)
+    errors = {"m2": area, "m": (area / np.pi) ** 0.5}
+    sizes = [name for name, value in _declared(summary, "scatters") if value == 0.0]
+    units = {name: summary["numbers"][name]["unit"] for name in sizes}
+    return {name: errors[unit] for name, unit in units.items() if unit in errors}
+
+
+def _declared(summary: Mapping[str, Any], flag: str) -> Iterator[tuple[str, float]]:
+    """Numbers whose declaration has a flag, and their values."""
+    for name, number in summary["numbers"].items():
+        value = summary.get(name, summary["observed"].get(name))
+        if number.get(flag) and value is not None:
+            yield name, float(value)
 
 
 def _gap(depth: float, depths: np.ndarray[Any, np.dtype[np.float64]]) -> float:

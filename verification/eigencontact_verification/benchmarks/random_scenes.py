@@ -115,7 +115,7 @@ def finer(plan: Any, factor: float = 2.0) -> dict[str, Any]:
 
     It has `factor` times the cells each way, twice the increments and the points of regions, half as much room of a
     law again and, where the scene has them, a tenth of the tolerance, half the pitch, a degree more by two, half the
-    error of load steps and a quarter of that of jumps.
+    error of load steps and of worn layers and a quarter of that of jumps.
     """
     from eigencontact.accuracy.changes import changed, refined_grid, refined_steps
 
@@ -140,9 +140,15 @@ def finer(plan: Any, factor: float = 2.0) -> dict[str, Any]:
             "steps": refined_steps(tables["steps"], 2.0)[0],
             "stress": [_more_points(request) for request in tables["stress"]],
             "numerics": settings,
-            **({} if wear is None or wear.error is None else {"wear": {"jump-error": 0.25 * wear.error}}),
+            **({} if wear is None else {"wear": _finer_wear(wear)}),
         },
     )
+
+
+def _finer_wear(wear: Any) -> dict[str, float]:
+    """A quarter of the error of jumps over cycles, and half of that of worn layers."""
+    jumps = {} if wear.error is None else {"jump-error": 0.25 * wear.error}
+    return {"layer-error": 0.5 * wear.layer_error, **jumps}
 
 
 def _more_points(request: Mapping[str, Any]) -> dict[str, Any]:
