@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.core.kept import Kept
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import EigencontactError
 
@@ -20,6 +21,9 @@ __all__ = ["Accuracy", "Comparison", "error_bars", "joined_bars"]
 
 #: Solves a scene given by its tables, with what differs in words: the plan and the contents of its summary.
 Solve = Callable[[Mapping[str, Any], str], "tuple[Plan, Mapping[str, Any]]"]
+
+#: Memory of the operators that coarser runs share [bytes].
+_KEPT_BYTES = 2e8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +111,7 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     base_tables, base_plan, base = tables, plan, summary
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
-    runs = 0
+    runs, kept = 0, Kept(_KEPT_BYTES)
     for source in error_sources(plan):
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
         if source.known is not None:
@@ -117,7 +121,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
         for variation in source.variations(start[1]):
             varied = changed(start[0], variation.changes)
             try:
-                coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
+                with kept.offered():  # runs on the same cells share operators
+                    coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
             except EigencontactError as problem:
                 left_out[source.name] = " ".join(str(problem).split())
                 break

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.changes import Changes, refined_grid, refined_steps
+from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
 from eigencontact.accuracy.points import half_distances, has_points, hidden_spots
 from eigencontact.accuracy.settings import FIDELITIES
 
@@ -69,10 +69,10 @@ def error_sources(plan: Plan) -> list[ErrorSource]:
 
 
 def _cells(plan: Plan) -> list[Variation]:
-    """Cells 2 and 2.5 times larger. Coarse cells are accepted here."""
+    """Cells 2 and 2.5 times larger in the same window, which need not be searched. Coarse cells are accepted here."""
     numerics = {"allow-coarse": True}
     return [
-        Variation(changes={"grid": refined_grid(plan, 1.0 / ratio)[0], "numerics": numerics}, ratio=ratio)
+        Variation(changes={"grid": refined_window(plan, 1.0 / ratio)[0], "numerics": numerics}, ratio=ratio)
         for ratio in _COARSER
     ]
 
