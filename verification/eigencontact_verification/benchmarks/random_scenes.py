@@ -14,9 +14,9 @@ KINDS: dict[str, dict[str, float]] = {
     "elastic": {"hertz": 20, "hertz-ellipse": 14, "dissimilar-spheres": 16, "tilted-punch": 16},
     "friction": {"cattaneo-mindlin": 14, "fretting-mode-1": 12, "rotating-shear": 12, "gross-slip": 12},
     "layers": {"coated-sphere": 14, "soft-coating": 14, "coated-fretting": 10},
-    "inclusions": {"inclusion-under-contact": 12, "void-under-contact": 12, "sphere-near-surface": 0.3},
-    "yield": {"plastic-hertz": 6, "plastic-indentation": 5, "plastic-inclusion": 0.45},
-    "damage": {"concrete-bars-damage": 0.6, "bone-indentation": 0.35},
+    "inclusions": {"inclusion-under-contact": 10, "void-under-contact": 12, "sphere-near-surface": 0.3},
+    "yield": {"plastic-hertz": 5, "plastic-indentation": 4, "plastic-inclusion": 0.45},
+    "damage": {"concrete-bars-damage": 0.5, "bone-indentation": 0.35},
     "wear": {"wear-gross-sliding": 0.5, "fretting-wear-gross-slip": 0.5},
 }
 _OWN = 2.0
