@@ -129,6 +129,26 @@ def test_points_left_out_are_seen(monkeypatch):
         test_a_depth_is_known_to_half_the_distance_of_the_points()
 
 
+def counted(area):
+    """Summary of a run with an area counted in cells."""
+    declared = {"area": {"unit": "m2", "role": "result", "scatters": True}}
+    return {"numbers": declared, "observed": {}, "warnings": [], "area": area}
+
+
+@pytest.mark.parametrize("area", [0.0, 3e-12])
+def test_an_area_that_no_run_changes_is_known_to_a_cell(area):
+    planned = ec.plan(HERTZ)
+    found = error_bars(planned, counted(area), lambda tables, _: (ec.plan(tables), counted(area))).bars["area"]
+    assert found.error == close(planned.grid.dx * planned.grid.dy)
+    assert found.source == "size of a cell"
+
+
+def test_an_area_that_changes_has_no_more_than_its_scatter():
+    planned = ec.plan(HERTZ)
+    found = error_bars(planned, counted(3e-12), lambda tables, _: (ec.plan(tables), counted(3.3e-12))).bars["area"]
+    assert found.parts == {"cells": close(0.3e-12)}
+
+
 def test_half_an_estimate_is_seen(monkeypatch):
     halved = bars.estimate
 

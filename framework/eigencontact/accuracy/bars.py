@@ -11,7 +11,7 @@ from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources
 from eigencontact.core.kept import Kept
-from eigencontact.core.numbers import ErrorBar
+from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
@@ -149,10 +149,19 @@ def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -
     orders = {name: warning["order"] for name, warning in _slow(summary).items()}
     value_of = {name: value for name, value in _results(summary) if orders.get(name) != 0.0}
     parts: dict[str, dict[str, Estimate]] = {}
-    for comparison in comparisons:
+    for comparison in sorted(comparisons, key=lambda one: one.source.least):
         known = {} if comparison.source.on_coarse else orders
-        parts[comparison.source.name] = dict(_estimates(value_of, summary["numbers"], comparison, known))
+        estimates = dict(_estimates(value_of, summary["numbers"], comparison, known))
+        if comparison.source.least:
+            estimates = {name: one for name, one in estimates.items() if not _changes(name, value_of, parts)}
+        parts[comparison.source.name] = estimates
     return _joined(value_of, parts)
+
+
+def _changes(name: str, value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> bool:
+    """Whether any source changes a number by more than round-off."""
+    errors = [estimates[name].error for estimates in parts.values() if name in estimates]
+    return max(errors, default=0.0) > ROUND_OFF * abs(value_of[name])
 
 
 def _slow(summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:

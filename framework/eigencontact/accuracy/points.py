@@ -1,4 +1,4 @@
-"""Errors that follow from the plan: half the distance of the points of regions, and spots that no cell shows."""
+"""Errors that follow from the plan: half the distance of the points of regions, and the size of a cell."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["half_distances", "has_points", "hidden_spots"]
+__all__ = ["cell_sizes", "half_distances", "has_points"]
 
 
 def has_points(plan: Plan) -> bool:
@@ -35,12 +35,11 @@ def half_distances(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
     }
 
 
-def hidden_spots(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
-    """Area of a cell [m2], or radius of the circle of this area [m], for each size counted in cells that is zero."""
+def cell_sizes(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Area of a cell [m2], or radius of the circle of this area [m], for each size that is counted in cells."""
     area = float(plan.grid.dx * plan.grid.dy)
     errors = {"m2": area, "m": (area / np.pi) ** 0.5}
-    sizes = [name for name, value in _declared(summary, "scatters") if value == 0.0]
-    units = {name: summary["numbers"][name]["unit"] for name in sizes}
+    units = {name: summary["numbers"][name]["unit"] for name, _ in _declared(summary, "scatters")}
     return {name: errors[unit] for name, unit in units.items() if unit in errors}
 
 

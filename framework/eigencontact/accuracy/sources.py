@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
-from eigencontact.accuracy.points import half_distances, has_points, hidden_spots
+from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
 from eigencontact.accuracy.settings import FIDELITIES
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ class ErrorSource:
         Plan to variations, the nearest to the scene first; none where the error follows from the plan.
     known : callable, optional
         Plan and summary of the run to errors that need no other run, by number.
+    least : bool
+        Whether it counts only in a number that no other source changes: its error is the least that is known.
     on_coarse : bool
         Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
     """
@@ -61,6 +63,7 @@ class ErrorSource:
     lowest: float = 1.0
     highest: float = 2.0
     on_coarse: bool = True
+    least: bool = False
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
@@ -149,7 +152,11 @@ SOURCES: tuple[ErrorSource, ...] = (
     ErrorSource(name="cells", applies=lambda _: True, variations=_cells, on_coarse=False),
     ErrorSource(name="points of regions", applies=has_points, known=half_distances, on_coarse=False),
     ErrorSource(
-        name="spots below a cell", applies=lambda plan: bool(plan.scene.geometry), known=hidden_spots, on_coarse=False
+        name="size of a cell",
+        applies=lambda plan: bool(plan.scene.geometry),
+        known=cell_sizes,
+        on_coarse=False,
+        least=True,
     ),
     ErrorSource(name="load steps", applies=_has_path, variations=_increments, highest=1.0),
     ErrorSource(

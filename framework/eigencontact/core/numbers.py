@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 from eigencontact.core.units import readable
 
-__all__ = ["ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
+__all__ = ["ROUND_OFF", "ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
 
 #: Errors below this part of a number are round-off.
-_ROUND_OFF = 1e-9
+ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -138,7 +138,7 @@ class ErrorBar:
     @property
     def counts(self) -> bool:
         """Whether the error is more than round-off: that of a load that the scene prescribes is not."""
-        return self.error > _ROUND_OFF * abs(self.value)
+        return self.error > ROUND_OFF * abs(self.value)
 
     @property
     def relative(self) -> float | None:

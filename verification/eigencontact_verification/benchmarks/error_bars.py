@@ -1,9 +1,9 @@
 """Do the error bars of a run hold? Random scenes of all physics, each judged by a finer run.
 
-A bar holds where it is at least the difference to the judge. Numbers that the scene prescribes do not count. All
-values are stored as they come, one line of JSON for each scene, and the bars follow from these lines: a change of the
-estimate needs no new run. Scenes are drawn in rounds, each scene of a physics once. The factors of the estimate were
-chosen on even rounds; the table is that of odd rounds.
+A bar holds where it is at least the difference to the judge. Numbers that the scene prescribes, and numbers that are
+zero in both, do not count. All values are stored as they come, one line of JSON for each scene, and the bars follow
+from these lines: a change of the estimate needs no new run. Scenes are drawn in rounds, each scene of a physics once.
+The factors of the estimate were chosen on even rounds; the table is that of odd rounds.
 """
 
 from __future__ import annotations
@@ -99,7 +99,8 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         unit = row["numbers"][name]["unit"]
         zero = abs(bar.value) < _ZERO * scales.get(unit, 0.0)
         least = _ZERO * scales[unit] if zero else _NOTHING * abs(bar.value)
-        if name in truth and max(bar.error, abs(truth[name] - bar.value)) > least:
+        seen = name in truth and (bar.value != 0.0 or truth[name] != 0.0)
+        if seen and max(bar.error, abs(truth[name] - bar.value)) > least:
             found[name] = {**bar.to_dict(), "difference": abs(truth[name] - bar.value)}
     return found
 
