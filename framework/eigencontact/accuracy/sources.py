@@ -75,7 +75,7 @@ def _cells(plan: Plan) -> list[Variation]:
     """Cells 2 and 2.5 times larger in the same window, which need not be searched. Coarse cells are accepted here."""
     numerics = {"allow-coarse": True}
     return [
-        Variation(changes={"grid": refined_window(plan, 1.0 / ratio)[0], "numerics": numerics}, ratio=ratio)
+        Variation(changes={"grid": refined_window(plan, 1.0 / ratio, alike=True)[0], "numerics": numerics}, ratio=ratio)
         for ratio in _COARSER
     ]
 

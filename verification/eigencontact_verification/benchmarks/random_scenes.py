@@ -136,7 +136,7 @@ def finer(plan: Any, factor: float = 2.0) -> dict[str, Any]:
     return changed(
         tables,
         {
-            "grid": refined_grid(plan, factor)[0],
+            "grid": refined_grid(plan, factor, alike=True)[0],
             "steps": refined_steps(tables["steps"], 2.0)[0],
             "stress": [_more_points(request) for request in tables["stress"]],
             "numerics": settings,
