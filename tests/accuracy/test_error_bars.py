@@ -58,7 +58,7 @@ def test_the_bars_of_a_hertz_contact_hold_the_closed_form():
         assert bar["source"] == "cells"
         assert sum(bar["parts"].values()) == close(bar["error"])
     assert result["errors_left_out"] == {}
-    assert result["error_runs"] == 3
+    assert result["error_runs"] == 2
     assert result["errors"]["normal_load"]["error"] < 1e-9 * 0.65
 
 
@@ -79,7 +79,7 @@ def test_every_source_counts_by_itself():
     assert found.error >= 0.03
     assert found.parts["cells"] == close(1.25 * 0.01, rel=1e-6)
     assert found.parts["load steps"] == close(0.02, rel=1e-6)
-    assert found.parts["tolerance"] == 0.0
+    assert set(found.parts) == {"cells", "load steps"}
     assert found.source == "load steps"
 
 
@@ -90,6 +90,63 @@ def test_a_source_left_out_is_seen(monkeypatch):
     )
     with pytest.raises(AssertionError):
         test_every_source_counts_by_itself()
+
+
+def test_a_loose_tolerance_is_a_source_and_a_tight_one_is_none():
+    planned = ec.plan(HERTZ | {"numerics": {"tolerance": 1e-4}})
+
+    def depth(other):
+        return 1.0 + 10.0 * other.numerics.tolerance
+
+    found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
+    assert found.parts["tolerance"] == close(0.001, rel=1e-6)
+    assert "tolerance" not in [source.name for source in sources.error_sources(ec.plan(HERTZ))]
+
+
+SECTION = {"shape": "plane", "normal": "y", "depth-max": 8e-6, "depth-cells": 8}
+
+
+def deepest(z):
+    """Summary of a run whose largest stress is at the depth `z`, on all grids alike."""
+    declared = {"max_von_mises_depth": {"unit": "m", "role": "result", "of_points": True}}
+    return {"numbers": declared, "observed": {}, "warnings": [], "max_von_mises_depth": z}
+
+
+def test_a_depth_is_known_to_half_the_distance_of_the_points():
+    line = {"shape": "line", "start": [0, 0, 0], "end": [0, 0, 8e-6], "count": 5}
+    for stress, expected in (([SECTION], 0.5e-6), ([SECTION, line], 1e-6)):
+        planned = ec.plan(HERTZ | {"stress": stress})
+        found = error_bars(planned, deepest(4e-6), lambda tables, _: (ec.plan(tables), deepest(4e-6)))
+        bar = found.bars["max_von_mises_depth"]
+        assert bar.error == close(expected)
+        assert bar.source == "points of regions"
+
+
+def test_points_left_out_are_seen(monkeypatch):
+    kept = [source for source in sources.SOURCES if source.name != "points of regions"]
+    monkeypatch.setattr(sources, "SOURCES", tuple(kept))
+    with pytest.raises(AssertionError):
+        test_a_depth_is_known_to_half_the_distance_of_the_points()
+
+
+def counted(area):
+    """Summary of a run with an area counted in cells."""
+    declared = {"area": {"unit": "m2", "role": "result", "scatters": True}}
+    return {"numbers": declared, "observed": {}, "warnings": [], "area": area}
+
+
+@pytest.mark.parametrize("area", [0.0, 3e-12])
+def test_an_area_that_no_run_changes_is_known_to_a_cell(area):
+    planned = ec.plan(HERTZ)
+    found = error_bars(planned, counted(area), lambda tables, _: (ec.plan(tables), counted(area))).bars["area"]
+    assert found.error == close(planned.grid.dx * planned.grid.dy)
+    assert found.source == "size of a cell"
+
+
+def test_an_area_that_changes_has_no_more_than_its_scatter():
+    planned = ec.plan(HERTZ)
+    found = error_bars(planned, counted(3e-12), lambda tables, _: (ec.plan(tables), counted(3.3e-12))).bars["area"]
+    assert found.parts == {"cells": close(0.3e-12)}
 
 
 def test_half_an_estimate_is_seen(monkeypatch):
@@ -111,7 +168,7 @@ def test_a_refused_coarser_run_is_named():
         raise SceneError("grid must be finer")
 
     found = error_bars(planned, summary(1.0), refuse)
-    assert found.left_out == {"cells": "grid must be finer", "tolerance": "grid must be finer"}
+    assert found.left_out == {"cells": "grid must be finer"}
     assert found.bars == {}
 
 
@@ -150,7 +207,7 @@ def test_the_scene_asks_for_errors_and_a_sweep_has_them_beside_the_numbers(tmp_p
 def test_coarser_runs_are_announced(capsys):
     with progress(enabled=True, verbose=True) as watcher:
         ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}}, errors=True, watcher=watcher)
-    assert "error bars: cells, step size times 1.5" in capsys.readouterr().err
+    assert "error bars: cells, step size times 2.5" in capsys.readouterr().err
 
 
 def test_the_console_and_the_report_show_errors(tmp_path):
@@ -158,3 +215,10 @@ def test_the_console_and_the_report_show_errors(tmp_path):
     assert "±" in result._repr_html_()
     page = ec.report(tmp_path / "run").read_text(encoding="utf-8")
     assert page.count("<small>±") >= 3
+
+
+def test_a_region_without_a_name_is_solved_on_coarser_cells_too():
+    result = ec.run(HERTZ | {"stress": SECTION}, errors=True).summary
+    assert result["errors_left_out"] == {}
+    assert result["errors"]["max_von_mises"]["error"] > 0
+    assert result["errors"]["max_von_mises_depth"]["parts"]["points of regions"] == close(0.5e-6)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -10,16 +10,45 @@ from typing import TYPE_CHECKING, Any
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources
-from eigencontact.core.numbers import ErrorBar
+from eigencontact.core.kept import Kept
+from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Accuracy", "error_bars"]
+__all__ = ["Accuracy", "Comparison", "error_bars", "joined_bars"]
 
 #: Solves a scene given by its tables, with what differs in words: the plan and the contents of its summary.
 Solve = Callable[[Mapping[str, Any], str], "tuple[Plan, Mapping[str, Any]]"]
+
+#: Memory of the operators that coarser runs share [bytes].
+_KEPT_BYTES = 2e8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Numbers on coarser discretisations of one source of error.
+
+    Attributes
+    ----------
+    source : ErrorSource
+        What is varied.
+    values : dict of str to float
+        Results of the run that is compared with the others.
+    others : list of (float, dict of str to float)
+        Step size in units of that run, and the results; the nearest first.
+    known : dict of str to float
+        Errors that follow from the plan.
+    seconds : float
+        Wall time of the other runs [s].
+    """
+
+    source: ErrorSource
+    values: Mapping[str, float] = field(default_factory=dict)
+    others: Sequence[tuple[float, Mapping[str, float]]] = ()
+    known: Mapping[str, float] = field(default_factory=dict)
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,12 +65,15 @@ class Accuracy:
         How many coarser runs were made.
     seconds : float
         Their wall time [s].
+    comparisons : list of Comparison
+        Numbers of these runs.
     """
 
     bars: dict[str, ErrorBar]
     left_out: dict[str, str] = field(default_factory=dict)
     runs: int = 0
     seconds: float = 0.0
+    comparisons: Sequence[Comparison] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""
@@ -77,19 +109,20 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     began = perf_counter()
     tables = plan.scene.resolved()
     base_tables, base_plan, base = tables, plan, summary
-    parts: dict[str, dict[str, Estimate]] = {}
-    slow = {warning["number"]: warning for warning in summary["warnings"] if warning.get("number")}
-    left_out = {name: warning["words"] for name, warning in slow.items() if warning["order"] == 0.0}
-    names = [name for name, _ in _results(summary) if name not in left_out]
-    orders = {name: warning["order"] for name, warning in slow.items()}
-    runs = 0
+    comparisons: list[Comparison] = []
+    left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
+    runs, kept = 0, Kept(_KEPT_BYTES)
     for source in error_sources(plan):
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
-        others: list[tuple[float, Mapping[str, Any]]] = []
+        if source.known is not None:
+            comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
+        others: list[tuple[float, Mapping[str, float]]] = []
+        source_began = perf_counter()
         for variation in source.variations(start[1]):
             varied = changed(start[0], variation.changes)
             try:
-                coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
+                with kept.offered():  # runs on the same cells share operators
+                    coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
             except EigencontactError as problem:
                 left_out[source.name] = " ".join(str(problem).split())
                 break
@@ -99,15 +132,41 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
             if ratio == 1.0:
                 left_out[source.name] = "the grid cannot be coarser"
                 break
-            others.append((ratio, coarse))
+            others.append((ratio, dict(_results(coarse))))
             if not source.on_coarse:
                 base_tables, base_plan, base = varied, coarse_plan, coarse
         if others:
             left_out.pop(source.name, None)
-            known = {} if source.on_coarse else orders
-            parts[source.name] = dict(_estimates(names, start[2], others, source, known))
-    bars = _joined(names, summary, parts)
-    return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=perf_counter() - began)
+            spent, values = perf_counter() - source_began, dict(_results(start[2]))
+            comparisons.append(Comparison(source=source, values=values, others=others, seconds=spent))
+    bars = joined_bars(summary, comparisons)
+    seconds = perf_counter() - began
+    return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=seconds, comparisons=comparisons)
+
+
+def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -> dict[str, ErrorBar]:
+    """Error bar of each number in the summary of a run, from the numbers of coarser runs."""
+    orders = {name: warning["order"] for name, warning in _slow(summary).items()}
+    value_of = {name: value for name, value in _results(summary) if orders.get(name) != 0.0}
+    parts: dict[str, dict[str, Estimate]] = {}
+    for comparison in sorted(comparisons, key=lambda one: one.source.least):
+        known = {} if comparison.source.on_coarse else orders
+        estimates = dict(_estimates(value_of, summary["numbers"], comparison, known))
+        if comparison.source.least:
+            estimates = {name: one for name, one in estimates.items() if not _changes(name, value_of, parts)}
+        parts[comparison.source.name] = estimates
+    return _joined(value_of, parts)
+
+
+def _changes(name: str, value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> bool:
+    """Whether any source changes a number by more than round-off."""
+    errors = [estimates[name].error for estimates in parts.values() if name in estimates]
+    return max(errors, default=0.0) > ROUND_OFF * abs(value_of[name])
+
+
+def _slow(summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Warnings about numbers that converge slowly or not at all, by number."""
+    return {warning["number"]: warning for warning in summary["warnings"] if warning.get("number")}
 
 
 def _edge(plan: Plan) -> float:
@@ -116,46 +175,46 @@ def _edge(plan: Plan) -> float:
 
 
 def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """Name and value of the results in a summary."""
-    for name, number in summary["numbers"].items():
-        value = summary.get(name, summary["observed"].get(name))
-        if number["role"] == "result" and isinstance(value, int | float):
+    """Name and value of the results in a summary, without those that another one replaces."""
+    declared = summary["numbers"]
+    values = {name: summary.get(name, summary["observed"].get(name)) for name in declared}
+    replaced = {number.get("replaces") for name, number in declared.items() if values[name]}
+    for name, value in values.items():
+        if declared[name]["role"] == "result" and isinstance(value, int | float) and name not in replaced:
             yield name, float(value)
 
 
 def _estimates(
-    names: Sequence[str],
-    summary: Mapping[str, Any],
-    others: Sequence[tuple[float, Mapping[str, Any]]],
-    source: ErrorSource,
+    names: Iterable[str],
+    declared: Mapping[str, Mapping[str, Any]],
+    comparison: Comparison,
     orders: Mapping[str, float],
 ) -> Iterator[tuple[str, Estimate]]:
     """Estimates of one source, by name of the number; a number that a coarser run lacks has none.
 
     `orders` are those of numbers that converge more slowly than the source tells.
     """
-    value_of = dict(_results(summary))
-    values = [(ratio, dict(_results(coarse))) for ratio, coarse in others]
+    source, value_of = comparison.source, comparison.values
     for name in names:
-        pairs = [(ratio, coarse[name]) for ratio, coarse in values if name in coarse]
+        if name in comparison.known:
+            yield name, Estimate(comparison.known[name], None)
+        pairs = [(ratio, coarse[name]) for ratio, coarse in comparison.others if name in coarse]
         if pairs and name in value_of:
             lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
-            scatters = bool(summary["numbers"][name].get("scatters"))
+            scatters = bool(declared[name].get("scatters"))
             yield name, estimate(value_of[name], pairs, lowest, highest, scatters=scatters)
 
 
-def _joined(
-    names: Sequence[str], summary: Mapping[str, Any], parts: Mapping[str, Mapping[str, Estimate]]
-) -> dict[str, ErrorBar]:
+def _joined(value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> dict[str, ErrorBar]:
     """Bar of each number from its parts."""
-    bars, value_of = {}, dict(_results(summary))
-    for name in names:
+    bars = {}
+    for name, value in value_of.items():
         own = {source: estimates[name] for source, estimates in parts.items() if name in estimates}
         if not own:
             continue
         largest = max(own, key=lambda source: own[source].error)
         bars[name] = ErrorBar(
-            value=value_of[name], error=sum(part.error for part in own.values()), source=largest,
+            value=value, error=sum(part.error for part in own.values()), source=largest,
             order=own[largest].order, parts={source: part.error for source, part in own.items()},
         )  # fmt: skip
     return bars

@@ -38,24 +38,44 @@ def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
     return out
 
 
-def refined_grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
-    """Table of a grid with `factor` times the cells each way, and its resolution in words."""
+def refined_grid(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dict[str, Any], str]:
+    """Table of a grid with `factor` times the cells each way, and its resolution in words; see `refined_window`."""
     spec = plan.scene.grid
     if spec.automatic and plan.scene.geometry:
         cells = factor * spec.cells_per_contact_radius
         center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
         return table, f"{cells:g} cells per contact radius"
-    return refined_window(plan, factor)
+    return refined_window(plan, factor, alike=alike)
 
 
-def refined_window(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
-    """Table of a grid over the window of a plan with `factor` times the cells each way, and its resolution in words."""
+def refined_window(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dict[str, Any], str]:
+    """Table of a grid over the window of a plan with `factor` times the cells each way, and its resolution in words.
+
+    With `alike` the number of cells stays odd or even: the middle of the window keeps or lacks a cell.
+    """
     grid = plan.grid
-    nx, ny = (max(1, round(factor * count)) for count in (grid.nx, grid.ny))
+    number = _alike if alike else _rounded
+    nx, ny = (number(factor * count, count) for count in (grid.nx, grid.ny))
     size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
     # the centre of the plan: an automatic window around inclusions has its own
     return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
+
+
+def _rounded(wanted: float, _: int) -> int:
+    return max(1, round(wanted))
+
+
+def _alike(wanted: float, count: int) -> int:
+    """Whole number nearest to one wanted that is odd where `count` is.
+
+    Examples
+    --------
+    >>> _alike(22.5, 45), _alike(21.3, 64), _alike(0.4, 1)
+    (23, 22, 1)
+    """
+    odd = count % 2
+    return max(2 - odd, 2 * round(0.5 * (wanted - odd)) + odd)
 
 
 def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict[str, Any]], float]:

@@ -12,9 +12,10 @@ __all__ = ["Estimate", "estimate"]
 _SAFETY = 1.25
 #: Orders beyond those known by so much still count as observed: three nearby discretisations tell the order poorly.
 _SLACK = 0.5
-#: Factor on the largest difference where no order was observed: two differences of a number that scatters with the
-#: place of the cells (contact area, largest value over cells) may both be small. Measured, see the page on error bars.
-_SCATTER = 2.0
+#: Factor on the standard error where no order was observed: two differences of a number that scatters with the place of
+#: the cells (contact area, largest value over cells) may both be small. Measured on random scenes, see the page on
+#: error bars.
+_SCATTER = 3.0
 _HIGHEST_ORDER = 8.0
 
 
@@ -44,13 +45,16 @@ def estimate(
     Returns
     -------
     Estimate
-        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety.
-        Otherwise the largest difference, taken as one of the lowest order, times a factor for scatter.
+        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety;
+        above them, that by the highest known order and the coarsest value. Without an order: the largest difference
+        over the sum of both step sizes (to the lowest order), times a factor for scatter, or what the lowest order
+        makes of the difference, if that is more.
 
     Notes
     -----
     Let ``v(h) = v(0) + c h^p``. Then ``v(1) - v(0) = (v(h) - v(1)) / (h^p - 1)``. Two step sizes give the order:
-    ``(v(h2) - v(1)) / (v(h1) - v(1)) = (h2^p - 1) / (h1^p - 1)``, which rises with `p`.
+    ``(v(h2) - v(1)) / (v(h1) - v(1)) = (h2^p - 1) / (h1^p - 1)``, which rises with `p`. Errors that scatter on both
+    step sizes, ``e(1)`` and ``e(h)`` of about ``s`` and ``s h^p``, differ by up to ``s (1 + h^p)``.
 
     References
     ----------
@@ -64,16 +68,18 @@ def estimate(
     >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
     True
     """
-    worst = max(abs(other - value) / abs(size**lowest - 1.0) for size, other in others)
+    differences = [(size, abs(other - value)) for size, other in others]
+    extrapolated = max(difference / abs(size**lowest - 1.0) for size, difference in differences)
     if len(others) < 2:
-        return Estimate(worst, None)
+        return Estimate(extrapolated, None)
     (near, near_value), (far, far_value) = others
     order = None if scatters else _observed(near, near_value - value, far, far_value - value)
     if order is None or order < lowest - _SLACK:
-        return Estimate(_SCATTER * worst, None)
-    if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
-        return Estimate(worst, None)
+        scatter = max(difference / (size**lowest + 1.0) for size, difference in differences)
+        return Estimate(max(_SCATTER * scatter, extrapolated), None)
     used = min(order, highest)
+    if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
+        return Estimate(_SAFETY * abs(far_value - value) / (far**highest - 1.0), None)
     return Estimate(_SAFETY * abs(near_value - value) / (near**used - 1.0), order)
 
 

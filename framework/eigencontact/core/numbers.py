@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 from eigencontact.core.units import readable
 
-__all__ = ["ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
+__all__ = ["ROUND_OFF", "ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
 
 #: Errors below this part of a number are round-off.
-_ROUND_OFF = 1e-9
+ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,6 +45,8 @@ class Number:
         Of an error: name of the number that it belongs to.
     scatters : bool
         Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
+    of_points : bool
+        Whether it is the depth of one of the points of a region: it is known to half their distance.
 
     Examples
     --------
@@ -64,6 +66,7 @@ class Number:
     replaces: str = ""
     estimates: str = ""
     scatters: bool = False
+    of_points: bool = False
 
     @property
     def words(self) -> str:
@@ -135,7 +138,7 @@ class ErrorBar:
     @property
     def counts(self) -> bool:
         """Whether the error is more than round-off: that of a load that the scene prescribes is not."""
-        return self.error > _ROUND_OFF * abs(self.value)
+        return self.error > ROUND_OFF * abs(self.value)
 
     @property
     def relative(self) -> float | None:

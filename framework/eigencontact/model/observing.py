@@ -42,7 +42,7 @@ class Observing:
         return [
             Number(
                 name=f"{self.prefix}_{name}", unit=unit, meaning=f"{name} by observer {self.key!r}", headline=True,
-                label=f"{self.key}: {name.replace('_', ' ')}",
+                label=f"{self.key}: {name.replace('_', ' ')}", scatters=name in self.observer.counted,
             )
             for name, unit in self.observer.units.items()
         ]  # fmt: skip

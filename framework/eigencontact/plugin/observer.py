@@ -112,6 +112,9 @@ class Observer(Component, ABC):
     remembered : sequence of str
         Class attribute: names of `StepView.history` without which the observer is of no use. A scene whose bodies do
         not remember them is refused.
+    counted : sequence of str
+        Class attribute: its numbers that are counted in cells, or are places of cells, and so jump as cells move. Their
+        errors are not extrapolated.
 
     Examples
     --------
@@ -129,6 +132,7 @@ class Observer(Component, ABC):
 
     kind: ClassVar[str] = "observer"
     remembered: ClassVar[Sequence[str]] = ()
+    counted: ClassVar[Sequence[str]] = ()
 
     @abstractmethod
     def observe(self, step: StepView) -> Mapping[str, float]:

@@ -362,7 +362,11 @@ class Scene(Table):
             from eigencontact.scene.files import anchored
 
             scene, _ = anchored(self, self.known_plugins())
-        return scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+        tables = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+        for request in tables["stress"]:
+            if not request["name"]:  # made of shape and body, and no valid name of a scene
+                del request["name"]
+        return tables
 
 
 def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:

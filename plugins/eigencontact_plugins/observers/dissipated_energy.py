@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -41,6 +41,7 @@ class DissipatedEnergy(Observer):
         "mean_density": "J/m2",
         "spread": "m",
     }
+    counted: ClassVar[Sequence[str]] = ("patches", "max_x", "max_y")
 
     threshold: float = 1e-6
 

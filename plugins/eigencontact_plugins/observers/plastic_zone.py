@@ -43,6 +43,7 @@ class PlasticZone(Observer):
         "radius": "m",
         "max_damage": "1",
     }
+    counted: ClassVar[Sequence[str]] = ("x", "y", "depth", "deepest", "shallowest", "radius")
 
     threshold: float = 1e-9
     body: Literal[1, 2] = 1

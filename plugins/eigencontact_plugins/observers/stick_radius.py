@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -36,6 +36,7 @@ class StickRadius(Observer):
         "eccentricity": "m",
         "ratio": "1",
     }
+    counted: ClassVar[Sequence[str]] = tuple(units)
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the stick zone.

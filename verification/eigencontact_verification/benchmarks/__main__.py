@@ -83,6 +83,8 @@ def parser() -> argparse.ArgumentParser:
         if len(one.cases) > 1:
             words = "; ".join(one.cases).replace("%", "%%")  # argparse fills in formats
             add("--cases", nargs="+", choices=one.cases, default=one.cases, metavar="CASE", help=words)
+        if one.rows:
+            add("--rows", default="", metavar="FOLDER", help="keep raw rows there; a later call solves those that lack")
         if one.peers:
             add("--peers", action="store_true", help=f"also {', '.join(one.peers)}, where installed")
         if one.draw:
@@ -121,6 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         precision=options.precision,
         warm=options.warm,
         depths=chosen.get("depths", 0),
+        rows=chosen.get("rows", ""),
     )
     out = Measurements()
     for case in chosen.get("cases", benchmark.cases):

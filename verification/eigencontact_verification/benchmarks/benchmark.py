@@ -40,6 +40,7 @@ class Task:
     budget: float = 120.0  #: wall time after which no further repeat begins [s]
     depths: int = 32  #: number of depths (stress and layers)
     case: str = ""  #: one of the cases of the benchmark
+    rows: str = ""  #: folder with the stored rows of a benchmark that keeps them
 
     def to_json(self) -> str:
         """Text for the command line of the process."""
@@ -154,6 +155,7 @@ class Benchmark:
     ] = ()  #: default sizes; a run takes one where there is one, and has no choice where there is none
     unit: str = "N"  #: unit of a size
     depths: int = 0  #: default number of depths; 0 where there are none to choose
+    rows: bool = False  #: whether raw rows are kept in a folder, from which a later call goes on
     draw: Callable[[list[Row], Any], None] | None = None  #: function that draws all rows to a file
 
     def summarise(self, task: Task, samples: list[Sample]) -> Row:

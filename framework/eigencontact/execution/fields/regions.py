@@ -65,7 +65,7 @@ class Region(Block):
         ),
         Number(
             name="max_von_mises_depth", unit="m", meaning="depth of the largest von Mises stress", headline=True,
-            label="  at depth",
+            label="  at depth", of_points=True,
         ),
     )  # fmt: skip
 

@@ -99,11 +99,7 @@ def drive(
         point, last = course.settled(point, last)
         course.passes(point, last)
         step = course.step(point, before, last)
-        try:
-            spent = course.advance(step)
-        except DomainTooSmall as problem:
-            problem.step = step
-            raise
+        spent = course.advance(step)
         last, before = step.record(), point
         yield last
         report_times = getattr(watcher, "step_took", None)
@@ -143,7 +139,11 @@ class _Course:
                 continue
             before = self._stopwatch.seconds.get(block.name, 0.0)
             with self._stopwatch.on(block.name):
-                running.advance(step)
+                try:
+                    running.advance(step)
+                except DomainTooSmall as problem:
+                    problem.step = step
+                    raise
             spent[block.name] = self._stopwatch.seconds[block.name] - before
         return spent
 

@@ -1,0 +1,60 @@
+"""Errors that follow from the plan: half the distance of the points of regions, and the size of a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["cell_sizes", "half_distances", "has_points"]
+
+
+def has_points(plan: Plan) -> bool:
+    """Whether the largest stress is searched over points of regions."""
+    return any("stress" in request.fields for request in plan.model.cells.requests)
+
+
+def half_distances(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Half the distance [m] to the next depth with points, for each number that is the depth of a point.
+
+    Of several regions with points at this depth, that with the farthest neighbours counts. A region with points at one
+    depth alone was asked for this depth, and has no such error.
+    """
+    from eigencontact.model.regions import region_lattice
+
+    requests = [request for request in plan.model.cells.requests if "stress" in request.fields]
+    lattices = [region_lattice(request, plan.grid) for request in requests]
+    depths = [np.unique(one.depths if one.points is None else one.points[:, 2]) for one in lattices]
+    return {
+        name: 0.5 * max((_gap(value, axis) for axis in depths), default=0.0)
+        for name, value in _declared(summary, "of_points")
+    }
+
+
+def cell_sizes(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Area of a cell [m2], or radius of the circle of this area [m], for each size that is counted in cells."""
+    area = float(plan.grid.dx * plan.grid.dy)
+    errors = {"m2": area, "m": (area / np.pi) ** 0.5}
+    units = {name: summary["numbers"][name]["unit"] for name, _ in _declared(summary, "scatters")}
+    return {name: errors[unit] for name, unit in units.items() if unit in errors}
+
+
+def _declared(summary: Mapping[str, Any], flag: str) -> Iterator[tuple[str, float]]:
+    """Numbers whose declaration has a flag, and their values."""
+    for name, number in summary["numbers"].items():
+        value = summary.get(name, summary["observed"].get(name))
+        if number.get(flag) and value is not None:
+            yield name, float(value)
+
+
+def _gap(depth: float, depths: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+    """Larger distance from a depth to its neighbours; 0 where it is none of the depths."""
+    nearest = int(np.argmin(abs(depths - depth)))
+    if abs(depths[nearest] - depth) > 1e-6 * float(np.ptp(depths)):
+        return 0.0
+    gaps = np.diff(depths)[max(0, nearest - 1) : nearest + 1]
+    return float(gaps.max(initial=0.0))
