@@ -14,6 +14,7 @@ from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
+    from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
 
 __all__ = ["Accuracy", "error_bars"]
@@ -50,7 +51,7 @@ class Accuracy:
         return {"errors": bars, "errors_left_out": self.left_out, **price}
 
 
-def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy:
+def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: FieldErrors | None = None) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
     Parameters
@@ -62,6 +63,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     solve : callable
         Tables of a scene, and what differs in words, to the plan and the summary of its run in memory; raises
         `EigencontactError`.
+    fields : FieldErrors, optional
+        Takes the same runs for the errors of fields.
 
     Returns
     -------
@@ -106,6 +109,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
             left_out.pop(source.name, None)
             known = {} if source.on_coarse else orders
             parts[source.name] = dict(_estimates(names, start[2], others, source, known))
+            if fields is not None:
+                fields.vary(names, start[2], others, source, known)
     bars = _joined(names, summary, parts)
     return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=perf_counter() - began)
 
