@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,6 +15,8 @@ __all__ = ["FieldError", "beside_edges", "error_name"]
 _MATTERS = 0.1
 #: Part of these points whose error the number bounds.
 _SHARE = 0.95
+#: An error this many times larger at few points is said beside the number.
+_FEW = 1.5
 
 
 def error_name(name: str) -> str:
@@ -38,8 +41,8 @@ class FieldError:
     error : float
         95 % of the points have a smaller error: of the points where the field reaches 10 % of its largest value, away
         from the edges of the zone in which it is not zero.
-    at_edges : float
-        Largest error at such an edge; 0 without one.
+    worst : float
+        Largest error at any point, such edges and singular points of a stress among them.
     source : str
         Part of the discretisation with the largest share in `error`.
     order : float, optional
@@ -48,7 +51,7 @@ class FieldError:
 
     largest: float
     error: float
-    at_edges: float = 0.0
+    worst: float
     source: str = ""
     order: float | None = None
 
@@ -61,18 +64,17 @@ class FieldError:
         >>> values = np.array([0.0, 0.0, 0.3, 0.9, 1.0, 0.9, 0.3, 0.0])
         >>> errors = np.array([0.0, 0.0, 0.1, 0.01, 0.01, 0.01, 0.1, 0.0])
         >>> error = FieldError.of(values, errors, 1)
-        >>> f"{error.error:.2f}, at edges {error.at_edges:.2f}", error.words()
-        ('0.01, at edges 0.10', '± 1 %, ± 10 % at edges')
+        >>> error.words()
+        '± 1 % of the largest value, up to ± 10 % at few points'
         """
         size = np.abs(np.nan_to_num(values))
         largest = float(size.max(initial=0.0))
         edges = beside_edges(values, edged)
-        valid = np.isfinite(errors)
-        inner = errors[valid & ~edges & (size >= _MATTERS * largest)]
+        inner = errors[np.isfinite(errors) & ~edges & (size >= _MATTERS * largest)]
         return cls(
             largest=largest,
             error=float(np.quantile(inner, _SHARE)) if inner.size and largest else 0.0,
-            at_edges=float(errors[valid & edges].max(initial=0.0)),
+            worst=float(np.nan_to_num(errors).max(initial=0.0)),
             **more,
         )
 
@@ -85,13 +87,18 @@ class FieldError:
         """Error in parts of the largest value, for captions; empty for a field of zeros."""
         if not self.largest:
             return ""
-        text = f"± {100 * self.error / self.largest:.2g} %"
-        edges = 100 * self.at_edges / self.largest
-        return f"{text}, ± {edges:.2g} % at edges" if self.at_edges > self.error else text
+        text = f"± {100 * self.error / self.largest:.2g} % of the largest value"
+        worst = f"{100 * self.worst / self.largest:.2g} %"
+        return f"{text}, up to ± {worst} at few points" if self.worst > _FEW * self.error else text
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""
         return {**asdict(self), "relative": self.relative}
+
+    @classmethod
+    def of_dict(cls, table: Mapping[str, Any]) -> FieldError:
+        """Error from the data of `to_dict`."""
+        return cls(**{name: value for name, value in table.items() if name != "relative"})
 
 
 def beside_edges(values: NDArray[Any], edged: int) -> NDArray[np.bool_]:
