@@ -41,7 +41,7 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
     """
     values = dataset[name]
     dims = [str(dim) for dim in values.dims]
-    errors = dataset[error_name(name)] if error_name(name) in dataset else None
+    errors = dataset.get(error_name(name))
     limits, remark = _limits(dataset, values)
     with paper_style():
         figure = new_figure(4.6, 3.2)
@@ -116,10 +116,8 @@ def _curves(
         style: dict[str, Any] = {"marker": marks[k % len(marks)]} if marks else {}
         axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label or None, **style)
         if errors is not None:
-            bars = scale(errors.values[at])
-            axes.errorbar(
-                x, scale(values.values[at]), yerr=bars, fmt="none", ecolor=COLOURS[k], capsize=2.5, elinewidth=1
-            )
+            bars: dict[str, Any] = {"yerr": scale(errors.values[at]), "ecolor": COLOURS[k]}
+            axes.errorbar(x, scale(values.values[at]), fmt="none", capsize=2.5, elinewidth=1, **bars)
     if len(places) > 1 or not marks:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
         keys = (str(_along(dataset, dim).attrs.get("long_name", dim)) for dim in dims)
@@ -142,7 +140,7 @@ def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[fl
     if spread >= least:
         return None, ""
     middle, half = 0.5 * (finite.max() + finite.min()), 0.5 * least * largest
-    half += 0.5 * spread * largest if estimated in dataset else 0.0  # the bars of all values
+    half += spread * largest if estimated in dataset else 0.0  # the bars of all values
     remark = f"all values within {100 * spread:.2g} %; "
     remark += f"error of the {subject} {100 * error:.2g} %" if error else f"the scale spans {100 * least:.2g} %"
     return (middle - half, middle + half), remark
