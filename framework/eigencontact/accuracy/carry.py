@@ -21,10 +21,15 @@ Axes = tuple["FloatArray", ...]
 _SAME = 1e-9
 
 
-def axes_of(results: Any, name: str) -> Axes | None:
-    """Places of a field along the dimensions of its points; None where no places are stored.
+def axes_of(results: Any, name: str) -> Axes:
+    """Places of a field along the dimensions of its points.
 
     Along a line they are distances from its first point. Scattered points have a single dimension too.
+
+    Raises
+    ------
+    LookupError
+        There is no such field, or no places of its points are stored.
     """
     variable = results.variables[name]
     axes = []
@@ -36,8 +41,6 @@ def axes_of(results: Any, name: str) -> Axes | None:
             continue
         region = dim.removesuffix("_point")
         names = [f"{region}_{axis}" for axis in "xyz"]
-        if not all(place in results.variables for place in names):
-            return None
         points = np.stack(np.broadcast_arrays(*(np.asarray(results.variables[place].values) for place in names)))
         moved = np.linalg.norm(np.diff(points), axis=0)
         axes.append(np.concatenate([[0.0], np.cumsum(moved)]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.results.history import HISTORY_STEP
 from eigencontact.results.join import dataset_of
 from eigencontact.results.part import Part, part_of
 from eigencontact.results.stepfile import history_part, step_part
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord
 
 __all__ = ["MemoryResults", "MemoryStore"]
+
+
+#: First dimension of variables that change from step to step.
+_STEPPED = (("step",), (HISTORY_STEP,))
 
 
 @dataclass(slots=True)
@@ -57,21 +62,23 @@ class MemoryStore:
         return dataset_of(self._steps, self._histories)
 
     def results(self) -> MemoryResults:
-        """Variables of the stored steps, without their history, as long as no dataset was asked for."""
-        return MemoryResults(self._steps)
+        """Variables of the stored steps, as long as no dataset was asked for."""
+        return MemoryResults(self._steps, self._histories)
 
     def append(self, variables: Iterable[Variable]) -> None:
         """Add variables over all steps."""
         for variable in variables:
-            for at, step in enumerate(self._steps):
+            parts = self._histories if variable.dims[0] == HISTORY_STEP else self._steps
+            for at, step in enumerate(parts):
                 step.update(part_of({}, [replace(variable, values=variable.values[at : at + 1])]))
 
 
 class MemoryResults:
     """Variables of steps in memory, as `eigencontact.results.stored.open_stored` gives those of a file."""
 
-    def __init__(self, steps: list[Part]) -> None:
-        self.variables = {name: _MemoryVariable(steps, name) for name in steps[-1]}
+    def __init__(self, steps: list[Part], histories: list[Part]) -> None:
+        kept = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
+        self.variables = kept | {name: _MemoryVariable(steps, name) for name in steps[-1]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +98,7 @@ class _MemoryVariable:
     def shape(self) -> tuple[int, ...]:
         """Length of each dimension."""
         inner = self._steps[-1][self._name].shape
-        return (len(self._steps), *inner[1:]) if self.dims[:1] == ("step",) else inner
+        return (len(self._steps), *inner[1:]) if self.dims[:1] in _STEPPED else inner
 
     def __getitem__(self, at: int) -> _Values:
         step = self._steps[at]
@@ -100,6 +107,6 @@ class _MemoryVariable:
     @property
     def values(self) -> NDArray[Any]:
         """All values."""
-        if self.dims[:1] != ("step",):
+        if self.dims[:1] not in _STEPPED:
             return np.asarray(self._steps[-1][self._name][...])
         return np.stack([self[at].values for at in range(len(self._steps))])

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from eigencontact.viz.cut import Shown
     from eigencontact.viz.style import Scale
 
-__all__ = ["BAND", "draw_band", "error_line", "errors_of", "with_error"]
+__all__ = ["BAND", "draw_band", "error_line", "errors_of", "history_errors", "with_error"]
 
 #: Name of a band in a legend.
 BAND = "estimated error"
@@ -26,15 +26,30 @@ _FAINT = 0.25
 
 def errors_of(dataset: Results, variable: str, step: int) -> NDArray[np.float64] | None:
     """Errors of a field at every point in one step; None where none are stored."""
-    name = error_name(variable)
-    return np.asarray(dataset[name][step].values, dtype=float) if name in dataset else None
+    return _values(dataset, error_name(variable), step)
+
+
+def history_errors(dataset: Results, number: str) -> NDArray[np.float64] | None:
+    """Errors of a number in all steps; None where none are stored."""
+    name = error_name(number)
+    return np.asarray(dataset[name].values, dtype=float) if name in dataset else None
+
+
+def _values(dataset: Results, name: str, step: int) -> NDArray[np.float64] | None:
+    """Values of a variable after a step; None where there are none: of cells of a body not every step is kept."""
+    if name not in dataset:
+        return None
+    variable = dataset[name]
+    if variable.dims[0] == "history_step":
+        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        return np.asarray(variable[int(kept[0])].values, dtype=float) if kept.size else None
+    return np.asarray(variable[step].values, dtype=float)
 
 
 def with_error(title: str, dataset: Results, variable: str, step: int) -> str:
-    """Title of a map of the surface with the error of its field in a line of its own."""
-    errors = errors_of(dataset, variable, step)
-    values = np.asarray(dataset[variable][step].values, dtype=float)
-    line = _line(values, errors, 2)
+    """Title of a map of the surface, or of cells of a body, with the error of its field in a line of its own."""
+    values, errors = _values(dataset, variable, step), errors_of(dataset, variable, step)
+    line = "" if values is None else _line(values, errors, values.ndim)
     return f"{title}\n{line}" if line else title
 
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.core.field_error import error_name
-from eigencontact.viz.errors import draw_band
+from eigencontact.viz.errors import draw_band, history_errors
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, wears
@@ -73,8 +72,7 @@ class Quantity:
     @classmethod
     def stored(cls, dataset: Results, name: str, words: str, unit: str) -> Quantity:
         """Quantity of a variable of the results."""
-        errors = np.asarray(dataset[error_name(name)].values) if error_name(name) in dataset else None
-        return cls(np.asarray(dataset[name].values, dtype=float), words, unit, errors)
+        return cls(np.asarray(dataset[name].values, dtype=float), words, unit, history_errors(dataset, name))
 
     def at(self, steps: NDArray[np.intp]) -> Quantity:
         """The same in some steps."""
@@ -119,6 +117,7 @@ class Panel:
                 draw_band(axes, x, self.y.values, self.y.errors, scales[1], COLOURS[0])
             if self.x.errors is not None:
                 draw_band(axes, y, self.x.values, self.x.errors, scales[0], COLOURS[0], across=True)
+                axes.legend(*[entries[:1] for entries in axes.get_legend_handles_labels()])
         for numbers, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
             if numbers.min() >= 0.0:
                 set_limits(0.0, 1.05 * numbers.max())

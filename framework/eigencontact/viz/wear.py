@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.errors import draw_band, errors_of, with_error
+from eigencontact.viz.errors import draw_band, errors_of, history_errors, with_error
 from eigencontact.viz.friction import MODES, driven
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
 from eigencontact.viz.history import draw_strands
@@ -252,6 +252,10 @@ def wear_history(dataset: Results) -> Figure:
             scale = scale_for(numbers, si)
             every = max(1, -(-steps.size // MARKERS))
             axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=every)
+            errors = history_errors(dataset, name)
+            if errors is not None:
+                draw_band(axes, at, numbers, errors[steps], scale, COLOURS[n])
+                axes.legend()
             axes.set_ylabel(f"{what} [{scale.unit}]")
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)
