@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) ->
     for axis, (places, others) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
         if _alike(places, others):
             continue
-        weights = _weights(places, others, 4 if smooth else 2)
+        weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
         values = np.moveaxis(np.tensordot(weights, values, axes=(1, axis)), 0, axis)
     return values
 
@@ -73,8 +74,10 @@ def _alike(places: FloatArray, others: FloatArray) -> bool:
     return places.size == others.size and bool(np.abs(places - others).max(initial=0.0) <= _SAME * np.ptp(places))
 
 
-def _weights(places: FloatArray, others: FloatArray, count: int) -> FloatArray:
-    """Weights (others, places) of Lagrange's polynomials through the `count` places around each of the others."""
+@lru_cache(maxsize=64)  # all fields and steps of a run have the same places
+def _weights(start: bytes, target: bytes, count: int) -> FloatArray:
+    """Weights (target, start) of Lagrange's polynomials through the `count` places around each of the others."""
+    places, others = np.frombuffer(start), np.frombuffer(target)
     count = min(count, places.size)
     rows = np.arange(others.size)
     at = np.clip(others, places[0], places[-1])

@@ -56,6 +56,7 @@ class FieldErrors:
         self.fields: dict[str, FieldError] = {}
         self._run = run
         self._summary = summary
+        self._cells_varied = False
         self._runs: list[tuple[Mapping[str, Any], Results]] = [(summary, run)]
         self._shares: dict[str, dict[str, dict[float, Share]]] = {}
         self._numbers: dict[str, dict[str, dict[float, Estimate]]] = {}
@@ -85,6 +86,7 @@ class FieldErrors:
         for name in names:
             if values := dict(_histories(name, summary, others, source, orders)):
                 self._numbers.setdefault(name, {})[source.name] = values
+        self._cells_varied |= not source.on_coarse
         # the coarsest cells are those on which the other sources are varied
         base_summary = summary if source.on_coarse else others[-1][1]
         self._runs = [run for run in self._runs if run[0] is self._summary or run[0] is base_summary]
@@ -93,7 +95,9 @@ class FieldErrors:
         return next(results for known, results in self._runs if known is summary)
 
     def variables(self) -> Iterator[Variable]:
-        """Errors of each field and of each number, in all steps."""
+        """Errors of each field and of each number, in all steps; none where the cells could not be varied."""
+        if not self._cells_varied:
+            return
         for name in self._shares:
             yield self._field(name)
         times = [time_of(time) for time in self._run.variables["time"].values]
