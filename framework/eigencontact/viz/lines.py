@@ -195,6 +195,7 @@ def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: 
         axes.plot(length(line.at), unit(values), "-", marker=marker, markersize=2.4, color=COLOURS[0])
         if numbers.errors is not None:
             draw_band(axes, length(line.at), values, numbers.errors[line.where], unit, COLOURS[0])
+            axes.legend()
         axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
         line.finish(axes, length, pressure)
         axes.set_xlim(*length(view.horizontal or (line.at[0], line.at[-1])))

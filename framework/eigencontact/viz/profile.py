@@ -191,6 +191,7 @@ def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view:
         line.draw(axes, unit(numbers.values), length, "-", color=COLOURS[0])
         if numbers.errors is not None:
             line.band(axes, numbers.values, numbers.errors, length, unit, COLOURS[0])
+            axes.legend()
         line.finish(axes, length, unit.label(numbers.words))
         if line.deep and view.vertical:
             axes.set_ylim(*length(view.vertical[::-1]))
