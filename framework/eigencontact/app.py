@@ -193,8 +193,9 @@ def run(
         Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
         not write is never replaced: see `eigencontact.results.ownership`.
     errors : bool
-        Estimate the error of every number from coarser runs (`eigencontact.accuracy`); ``errors`` of the summary holds
-        them. The key ``output.errors`` of a scene does the same.
+        Estimate the error of every number and field from coarser runs (`eigencontact.accuracy`); ``errors`` and
+        ``field_errors`` of the summary, and variables ``<field>_error`` of the results, hold them. The key
+        ``output.errors`` of a scene does the same.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional

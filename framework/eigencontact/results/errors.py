@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,11 +31,15 @@ def append(results: Path, variables: Iterable[Variable]) -> None:
     """
     import h5netcdf
 
+    remaining = iter(variables)
+    first = next(remaining, None)
+    if first is None:
+        return
     with replacing(results, "the errors of the fields") as sink:
         with results.open("rb") as source:
             shutil.copyfileobj(source, sink)
         with h5netcdf.File(partial_name(results), "r+") as file:
-            for variable in variables:
+            for variable in chain([first], remaining):
                 if variable.name in file.variables:
                     target = file.variables[variable.name]
                 else:
