@@ -364,14 +364,14 @@ def _errors(
             fields.keep(result.summary, result._store.results())  # noqa: SLF001
             return coarse, result.summary
 
-        bars = error_bars(planned, summary, solve, fields).to_dict()
+        found = error_bars(planned, summary, solve, fields)
 
         def variables() -> Iterator[Variable]:
-            yield from fields.variables()
+            yield from fields.variables(found.bars)
             stack.close()  # before the file is replaced
 
         store.append(variables())
-    return bars | {"field_errors": {name: error.to_dict() for name, error in fields.fields.items()}}
+    return found.to_dict() | {"field_errors": {name: error.to_dict() for name, error in fields.fields.items()}}
 
 
 def _summary(

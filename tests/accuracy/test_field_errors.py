@@ -125,15 +125,15 @@ def collected():
     found = FieldErrors(fine, fine.summary)
     for _, run in coarse:
         found.keep(run.summary, run)
-    found.vary([], fine.summary, [(ratio, run.summary) for ratio, run in coarse], CELLS, {})
+    found.vary(CELLS, fine.summary, [ratio for ratio, _ in coarse])
     found.keep(half.summary, half)
-    found.vary([], base.summary, [(2.0, half.summary)], STEPS, {})
+    found.vary(STEPS, base.summary, [2.0])
     return fine, found
 
 
 def test_the_sources_of_a_field_are_estimated_alone_and_added():
     fine, found = collected()
-    (variable,) = found.variables()
+    (variable,) = found.variables({})
     true = Run.true(fine.variables["x"].values, 1.0, 8)
     inner = slice(3, -3)  # no coarser cells have their middles beyond
     ratio = (variable.values[-1] / true)[inner]
@@ -197,9 +197,21 @@ def test_numbers_have_errors_in_every_step():
     assert float(errors[-1]) == close(pressed.summary["errors"]["approach"]["error"])
 
 
+def test_a_number_that_does_not_converge_has_no_errors_in_the_steps():
+    fine, coarse = Run(1.0, 2), Run(2.0, 2)
+    for run, value in ((fine, 1.0), (coarse, 2.0)):
+        depth = {"name": "depth", "unit": "m", "meaning": "depth", "role": "result"}
+        run.summary |= {"numbers": {"depth": depth}, "history": [{"time": 0.5, "depth": value}, {"time": 1.0}]}
+        run.summary["warnings"] = [{"number": "depth", "order": 0.0}]
+    found = FieldErrors(fine, fine.summary)
+    found.keep(coarse.summary, coarse)
+    found.vary(CELLS, fine.summary, [2.0])
+    assert [variable.name for variable in found.variables({})] == ["test_error"]
+
+
 def test_cells_that_cannot_be_coarser_leave_no_errors():
     found = FieldErrors(Run(3.0, 8), {})
-    assert list(found.variables()) == []
+    assert list(found.variables({})) == []
 
 
 def test_pictures_show_errors_and_are_the_same_without_them(tmp_path):

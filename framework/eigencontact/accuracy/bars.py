@@ -110,7 +110,7 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: Fie
             known = {} if source.on_coarse else orders
             parts[source.name] = dict(_estimates(names, start[2], others, source, known))
             if fields is not None:
-                fields.vary(names, start[2], others, source, known)
+                fields.vary(source, start[2], [ratio for ratio, _ in others])
     bars = _joined(names, summary, parts)
     return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=perf_counter() - began)
 

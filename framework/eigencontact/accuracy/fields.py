@@ -10,7 +10,7 @@ import numpy as np
 from eigencontact.accuracy.differences import Results, Sampled, Share, differences, neighbours, time_of
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.core.field_error import FieldError, beside_edges, error_name
-from eigencontact.core.numbers import Number
+from eigencontact.core.numbers import ErrorBar, Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
 from eigencontact.results.borders import Variable
 
@@ -57,53 +57,50 @@ class FieldErrors:
         self._run = run
         self._summary = summary
         self._cells_varied = False
-        self._runs: list[tuple[Mapping[str, Any], Results]] = [(summary, run)]
+        self._base = (summary, run)
+        self._new: list[tuple[Mapping[str, Any], Results]] = []
         self._shares: dict[str, dict[str, dict[float, Share]]] = {}
         self._numbers: dict[str, dict[str, dict[float, Estimate]]] = {}
 
     def keep(self, summary: Mapping[str, Any], results: Results) -> None:
-        """Take the results of a coarser run, known by its summary."""
-        self._runs.append((summary, results))
+        """Take the summary and the results of a coarser run."""
+        self._new.append((summary, results))
 
-    def vary(
-        self,
-        names: Sequence[str],
-        summary: Mapping[str, Any],
-        others: Sequence[tuple[float, Mapping[str, Any]]],
-        source: ErrorSource,
-        orders: Mapping[str, float],
-    ) -> None:
-        """Take one source of error; the arguments are those of the estimates of the numbers."""
-        base, varied = self._of(summary), [(ratio, self._of(coarse)) for ratio, coarse in others]
+    def vary(self, source: ErrorSource, summary: Mapping[str, Any], sizes: Sequence[float]) -> None:
+        """Take one source of error: the runs kept since the last one, of these step sizes.
+
+        They are compared with the run of a summary: the run itself, or that with the coarsest cells.
+        """
+        base = self._base[1] if summary is self._base[0] else self._run
+        others, self._new = self._new[: len(sizes)], []
         for name in _fields(self._run):
             try:
-                parts = [(ratio, Sampled(results, name)) for ratio, results in varied]
+                parts = [(size, Sampled(results, name)) for size, (_, results) in zip(sizes, others, strict=True)]
                 shares = dict(differences(Sampled(base, name), parts, source))
             except LookupError:  # not in all runs
                 continue
             if shares:
                 self._shares.setdefault(name, {})[source.name] = shares
-        for name in names:
-            if values := dict(_histories(name, summary, others, source, orders)):
+        coarse = [(size, other) for size, (other, _) in zip(sizes, others, strict=True)]
+        for name, number in self._summary["numbers"].items():
+            if number["role"] == "result" and (values := dict(_histories(name, summary, coarse, source))):
                 self._numbers.setdefault(name, {})[source.name] = values
-        self._cells_varied |= not source.on_coarse
-        # the coarsest cells are those on which the other sources are varied
-        base_summary = summary if source.on_coarse else others[-1][1]
-        self._runs = [run for run in self._runs if run[0] is self._summary or run[0] is base_summary]
+        if not source.on_coarse:
+            self._cells_varied, self._base = True, others[-1]
 
-    def _of(self, summary: Mapping[str, Any]) -> Results:
-        return next(results for known, results in self._runs if known is summary)
+    def variables(self, bars: Mapping[str, ErrorBar]) -> Iterator[Variable]:
+        """Errors of each field and of each number, in all steps; none where the cells could not be varied.
 
-    def variables(self) -> Iterator[Variable]:
-        """Errors of each field and of each number, in all steps; none where the cells could not be varied."""
+        In the last step a number has the error of its bar, and without a bar it has no errors.
+        """
         if not self._cells_varied:
             return
         for name in self._shares:
             yield self._field(name)
         times = [time_of(time) for time in self._run.variables["time"].values]
         for name, estimates in self._numbers.items():
-            if error_name(name) not in self._run.variables:
-                yield self._number(name, estimates, times)
+            if name in bars and error_name(name) not in self._run.variables:
+                yield self._number(name, estimates, times, bars[name].error)
 
     def _field(self, name: str) -> Variable:
         """Error of a field at all points in all steps; that of the last step in one number is kept."""
@@ -130,15 +127,17 @@ class FieldErrors:
         }  # fmt: skip
         return Variable(name=error_name(name), dims=tuple(variable.dims), values=total, attrs=attrs)
 
-    def _number(self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float]) -> Variable:
+    def _number(
+        self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
+    ) -> Variable:
         """Error of a number in every step."""
         number = Number(**self._summary["numbers"][name]).own_error(error_name(name))
         values = [
             sum(max(errors[at].error for at in neighbours(sorted(errors), time)) for errors in estimates.values())
-            for time in times
+            for time in times[:-1]
         ]
         attrs = {"role": "error", **number.attributes()}
-        return Variable(name=number.name, dims=("step",), values=np.array(values), attrs=attrs)
+        return Variable(name=number.name, dims=("step",), values=np.array([*values, last]), attrs=attrs)
 
 
 def _fields(results: Results) -> Iterator[str]:
@@ -155,10 +154,12 @@ def _histories(
     summary: Mapping[str, Any],
     others: Sequence[tuple[float, Mapping[str, Any]]],
     source: ErrorSource,
-    orders: Mapping[str, float],
 ) -> Iterator[tuple[float, Estimate]]:
-    """Times, and the estimated error of a number there."""
-    lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
+    """Times, and the estimated error of a number there; nothing for one that does not converge."""
+    slow = [warning["order"] for warning in summary.get("warnings", ()) if warning.get("number") == name]
+    if 0.0 in slow:
+        return
+    lowest, highest = (slow[0], slow[0]) if slow and not source.on_coarse else (source.lowest, source.highest)
     scatters = bool(summary["numbers"][name].get("scatters"))
     runs = (summary, *(coarse for _, coarse in others))
     values = [{time_of(row["time"]): row.get(name) for row in run.get("history", ())} for run in runs]
