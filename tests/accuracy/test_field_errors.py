@@ -123,6 +123,9 @@ def collected():
     fine, coarse = Run(1.0, 8), [(2.0, Run(2.0, 8)), (3.0, Run(3.0, 8))]
     base, half = coarse[-1][1], Run(3.0, 4)
     found = FieldErrors(fine, fine.summary)
+    unused = Run(1.0, 2)
+    found.keep(unused.summary, unused)
+    found.vary(STEPS, fine.summary, [])
     for _, run in coarse:
         found.keep(run.summary, run)
     found.vary(CELLS, fine.summary, [ratio for ratio, _ in coarse])

@@ -109,8 +109,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: Fie
             left_out.pop(source.name, None)
             known = {} if source.on_coarse else orders
             parts[source.name] = dict(_estimates(names, start[2], others, source, known))
-            if fields is not None:
-                fields.vary(source, start[2], [ratio for ratio, _ in others])
+        if fields is not None:
+            fields.vary(source, start[2], [ratio for ratio, _ in others])
     bars = _joined(names, summary, parts)
     return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=perf_counter() - began)
 

@@ -69,10 +69,12 @@ class FieldErrors:
     def vary(self, source: ErrorSource, summary: Mapping[str, Any], sizes: Sequence[float]) -> None:
         """Take one source of error: the runs kept since the last one, of these step sizes.
 
-        They are compared with the run of a summary: the run itself, or that with the coarsest cells.
+        Without sizes these runs are of no use. They are compared with the run of a summary: the run itself, or that with the coarsest cells.
         """
         base = self._base[1] if summary is self._base[0] else self._run
         others, self._new = self._new[: len(sizes)], []
+        if not others:
+            return
         for name in _fields(self._run):
             try:
                 parts = [(size, Sampled(results, name)) for size, (_, results) in zip(sizes, others, strict=True)]
