@@ -69,7 +69,8 @@ class FieldErrors:
     def vary(self, source: ErrorSource, summary: Mapping[str, Any], sizes: Sequence[float]) -> None:
         """Take one source of error: the runs kept since the last one, of these step sizes.
 
-        Without sizes these runs are of no use. They are compared with the run of a summary: the run itself, or that with the coarsest cells.
+        They are compared with the run of a summary: the run itself, or that with the coarsest cells. Without sizes
+        these runs are of no use.
         """
         base = self._base[1] if summary is self._base[0] else self._run
         others, self._new = self._new[: len(sizes)], []
