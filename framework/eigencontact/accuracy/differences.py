@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 __all__ = ["Results", "Sampled", "Share", "differences", "neighbours", "shares_of", "time_of"]
 
 
+#: All but the last, and all but the first of the points along a dimension.
+_SIDES = (slice(None, -1), slice(1, None))
+
+
 class Results(Protocol):
     """Variables of results by name, in memory or in a file."""
 
@@ -95,7 +99,10 @@ def differences(
         if len(parts) < len(varied):
             continue
         factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
-        errors = [(factor * part).astype(np.float32) for factor, part in zip(factors, parts, strict=True)]
+        errors = [
+            (factor * _filled(part, len(base.axes))).astype(np.float32)
+            for factor, part in zip(factors, parts, strict=True)
+        ]
         yield time, Share(list(zip(places, errors, strict=True)), order)
 
 
@@ -129,6 +136,19 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
     """
     at = bisect_left(times, time)
     return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
+
+
+def _filled(part: NDArray[Any], points: int) -> NDArray[Any]:
+    """Differences that are at least half of those of their neighbours along the last `points` dimensions.
+
+    Where a difference changes its sign it is small by chance.
+    """
+    filled = part.copy()
+    for axis in range(part.ndim - points, part.ndim):
+        ends = [tuple(side if n == axis else slice(None) for n in range(part.ndim)) for side in _SIDES]
+        for end, other in (ends, ends[::-1]):
+            np.maximum(filled[end], 0.5 * part[other], out=filled[end])
+    return filled
 
 
 def _within(places: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:

@@ -45,11 +45,12 @@ class FieldErrors:
     Notes
     -----
     The finer of two runs is interpolated at the points of the coarser one, by polynomials of third degree, and the
-    difference there is carried back, linearly. So a field is compared where both have values, and the interpolation
-    adds less than the coarser points miss. The mean magnitude of the differences gives the order of the field as a
-    whole: differences at single points change sign. Steps are compared where both runs have them; between these the
-    larger error counts. At an edge of the zone in which a field of the surface, or of cells, is not zero, where it may
-    have an infinite slope, it is at least half of the largest difference to a neighbour.
+    difference there, at least half of that of its neighbours, is carried back, linearly. So a field is compared where
+    both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
+    differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
+    where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
+    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest difference
+    to a neighbour.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
