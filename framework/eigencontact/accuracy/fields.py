@@ -49,8 +49,8 @@ class FieldErrors:
     both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
     differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
     where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
-    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest difference
-    to a neighbour.
+    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
+    difference to a neighbour.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
