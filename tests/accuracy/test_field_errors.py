@@ -53,7 +53,7 @@ def test_the_errors_of_the_pressure_hold_the_closed_form(hertz):
     share, ratio = held(errors, np.abs(data["pressure"].values[0][inside] - exact))
     assert share >= 0.95
     assert ratio <= 10
-    assert data["pressure_error"].values[0][distance > 1.3 * RADIUS].max() < 1e-12 * LARGEST  # round-off
+    assert data["pressure_error"].values[0][distance > 1.6 * RADIUS].max() < 1e-12 * LARGEST  # round-off
 
 
 def test_the_errors_of_the_stress_on_the_axis_hold_the_closed_form(hertz):
@@ -85,7 +85,7 @@ def test_each_field_has_one_number(hertz):
     assert pressure["source"] == "cells"
     assert pressure["largest"] == close(hertz.summary["max_pressure"])
     assert pressure["relative"] == close(pressure["error"] / pressure["largest"])
-    assert 0 < pressure["relative"] < 0.02 < pressure["worst"] / pressure["largest"]
+    assert 0 < pressure["relative"] < 0.05 < pressure["worst"] / pressure["largest"]
 
 
 class Field:
