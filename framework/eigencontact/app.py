@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
+    from eigencontact.results.layout import Variable
     from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import StepRecord
     from eigencontact.results.store import ResultStore
@@ -192,8 +193,9 @@ def run(
         Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
         not write is never replaced: see `eigencontact.results.ownership`.
     errors : bool
-        Estimate the error of every number from coarser runs (`eigencontact.accuracy`); ``errors`` of the summary holds
-        them. The key ``output.errors`` of a scene does the same.
+        Estimate the error of every number and field from coarser runs (`eigencontact.accuracy`); ``errors`` and
+        ``field_errors`` of the summary, and variables ``<field>_error`` of the results, hold them. The key
+        ``output.errors`` of a scene does the same.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -254,15 +256,16 @@ def run(
             results = stored.finish()
         files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
     noted = _noted(planned, store, solved.last)
-    if stored is not None and target is not None:
-        solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
-        files |= _draw(planned, results, target, stopwatch, painter)
-        files["summary.json"] = "the numbers of this run, in SI units"
     if errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):
-            noted |= _errors(planned, summary_of(store.info, solved.last, noted["history"], noted), registry, watcher)
+            whole = summary_of(store.info, solved.last, noted["history"], noted)
+            noted |= _errors(planned, whole, store, registry, watcher)
+    if stored is not None and target is not None:
+        solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
+        files |= _draw(planned, results, target, stopwatch, painter)
+        files["summary.json"] = "the numbers of this run, in SI units"
     summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
     if target is not None:
         from eigencontact.results.summary import write_summary
@@ -333,21 +336,42 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
 
 
 def _errors(
-    planned: Plan, summary: Mapping[str, Any], registry: Registry | None, watcher: Watcher | None
+    planned: Plan, summary: Mapping[str, Any], store: Store, registry: Registry | None, watcher: Watcher | None
 ) -> dict[str, Any]:
-    """Error bars of all numbers, from coarser runs in memory."""
+    """Error bars of all numbers and fields, from coarser runs in memory; those of the fields are stored with them."""
+    from contextlib import ExitStack
+
     from eigencontact.accuracy.bars import error_bars
+    from eigencontact.accuracy.fields import FieldErrors
+    from eigencontact.results.memory import MemoryStore
     from eigencontact.scene.schema import Scene
 
     announced = getattr(watcher, "announced", None)
+    with ExitStack() as stack:
+        if isinstance(store, MemoryStore):
+            fields = FieldErrors(store.results(), summary)
+        else:
+            from eigencontact.results.stored import open_stored
 
-    def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
-        if announced is not None:
-            announced(f"error bars: {words}")
-        coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
-        return coarse, run(coarse).summary
+            fields = FieldErrors(stack.enter_context(open_stored(store.folder)), summary)
 
-    return error_bars(planned, summary, solve).to_dict()
+        def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
+            if announced is not None:
+                announced(f"error bars: {words}")
+            coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+            result = run(coarse)
+            assert isinstance(result._store, MemoryStore)  # noqa: SLF001 - a run without a folder
+            fields.keep(result.summary, result._store.results())  # noqa: SLF001
+            return coarse, result.summary
+
+        found = error_bars(planned, summary, solve, fields)
+
+        def variables() -> Iterator[Variable]:
+            yield from fields.variables(found.bars)
+            stack.close()  # before the file is replaced
+
+        store.append(variables())
+    return found.to_dict() | {"field_errors": {name: error.to_dict() for name, error in fields.fields.items()}}
 
 
 def _summary(

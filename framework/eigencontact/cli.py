@@ -122,7 +122,7 @@ def run(
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
     errors: Annotated[
-        bool, typer.Option("--errors", help="Estimate the error of every number from coarser runs.")
+        bool, typer.Option("--errors", help="Estimate the error of every number and field from coarser runs.")
     ] = False,
     quiet: QuietOption = False,
     verbose: Annotated[

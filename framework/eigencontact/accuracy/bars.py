@@ -15,6 +15,7 @@ from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
+    from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
 
 __all__ = ["Accuracy", "Comparison", "error_bars", "joined_bars"]
@@ -82,7 +83,7 @@ class Accuracy:
         return {"errors": bars, "errors_left_out": self.left_out, **price}
 
 
-def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy:
+def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: FieldErrors | None = None) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
     Parameters
@@ -94,6 +95,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     solve : callable
         Tables of a scene, and what differs in words, to the plan and the summary of its run in memory; raises
         `EigencontactError`.
+    fields : FieldErrors, optional
+        Takes the same runs for the errors of fields.
 
     Returns
     -------
@@ -139,6 +142,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
             left_out.pop(source.name, None)
             spent, values = perf_counter() - source_began, dict(_results(start[2]))
             comparisons.append(Comparison(source=source, values=values, others=others, seconds=spent))
+        if fields is not None:
+            fields.vary(source, start[2], [ratio for ratio, _ in others])
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=seconds, comparisons=comparisons)

@@ -120,6 +120,9 @@ class Quantity:
 
     unit: str
     long_name: str
+    converges: bool = (
+        True  #: with the discretisation: neither a closed form, nor a number of a kind, nor of one increment
+    )
 
 
 #: Of displacements that the contact feels; see `eigencontact.solvers.mean_surface`.
@@ -128,9 +131,11 @@ _AS_MEANS = "; by inhomogeneities the mean over each cell, along the tractions o
 QUANTITIES: dict[str, Quantity] = {
     "separation": Quantity("m", "initial separation of the surfaces"),
     "pressure": Quantity("Pa", "contact pressure, positive in compression"),
-    "reference_pressure": Quantity("Pa", "contact pressure in closed form"),
+    "reference_pressure": Quantity("Pa", "contact pressure in closed form", converges=False),
     "homogeneous_pressure": Quantity(
-        "Pa", "contact pressure in closed form on bodies of their deep material throughout, under the same load"
+        "Pa",
+        "contact pressure in closed form on bodies of their deep material throughout, under the same load",
+        converges=False,
     ),
     "gap": Quantity("m", "gap between the deformed surfaces"),
     "displacement_z": Quantity("m", "normal surface displacement, both bodies summed"),
@@ -139,17 +144,19 @@ QUANTITIES: dict[str, Quantity] = {
     "shear_x": Quantity("Pa", "shear traction on body 1 along x"),
     "shear_y": Quantity("Pa", "shear traction on body 1 along y"),
     "shear_bound": Quantity("Pa", "largest shear traction that the friction law allows"),
-    "reference_shear_x": Quantity("Pa", "shear traction on body 1 along x in closed form"),
-    "reference_shear_y": Quantity("Pa", "shear traction on body 1 along y in closed form"),
-    "slip_x": Quantity("m", "slip of body 1 on body 2 in this step along x"),
-    "slip_y": Quantity("m", "slip of body 1 on body 2 in this step along y"),
+    "reference_shear_x": Quantity("Pa", "shear traction on body 1 along x in closed form", converges=False),
+    "reference_shear_y": Quantity("Pa", "shear traction on body 1 along y in closed form", converges=False),
+    "slip_x": Quantity("m", "slip of body 1 on body 2 in this step along x", converges=False),
+    "slip_y": Quantity("m", "slip of body 1 on body 2 in this step along y", converges=False),
     "slip_distance": Quantity("m", "length of the path slipped in contact so far"),
     "dissipated_energy_density": Quantity("J/m2", "work of friction so far"),
     "worn_depth": Quantity("m", "depth that both bodies together have lost"),
     "worn_depth_1": Quantity("m", "depth that body 1 has lost"),
     "worn_depth_2": Quantity("m", "depth that body 2 has lost"),
-    "exposed_material": Quantity("1", "number of the material that the step met at the surface, 0 the substrate"),
-    "contact_zone": Quantity("1", "0 out of contact, 1 slipping in this step, 2 sticking"),
+    "exposed_material": Quantity(
+        "1", "number of the material that the step met at the surface, 0 the substrate", converges=False
+    ),
+    "contact_zone": Quantity("1", "0 out of contact, 1 slipping in this step, 2 sticking", converges=False),
     "residual_displacement_z": Quantity(
         "m", f"surface displacement by eigenstrain into the bodies, both summed{_AS_MEANS}"
     ),

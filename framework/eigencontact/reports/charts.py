@@ -22,12 +22,14 @@ _MARKED, _POINTS = 40, 600
 
 def chart(column: Column, steps: Sequence[int]) -> Markup:
     """One number over the steps (given by their numbers), in the unit of its scale, as ``svg`` with a title."""
-    points = [
-        (float(step), value * column.scale.factor)
-        for step, value in zip(steps, column.values, strict=True)
-        if value is not None
-    ]
-    ticks = _ticks(min(0.0, *(y for _, y in points)), max(0.0, *(y for _, y in points)))
+    errors = column.errors or (0.0,) * len(steps)
+    points, band = [], []
+    for step, value, error in zip(steps, column.values, errors, strict=True):
+        if value is not None:
+            points.append((float(step), value * column.scale.factor))
+            band.append((float(step), error * column.scale.factor))
+    ends = [y + sign * width for (_, y), (_, width) in zip(points, band, strict=True) for sign in (1.0, -1.0)]
+    ticks = _ticks(min(0.0, *ends), max(0.0, *ends))
     low, high = ticks[0], ticks[-1]
     first, last = float(steps[0]), float(steps[-1])
 
@@ -41,6 +43,12 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
         y = place(first, tick)[1]
         parts.append(f'<path class="{"zero" if tick == 0 else "grid"}" d="M{_LEFT} {y:.1f}H{_RIGHT}"/>')
         parts.append(_text(_LEFT - 5, y + 3.5, f"{tick:.6g}", "end"))
+    if column.errors:
+        every = -(-len(points) // _POINTS)
+        chosen = [(x, y, width) for (x, y), (_, width) in zip(points, band, strict=True)][::every]
+        upper, lower = ([(x, y + sign * width) for x, y, width in chosen] for sign in (1.0, -1.0))
+        around = [place(x, y) for x, y in (*upper, *reversed(lower))]
+        parts.append(f'<path class="band" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in around)}Z"/>')
     vertices = [place(x, y) for x, y in _thinned(points)]
     parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in vertices)}"/>')
     if len(vertices) <= _MARKED:

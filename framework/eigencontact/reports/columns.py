@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from eigencontact.core.field_error import error_name
 from eigencontact.core.numbers import Number, headline_numbers
 from eigencontact.viz.style import Scale, scale_for
 
@@ -25,10 +26,14 @@ _ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12
 
 @dataclass(frozen=True)
 class Column:
-    """One number of every step: its declaration, and its values by step, None where a step has none."""
+    """One number of every step: its declaration, its values by step, None where a step has none, and their errors.
+
+    The errors are empty where they were not estimated.
+    """
 
     number: Number
     values: list[float | None]
+    errors: tuple[float, ...] = ()
 
     @property
     def name(self) -> str:
@@ -97,7 +102,8 @@ def columns(dataset: Results) -> list[Column]:
             values = [float(value) if math.isfinite(value) else None for value in variable.values]
             if any(value is not None for value in values):
                 place = (attrs["role"] == "observed", int(attrs.get("rank", 0)), str(name))
-                listed.append((place, Column(Number.of_attributes(str(name), attrs), values)))
+                errors = tuple(dataset[error_name(name)].values) if error_name(name) in dataset else ()
+                listed.append((place, Column(Number.of_attributes(str(name), attrs), values, errors)))
     return [column for _, column in sorted(listed, key=lambda item: item[0])]
 
 

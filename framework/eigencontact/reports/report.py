@@ -130,6 +130,7 @@ def _content(source: Source) -> dict[str, Any]:
         "source": source,
         "answer": answer(every, source.steps),
         "cards": cards(numbers),
+        "field_errors": _field_errors(source),
         "errors": {name: ErrorBar.of_dict(table) for name, table in source.summary.get("errors", {}).items()},
         "rows": rows,
         "printed": printed,
@@ -146,3 +147,12 @@ def _content(source: Source) -> dict[str, Any]:
         "citations": cited,
         "bibtex": as_bibtex(cited),
     }
+
+
+def _field_errors(source: Source) -> list[tuple[str, str, str]]:
+    """Name, error and main source of each field with estimated errors."""
+    from eigencontact.core.field_error import FieldError
+
+    tables = source.summary.get("field_errors", {})
+    errors = {name: FieldError.of_dict(table) for name, table in tables.items() if name in source.dataset}
+    return [(name, error.words(), error.source) for name, error in errors.items() if error.words()]

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from eigencontact.results.history import HISTORY_STEP
 from eigencontact.results.join import dataset_of
+from eigencontact.results.part import Part, part_of
 from eigencontact.results.stepfile import history_part, step_part
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from collections.abc import Iterable
 
-    from eigencontact.results.part import Part
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from eigencontact.results.layout import Variable
     from eigencontact.results.records import RunInfo, StepRecord
 
-__all__ = ["MemoryStore"]
+__all__ = ["MemoryResults", "MemoryStore"]
+
+
+#: First dimension of variables that change from step to step.
+_STEPPED = (("step",), (HISTORY_STEP,))
 
 
 @dataclass(slots=True)
@@ -49,3 +60,53 @@ class MemoryStore:
     def dataset(self) -> xr.Dataset:
         """Dataset as `eigencontact.results.reader.open_results` returns it; the call releases the stored steps."""
         return dataset_of(self._steps, self._histories)
+
+    def results(self) -> MemoryResults:
+        """Variables of the stored steps, as long as no dataset was asked for."""
+        return MemoryResults(self._steps, self._histories)
+
+    def append(self, variables: Iterable[Variable]) -> None:
+        """Add variables over all steps."""
+        for variable in variables:
+            parts = self._histories if variable.dims[0] == HISTORY_STEP else self._steps
+            for at, step in enumerate(parts):
+                step.update(part_of({}, [replace(variable, values=variable.values[at : at + 1])]))
+
+
+class MemoryResults:
+    """Variables of steps in memory, as `eigencontact.results.stored.open_stored` gives those of a file."""
+
+    def __init__(self, steps: list[Part], histories: list[Part]) -> None:
+        kept = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
+        self.variables = kept | {name: _MemoryVariable(steps, name) for name in steps[-1]}
+
+
+@dataclass(frozen=True, slots=True)
+class _Values:
+    values: NDArray[Any]
+
+
+class _MemoryVariable:
+    """Variable of steps in memory; an index reads one step."""
+
+    def __init__(self, steps: list[Part], name: str) -> None:
+        self._steps, self._name = steps, name
+        self.attrs = steps[-1][name].attrs
+        self.dims = tuple(self.attrs["dims"].split())
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each dimension."""
+        inner = self._steps[-1][self._name].shape
+        return (len(self._steps), *inner[1:]) if self.dims[:1] in _STEPPED else inner
+
+    def __getitem__(self, at: int) -> _Values:
+        step = self._steps[at]
+        return _Values(step[self._name][0] if self._name in step else np.full(self.shape[1:], np.nan))
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """All values."""
+        if self.dims[:1] not in _STEPPED:
+            return np.asarray(self._steps[-1][self._name][...])
+        return np.stack([self[at].values for at in range(len(self._steps))])

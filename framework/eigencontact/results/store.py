@@ -29,10 +29,11 @@ from eigencontact.results.stepfile import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     import xarray as xr
 
+    from eigencontact.results.layout import Variable
     from eigencontact.results.records import RunInfo, StepRecord
 
 __all__ = ["ResultStore"]
@@ -243,6 +244,12 @@ class ResultStore:
         join_steps(target, [files[index] for index in sorted(files)], [histories[index] for index in history_indices])
         _remove_steps(self.folder)
         return target
+
+    def append(self, variables: Iterable[Variable]) -> None:
+        """Add variables over all steps to the finished results; `ResultsError` when these cannot be stored."""
+        from eigencontact.results.errors import append
+
+        append(self.folder / RESULTS, variables)
 
     def history(self, last: StepRecord) -> list[dict[str, Any]]:
         """Numbers of every stored step, the last one as it is in memory; in order."""

@@ -188,7 +188,8 @@ class Output(Table):
         What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any
         of them without solving again, and an animation shows what has yielded in each.
     errors : bool
-        Estimated error of every number, from coarser runs of the scene; they take about as long as the run itself.
+        Estimated error of every number and field, from coarser runs of the scene; they take about as long as the run
+        itself.
     animation : bool or {"gif", "mp4"}
         Animation of a history of several steps: a GIF, or an MP4 where the program ffmpeg is installed.
     """

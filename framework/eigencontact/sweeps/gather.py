@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.field_error import error_name
 from eigencontact.core.numbers import Number
 from eigencontact.core.quantities import QUANTITIES, unit_of
 from eigencontact.core.units import parse_quantity, readable
@@ -48,7 +49,7 @@ def gathered(
     numbers = {outcome.place: _numbers(outcome.summary) for outcome in results}
     tables = {name: table for outcome in results for name, table in outcome.summary.get("numbers", {}).items()}
     declared = {name: Number(**table) for name, table in tables.items()}
-    declared |= {_error_of(name): number.own_error(_error_of(name)) for name, number in declared.items()}
+    declared |= {error_name(name): number.own_error(error_name(name)) for name, number in declared.items()}
     for name in dict.fromkeys(name for row in numbers.values() for name in row):
         values = np.full(shape, np.nan)
         for place, row in numbers.items():
@@ -70,15 +71,10 @@ def gathered(
 
 def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
     """Numbers of a summary: those of the last step, sums, those of observers, and errors where they were estimated."""
-    errors = {_error_of(name): bar["error"] for name, bar in summary.get("errors", {}).items()}
+    errors = {error_name(name): bar["error"] for name, bar in summary.get("errors", {}).items()}
     plain = {**summary, **summary.get("observed", {}), **errors}
     return {name: float(value) for name, value in plain.items()
             if isinstance(value, int | float) and not isinstance(value, bool)}  # fmt: skip
-
-
-def _error_of(name: str) -> str:
-    """Name of the estimated error of a number."""
-    return f"{name}_error"
 
 
 def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, dict[str, str]]:

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.field_error import error_name
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.core.tensors import COMPONENTS, hydrostatic, principal, to_mandel, tresca, von_mises
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.viz.cut import Shown
+from eigencontact.viz.errors import errors_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -121,6 +123,11 @@ def region_fields(dataset: Results, region: str) -> dict[str, Field]:
     for name in stored_fields:
         if name != "stress":
             by_name[name] = Field(name, f"{region}_{name}", kinds_of.get(name, ()))
+    stored_errors = {error_name(name): field for name, field in by_name.items() if name in stored_fields}
+    for name, field in stored_errors.items():
+        if f"{region}_{name}" in dataset:
+            kinds = COMPONENTS if field.variable == f"{region}_stress" else field.components
+            by_name[name] = Field(name, f"{region}_{name}", kinds)
     return by_name
 
 
@@ -163,37 +170,47 @@ def surface_numbers(dataset: Results, field: Field, component: str, step: int) -
     unit = _unit(dataset, field.variable)
     if component == _MAGNITUDE:
         components = [_read(dataset, f"{stem}_{axis}", step) for axis in "xy"]
-        return Shown(_label(stem), unit, np.hypot(*components))
+        errors = [part for axis in "xy" if (part := errors_of(dataset, f"{stem}_{axis}", step)) is not None]
+        size = np.linalg.norm(errors, axis=0) if len(errors) == len(components) else None
+        return Shown(_label(stem), unit, np.hypot(*components), errors=size)
     name = f"{stem}_{component}" if component else field.variable
     values = _read(dataset, name, step)
     if field.name == "uplift":
-        return Shown(_label("uplift"), unit, 0.0 - values)
+        return Shown(_label("uplift"), unit, 0.0 - values, errors=errors_of(dataset, name, step))
     stem, axis = name.rpartition("_")[::2]
     label = f"{_label(stem)} {_AXES[axis]}" if axis in _AXES and stem else _label(name)
-    return Shown(label, unit, values, name)
+    return Shown(label, unit, values, name, errors_of(dataset, name, step))
 
 
 def region_numbers(dataset: Results, region: str, field: Field, component: str, step: int) -> Shown:
     """Numbers of a field of a region in one step."""
     values = _read(dataset, field.variable, step)
+    errors = errors_of(dataset, field.variable, step)
     unit = _unit(dataset, field.variable)
     kind = component or field.name
     stored_name = f"{region}_{kind}"
     if kind in _OF_STRESS and stored_name in dataset:  # as the run has found it
-        return Shown(_label(kind), unit, _read(dataset, stored_name, step), stored_name)
+        values = _read(dataset, stored_name, step)
+        return Shown(_label(kind), unit, values, stored_name, errors_of(dataset, stored_name, step))
     if field.variable == f"{region}_stress":
         if kind in _OF_STRESS:
             return Shown(_label(kind), unit, _OF_STRESS[kind](to_mandel(values)))
         if kind in _PRINCIPAL:
             return Shown(f"{_label('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
-        return Shown(rf"Stress $\sigma_{{{kind}}}$", unit, _component_of(values, kind))
+        return Shown(
+            rf"Stress $\sigma_{{{kind}}}$",
+            unit,
+            _component_of(values, kind),
+            errors=_part(errors, COMPONENTS.index(kind)),
+        )
     if not component:
-        return Shown(_label(field.name), unit, values, field.variable)
-    if field.name == "strain":
-        return Shown(rf"Strain $\varepsilon_{{{kind}}}$", unit, _component_of(values, kind))
-    if field.name == "displacement":
-        return Shown(f"{_label(field.name)} {_AXES[kind]}", unit, values["xyz".index(kind)])
-    return Shown(f"{_label(field.name)} {kind}", unit, values[int(kind) - 1])
+        return Shown(_label(field.name), unit, values, field.variable, errors)
+    at = "xyz".index(kind) if kind in _AXES else field.components.index(kind)
+    if kind in COMPONENTS:
+        symbol = rf"Strain $\varepsilon_{{{kind}}}$" if field.name == "strain" else f"{_label(field.name)} {kind}"
+        return Shown(symbol, unit, _component_of(values, kind), errors=_part(errors, at))
+    words = _AXES.get(kind, kind)
+    return Shown(f"{_label(field.name)} {words}", unit, values[at], errors=_part(errors, at))
 
 
 def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
@@ -222,6 +239,11 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
         n = COMPONENTS.index(component)
         return Shown(rf"{label}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
     return Shown(label, unit, values)
+
+
+def _part(errors: NDArray[Any] | None, at: int) -> NDArray[Any] | None:
+    """Errors of one component, where there are some."""
+    return None if errors is None else errors[at]
 
 
 def _component_of(values: NDArray[Any], component: str) -> NDArray[Any]:

@@ -24,6 +24,7 @@ from eigencontact.viz.choices import (
     surface_numbers,
 )
 from eigencontact.viz.cut import View
+from eigencontact.viz.errors import error_line
 from eigencontact.viz.friction import ZONE_COLOURS, ZONES
 from eigencontact.viz.lines import SURFACE_LINES, surface_line
 from eigencontact.viz.profile import line_profile
@@ -172,7 +173,7 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
         values,
         unit=numbers.unit,
         label=numbers.words,
-        title=heading(dataset, step, numbers.words),
+        title="\n".join(filter(None, [heading(dataset, step, numbers.words), error_line(numbers, 2)])),
         outline=contact,
         empty="no contact" if field.name == "pressure" else "zero everywhere",
         cmap=view.cmap,

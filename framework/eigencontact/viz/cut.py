@@ -48,12 +48,15 @@ class Shown:
         On the dimensions of the region.
     variable : str
         Variable of the results that holds it in all steps; empty where it is derived.
+    errors : array, optional
+        Estimated errors of the values.
     """
 
     words: str
     unit: str
     values: NDArray[Any]
     variable: str = ""
+    errors: NDArray[Any] | None = None
 
     @property
     def nothing(self) -> str:

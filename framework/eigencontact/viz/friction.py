@@ -9,6 +9,7 @@ import numpy as np
 from eigencontact.core.grid import Box
 from eigencontact.results.course import driven_motions
 from eigencontact.results.cycles import friction_work, skips_cycles
+from eigencontact.viz.errors import draw_band, errors_of, with_error
 from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through, runs_of
 from eigencontact.viz.looks import legend_below
 from eigencontact.viz.style import COLOURS, instant, paper_style, scale_for
@@ -164,6 +165,7 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     if work is not None and skips:
         spent = float(history["dissipated_energy"][step])
         title += f", with skipped cycles; {scale_for([spent], 'J').text(spent)} in the solved increments"
+    title = with_error(title, dataset, "dissipated_energy_density", step)
     return masked_map(
         contact_window(dataset, contact | (density > 0)),
         density,
@@ -228,6 +230,9 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
                     error = np.linalg.norm(shear[axis] - reference) / (np.linalg.norm(reference) or np.nan)
                     word = f"{label}, closed form ({100 * error:.2g} % in the L2 norm)"
                     axes.plot(at, stress(reference[line.where]), "--", color="black", lw=1.1, label=word, zorder=4)
+                errors = errors_of(dataset, f"shear_{axis}", step)
+                if errors is not None:
+                    draw_band(axes, at, values, errors[line.where], stress, colour)
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             line.finish(axes, length, pressure)
             axes.set_xlim(*length(line.edges[[0, -1]]))

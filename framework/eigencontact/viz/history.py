@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.viz.errors import draw_band, history_errors
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, wears
@@ -61,15 +62,28 @@ STRAND_MARKERS = 60
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number in each step, what it is and its unit."""
+    """A number in each step, what it is, its unit, and its errors where they were estimated."""
 
     values: NDArray[np.float64]
     words: str
     unit: str
+    errors: NDArray[np.float64] | None = None
+
+    @classmethod
+    def stored(cls, dataset: Results, name: str, words: str, unit: str) -> Quantity:
+        """Quantity of a variable of the results."""
+        return cls(np.asarray(dataset[name].values, dtype=float), words, unit, history_errors(dataset, name))
+
+    def at(self, steps: NDArray[np.intp]) -> Quantity:
+        """The same in some steps."""
+        return replace(self, values=self.values[steps], errors=None if self.errors is None else self.errors[steps])
 
     def from_start(self, start: float | None) -> Quantity:
-        """The same with a value before the first step."""
-        return self if start is None else replace(self, values=np.append(start, self.values))
+        """The same with a value before the first step, which has no error."""
+        if start is None:
+            return self
+        errors = None if self.errors is None else np.append(0.0, self.errors)
+        return replace(self, values=np.append(start, self.values), errors=errors)
 
 
 @dataclass(frozen=True)
@@ -99,6 +113,11 @@ class Panel:
         else:
             axes.plot(x, y, "o-", color=COLOURS[0], markevery=max(1, -(-x.size // MARKERS)))
             axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5)
+            if self.y.errors is not None:
+                draw_band(axes, x, self.y.values, self.y.errors, scales[1], COLOURS[0])
+            if self.x.errors is not None:
+                draw_band(axes, y, self.x.values, self.x.errors, scales[0], COLOURS[0], across=True)
+                axes.legend(*[entries[:1] for entries in axes.get_legend_handles_labels()])
         for numbers, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
             if numbers.min() >= 0.0:
                 set_limits(0.0, 1.05 * numbers.max())
@@ -119,7 +138,7 @@ def history_panels(dataset: Results) -> list[Panel]:
     force, way = _driver(dataset)
     if not varies(force.values):
         return []
-    x, y, start = replace(way, values=way.values[steps]), replace(force, values=force.values[steps]), None
+    x, y, start = way.at(steps), force.at(steps), None
     if not varies(way.values):
         values, words, unit = course(dataset)
         x = Quantity(values[steps], words, unit)
@@ -127,8 +146,7 @@ def history_panels(dataset: Results) -> list[Panel]:
         start = first_touch(dataset)
     panels = [Panel(x.from_start(start), y.from_start(None if start is None else 0.0), start is not None, steps)]
     if area_varies(dataset) and not worn:  # the history of wear shows the area
-        area = np.asarray(dataset["contact_area"].values, dtype=float)
-        panels.append(Panel(force, Quantity(area, "Contact area", "m2"), False, steps))
+        panels.append(Panel(force, Quantity.stored(dataset, "contact_area", "Contact area", "m2"), False, steps))
     return panels
 
 
@@ -173,8 +191,7 @@ def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
                 pairs.insert(0, (*names, f"Moment about {axis}", f"Tilt about {axis}", "N m", "rad"))
                 break
     force, way, load, motion, force_unit, way_unit = pairs[0]
-    loads, ways = (np.asarray(dataset[name].values, dtype=float) for name in (force, way))
-    return Quantity(loads, load, force_unit), Quantity(ways, motion, way_unit)
+    return Quantity.stored(dataset, force, load, force_unit), Quantity.stored(dataset, way, motion, way_unit)
 
 
 def varies(values: ArrayLike, share: float = CONSTANT) -> bool:

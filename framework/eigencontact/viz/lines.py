@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.viz.errors import draw_band
 from eigencontact.viz.looks import legend_below
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, draw_contact_outline, is_ragged
@@ -192,6 +193,9 @@ def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: 
         axes = figure.add_subplot()
         marker = "o" if line.at.size <= MARKERS else ""
         axes.plot(length(line.at), unit(values), "-", marker=marker, markersize=2.4, color=COLOURS[0])
+        if numbers.errors is not None:
+            draw_band(axes, length(line.at), values, numbers.errors[line.where], unit, COLOURS[0])
+            axes.legend()
         axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
         line.finish(axes, length, pressure)
         axes.set_xlim(*length(view.horizontal or (line.at[0], line.at[-1])))

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.contours import draw_sides
+from eigencontact.viz.errors import draw_band, history_errors, with_error
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.history import first_touch
 from eigencontact.viz.outline import draw_segments, inclusion_segments
-from eigencontact.viz.remembered import SHARE, CellField, draw_zone, zone_field
+from eigencontact.viz.remembered import DAMAGE, SHARE, STRAIN, CellField, draw_zone, zone_field
 from eigencontact.viz.style import (
     COLOURS,
+    Scale,
     colour_bar,
     draw_cross,
     heading,
@@ -85,9 +87,10 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
     last = len(loads) - 1 if on is None else step % len(loads)
     largest, left, unloaded = float(depths[: last + 1].max()), float(depths[last]), loads[last] <= FALL * loads.max()
-    touch = first_touch(dataset)
+    touch, errors = first_touch(dataset), history_errors(dataset, "approach") if on is None else None
     if touch is not None:
         loads, depths, last = np.append(0.0, loads), np.append(touch, depths), last + 1
+        errors = None if errors is None else np.append(0.0, errors)
     force, length = scale_for(loads, "N"), scale_for(depths, "m")
     with paper_style():
         figure = new_figure(4.4, 3.2, on)
@@ -102,6 +105,9 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
             branch = slice(first, end + 1)
             label = None if name in labelled else name
             axes.plot(length(depths[branch]), force(loads[branch]), label=label, **style)
+            if errors is not None:
+                band = (depths[branch], errors[branch], length, style["color"])
+                draw_band(axes, force(loads[branch]), *band, across=True)
             labelled.add(name)
         depths_in_title = f"largest {length.text(largest)}"
         if last > 0 and unloaded:
@@ -111,7 +117,8 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
         axes.set_ylim(bottom=0.0)
         if labelled:
-            axes.legend(loc="upper left")
+            entries = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+            axes.legend(entries.values(), entries.keys(), loc="upper left")
     return figure
 
 
@@ -168,7 +175,9 @@ def plastic_section(
         colour_bar(figure, axes, filled, labels[1], wide=wide, shrink=0.8, ticks=[0.0, *levels[2::2]])
         title = heading(dataset, step, f"{labels[0]} in body {field.body}")
         where = ", ".join(place(axis, at[axis]) for axis in "xyz")
-        axes.set_title(f"{title}\n{PERCENT * top:.3g} % at {where} (cross)")
+        title = f"{title}\n{PERCENT * top:.3g} % at {where} (cross)"
+        variable = f"{STRAIN if labels[1] == PLASTIC else DAMAGE}_{field.body}"
+        axes.set_title(with_error(title, dataset, variable, step))
     return figure
 
 
@@ -181,18 +190,23 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
         Of the numbers of that observer.
     """
     step = np.asarray(dataset["step"].values)
-    strain = PERCENT * np.asarray(dataset[f"{prefix}_max_strain"].values, dtype=float)
+    strain = np.asarray(dataset[f"{prefix}_max_strain"].values, dtype=float)
     volume = np.asarray(dataset[f"{prefix}_volume"].values, dtype=float)
     cubic = 1e6 if volume.max(initial=0.0) < 1e-9 else 1e3
     with paper_style():
         figure = new_figure(6.6, 2.8)
         volume_label = f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]"
         curves = (
-            (strain, "o-", "Equivalent plastic strain [%]", "Largest plastic strain"),
-            (cubic**3 * volume, "s-", volume_label, "Plastic volume"),
+            ("max_strain", strain, PERCENT, "o-", "Equivalent plastic strain [%]", "Largest plastic strain"),
+            ("volume", volume, cubic**3, "s-", volume_label, "Plastic volume"),
         )
-        for n, (axes, (values, style, label, title)) in enumerate(zip(figure.subplots(1, 2), curves, strict=True)):
-            axes.plot(step, values, style, color=COLOURS[n], markevery=max(1, step.size // 30))
+        panels = zip(figure.subplots(1, 2), curves, strict=True)
+        for n, (axes, (name, values, factor, style, label, title)) in enumerate(panels):
+            axes.plot(step, factor * values, style, color=COLOURS[n], markevery=max(1, step.size // 30))
+            errors = history_errors(dataset, f"{prefix}_{name}")
+            if errors is not None:
+                draw_band(axes, step, values, errors, Scale(factor, ""), COLOURS[n])
+                axes.legend()
             axes.set(xlabel="Step", ylabel=label, title=title)
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)

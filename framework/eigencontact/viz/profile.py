@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
+from eigencontact.viz.errors import BAND, draw_band, errors_of
 from eigencontact.viz.section import EQUIVALENT
 from eigencontact.viz.sides import line_sides
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
@@ -77,6 +78,15 @@ class Line:
             more = {"marker": ".", **more}
         axes.plot(*pair, *style, **more)
 
+    def band(self, axes: Axes, values: Any, errors: Any, length: Scale, scale: Scale, colour: str) -> None:
+        """Band of the errors of such a curve."""
+        if self.whole.any():
+            values = np.where(self.whole, values, np.nan)
+        places, numbers, widths = (
+            np.insert(np.asarray(curve, dtype=float), self._breaks, np.nan) for curve in (self.at, values, errors)
+        )
+        draw_band(axes, length(places), numbers, widths, scale, colour, across=self.deep)
+
     def figure(self) -> tuple[Figure, Axes]:
         """Figure for curves along the line."""
         figure = new_figure(4.6, 3.4) if self.deep else new_figure(5.2, 3.0)
@@ -113,6 +123,7 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
         for name, values in zip(COMPONENTS, components, strict=True):
             if float(np.nanmax(np.abs(values))) > NEGLIGIBLE * largest:
                 curves[rf"$\sigma_{{{name}}}$"] = values
+    errors = _errors(dataset, region, step)
     stress = scale_for(np.stack(list(curves.values())), "Pa")
     length = scale_for(line.at, "m")
     styles = ("-", "--", "-.", ":")
@@ -123,13 +134,26 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
             # On an axis of symmetry von Mises and Tresca coincide: the wider line shows beneath the narrower.
             width = 2.6 if n == 0 and len(curves) > 1 else 1.2
             line.draw(axes, stress(values), length, style, color=COLOURS[n % len(COLOURS)], label=name, linewidth=width)
+            if name in errors:
+                line.band(axes, values, errors[name], length, stress, COLOURS[n % len(COLOURS)])
         (axes.axvline if line.deep else axes.axhline)(0, color="0.6", linewidth=0.6, zorder=0)
         line.finish(axes, length, f"Stress [{stress.unit}]")
         subject = f"{'Residual stresses' if _unloaded(dataset, step) else 'Stresses'} along {region}"
         title = heading(dataset, step, subject)
         axes.set_title(title.replace(f"{region} at", f"{region}\nat"))  # the legend lies beside
-        figure.legend(loc="outside right upper")
+        entries = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))  # of several bands one
+        entries |= {BAND: entries.pop(BAND)} if BAND in entries else {}
+        figure.legend(entries.values(), entries.keys(), loc="outside right upper")
     return figure
+
+
+def _errors(dataset: Results, region: str, step: int) -> dict[str, Any]:
+    """Errors of the stresses of a region, by their names in a legend."""
+    named = {EQUIVALENT[field]: errors_of(dataset, f"{region}_{field}", step) for field in EQUIVALENT}
+    components = errors_of(dataset, f"{region}_stress", step)
+    if components is not None:
+        named |= {rf"$\sigma_{{{name}}}$": part for name, part in zip(COMPONENTS, components, strict=True)}
+    return {name: errors for name, errors in named.items() if errors is not None}
 
 
 def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
@@ -165,6 +189,9 @@ def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view:
     with paper_style():
         figure, axes = line.figure()
         line.draw(axes, unit(numbers.values), length, "-", color=COLOURS[0])
+        if numbers.errors is not None:
+            line.band(axes, numbers.values, numbers.errors, length, unit, COLOURS[0])
+            axes.legend()
         line.finish(axes, length, unit.label(numbers.words))
         if line.deep and view.vertical:
             axes.set_ylim(*length(view.vertical[::-1]))

@@ -9,6 +9,7 @@ import numpy as np
 
 from eigencontact.viz.contours import colour_ends, contours_by_side, grows, name_largest
 from eigencontact.viz.cut import WHOLE, Cut, Seen, Shown, View
+from eigencontact.viz.errors import error_line, errors_of
 from eigencontact.viz.lines import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.outline import draw_interfaces, draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
@@ -146,7 +147,8 @@ def stress_section(
             else:
                 where = f"{unit.text(largest)} at {coordinates} (cross)"
                 draw_cross(axes, (length(h[column]), length(v[row])), zorder=8, clip_on=False)
-        axes.set_title("\n".join(filter(None, [title, where])))
+        error = error_line(numbers) if on is None else ""  # frames keep their layout
+        axes.set_title("\n".join(filter(None, [title, where, error])))
     return figure
 
 
@@ -159,7 +161,8 @@ def default_field(dataset: Results, region: str, step: int) -> Shown:
     """Equivalent stress that a section shows by default."""
     field = equivalent_of(dataset, region) or next(iter(EQUIVALENT))
     name = f"{region}_{field}"
-    return Shown(EQUIVALENT[field], "Pa", np.asarray(dataset[name][step].values, dtype=float), name)
+    values = np.asarray(dataset[name][step].values, dtype=float)
+    return Shown(EQUIVALENT[field], "Pa", values, name, errors_of(dataset, name, step))
 
 
 def _near_zero(places: NDArray[np.float64], index: int) -> float:

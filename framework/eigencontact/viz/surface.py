@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.viz.errors import BAND, draw_band, errors_of, with_error
 from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through
 from eigencontact.viz.outline import draw_outline_below
 from eigencontact.viz.style import COLOURS, draw_cross, heading, instant, lift_colours, paper_style, scale_for
@@ -52,12 +53,14 @@ def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> F
     """
     pressure = np.asarray(dataset["pressure"][step].values, dtype=float)
     window = contact_window(dataset, pressure != 0 if on is None else on.film.touched("pressure"))
+    title = heading(dataset, step, "Contact pressure")
+    title = with_error(title, dataset, "pressure", step) if on is None else title  # frames keep their layout
     figure = masked_map(
         window,
         pressure,
         unit="Pa",
         label="Pressure",
-        title=heading(dataset, step, "Contact pressure"),
+        title=title,
         outline=pressure != 0,
         empty="no contact",
         limits=None if on is None else on.film.limits("pressure"),
@@ -88,6 +91,7 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     view = view_of(np.any([field != 0 for field in fields], axis=0))
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
     lines = drawn_once(dataset, lines_through(dataset, (row, column), view, central=central), fields)
+    errors = errors_of(dataset, "pressure", step)
     labels = {"computed": "computed cells", "reference": "closed form"}
     if homogeneous and reference is not None:
         labels["reference"] = f"{homogeneous} (closed form)"
@@ -116,13 +120,16 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
                 label=labels["computed"],
                 zorder=3,
             )
+            if errors is not None:
+                draw_band(axes, at, pressure[line.where], errors[line.where], stress, COLOURS[0])
             line.finish(axes, length, pressure)
             axes.set_xlim(*length(line.edges[[0, -1]]))
         low = min(0.0, float(pressure.min()))
         high = max(0.0, *(float(field.max()) for field in fields)) or 1.0 / stress.factor
         panels[0].set_ylim(stress(low - 0.025 * (high - low)), stress(high + 0.06 * (high - low)))
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
-        legend_of_panels(figure, panels[:1], lambda label: label != labels["computed"], len(lines))
+        order = [labels["computed"], labels["reference"], BAND].index
+        legend_of_panels(figure, panels[:1], order, len(lines))
         figure.suptitle(heading(dataset, step, "Contact pressure"))
     return figure
 
@@ -200,12 +207,13 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
     row, column = _largest(uplift)
     peak = float(uplift[row, column])
     subject = f"{'Subsidence' if peak < 0 else 'Uplift'} of the surface by {cause(dataset)}"
+    title = f"{heading(dataset, step, subject)}\nup to {scale_for(uplift, 'm').text(abs(peak))} (cross)"
     figure = masked_map(
         window,
         uplift,
         unit="m",
         label="Displacement out of the body",
-        title=f"{heading(dataset, step, subject)}\nup to {scale_for(uplift, 'm').text(abs(peak))} (cross)",
+        title=with_error(title, dataset, "residual_displacement_z", step),
         outline=np.zeros(uplift.shape, dtype=bool),
         empty="zero everywhere",
         masked=False,
@@ -249,11 +257,14 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
             for n, (component, field) in enumerate(values.items()):
                 style = {"color": COLOURS[n], "linestyle": _STYLES[component], "linewidth": 1.6 if n == 0 else 1.2}
                 axes.plot(length(line.at), rise(field[line.where]), label=_NAMES[component], **style)
+                errors = errors_of(dataset, f"residual_displacement_{component}", step)
+                if errors is not None:
+                    draw_band(axes, length(line.at), field[line.where], errors[line.where], rise, COLOURS[n])
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             axes.margins(x=0)
             line.finish(axes, length, pressure)
         panels[0].set_ylabel(f"Displacement [{rise.unit}]")
-        legend_of_panels(figure, panels[:1], list(_NAMES.values()).index)
+        legend_of_panels(figure, panels[:1], [*_NAMES.values(), BAND].index)
         figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"))
     return figure
 

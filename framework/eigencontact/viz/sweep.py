@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.field_error import error_name
 from eigencontact.viz.style import COLOURS, Scale, new_figure, paper_style, place, scale_for
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ _MARKS = "os^Dv<"
 
 
 def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
-    """Figure of one number.
+    """Figure of one number, with bars of its errors where they were estimated; above a map stands the largest.
 
     Parameters
     ----------
@@ -40,6 +41,7 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
     """
     values = dataset[name]
     dims = [str(dim) for dim in values.dims]
+    errors = dataset.get(error_name(name))
     limits, remark = _limits(dataset, values)
     with paper_style():
         figure = new_figure(4.6, 3.2)
@@ -47,10 +49,13 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
         numeric = [dataset[dim].dtype.kind == "f" if dim in dataset else False for dim in dims]
         if len(dims) == 2 and all(numeric) and min(values.shape) >= _MAP:
             _map(axes, values, limits)
+            remark = "\n".join(filter(None, (remark, _largest_error(values, errors))))
         else:
             scale = _scale(values)
             x = _axis(axes, "x", _along(dataset, dims[0]))
-            _curves(axes, dataset, values.transpose(*dims[1:], dims[0]), x, marks=_MARKS)
+            order = (*dims[1:], dims[0])
+            bars = None if errors is None else errors.transpose(*order)
+            _curves(axes, dataset, values.transpose(*order), x, marks=_MARKS, errors=bars)
             axes.set_ylabel(_with_unit(str(values.name), scale.unit))
             if limits is not None:
                 axes.set_ylim(*scale(limits))
@@ -83,7 +88,21 @@ def _scale(values: Any) -> Scale:
     return scale_for(values, str(values.attrs.get("units", "1")))
 
 
-def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, x: Any, marks: str = "") -> None:
+def _largest_error(values: xarray.DataArray, errors: xarray.DataArray | None) -> str:
+    """Largest error of the values of a map, in parts of each."""
+    if errors is None or not np.isfinite(errors.values).any():
+        return ""
+    return f"estimated errors up to ± {100 * float(np.nanmax(errors.values / np.abs(values.values))):.2g} %"
+
+
+def _curves(
+    axes: Axes,
+    dataset: xarray.Dataset,
+    values: xarray.DataArray,
+    x: Any,
+    marks: str = "",
+    errors: xarray.DataArray | None = None,
+) -> None:
     """Draw a curve over the last dimension for each variant of the others, as many as a legend can hold.
 
     Without marks variants without values are left out.
@@ -96,6 +115,9 @@ def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, x: An
         label = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
         style: dict[str, Any] = {"marker": marks[k % len(marks)]} if marks else {}
         axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label or None, **style)
+        if errors is not None:
+            bars: dict[str, Any] = {"yerr": scale(errors.values[at]), "ecolor": COLOURS[k]}
+            axes.errorbar(x, scale(values.values[at]), fmt="none", capsize=2.5, elinewidth=1, **bars)
     if len(places) > 1 or not marks:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
         keys = (str(_along(dataset, dim).attrs.get("long_name", dim)) for dim in dims)
@@ -111,11 +133,14 @@ def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[fl
     spread = float(np.ptp(finite)) / largest
     number, subject = _ERRORS.get(str(values.name), ("", ""))
     errors = dataset[number].values if number in dataset else np.zeros(1)
+    if (estimated := error_name(str(values.name))) in dataset:
+        errors, subject = dataset[estimated].values / largest, str(values.name).replace("_", " ")
     error = float(np.nanmax(errors, initial=0.0))
     least = max(_LEAST_RANGE, 2.0 * error)
     if spread >= least:
         return None, ""
     middle, half = 0.5 * (finite.max() + finite.min()), 0.5 * least * largest
+    half += spread * largest if estimated in dataset else 0.0  # the bars of all values
     remark = f"all values within {100 * spread:.2g} %; "
     remark += f"error of the {subject} {100 * error:.2g} %" if error else f"the scale spans {100 * least:.2g} %"
     return (middle - half, middle + half), remark

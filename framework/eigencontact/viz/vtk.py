@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact import __version__
+from eigencontact.core.field_error import error_name
 from eigencontact.core.names import SURFACE
 from eigencontact.core.tensors import COMPONENTS, from_mandel
 from eigencontact.errors import ResultsError
@@ -119,7 +120,9 @@ def _surface(dataset: Results, at: int) -> Mesh:
     ny, nx = dataset.sizes["y"], dataset.sizes["x"]
     mesh = vtk_xml.image((nx + 1, ny + 1, 1), (dx, dy, 1.0), origin)
     for name, variable in dataset.data_vars.items():
-        if variable.attrs.get("role") == "field":
+        if variable.attrs.get("role") == "field" or (
+            variable.attrs.get("role") == "error" and variable.dims[1:] == ("y", "x")
+        ):
             mesh.cell_data[str(name)] = np.asarray(variable[at].values).ravel()
     for vector in _VECTORS:
         components = [f"{vector}_{axis}" for axis in "xyz"]
@@ -140,15 +143,19 @@ def _region(dataset: Results, name: str, described: dict[str, Any], at: int) -> 
     else:
         mesh = _lattice(*(np.atleast_1d(coords[axis]) for axis in "xyz"))
     # VTK counts x fastest, then y, then z: the C order of arrays (z, y, x), whichever of them are single.
-    for quantity in described["fields"]:
-        values = np.asarray(dataset[f"{name}_{quantity}"][at].values)
+    quantities = {quantity: quantity for quantity in described["fields"]}
+    quantities |= {error_name(quantity): quantity for quantity in described["fields"]}
+    for stored, quantity in quantities.items():
+        if f"{name}_{stored}" not in dataset:
+            continue
+        values = np.asarray(dataset[f"{name}_{stored}"][at].values)
         if quantity in ("stress", "strain"):
-            mesh.point_data[quantity] = values.reshape(len(values), -1)[_REORDER].T
-            mesh.tensors.add(quantity)
+            mesh.point_data[stored] = values.reshape(len(values), -1)[_REORDER].T
+            mesh.tensors.add(stored)
         elif quantity in ("principal", "displacement"):
-            mesh.point_data[quantity] = values.reshape(len(values), -1).T
+            mesh.point_data[stored] = values.reshape(len(values), -1).T
         else:
-            mesh.point_data[quantity] = values.ravel()
+            mesh.point_data[stored] = values.ravel()
     return mesh
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.viz.errors import draw_band, errors_of, history_errors, with_error
 from eigencontact.viz.friction import MODES, driven
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
 from eigencontact.viz.history import draw_strands
@@ -61,7 +62,7 @@ def worn_map(dataset: Results, step: int = -1) -> Figure:
         shown,
         unit="m",
         label="Worn depth",
-        title=_heading(dataset, step),
+        title=with_error(_heading(dataset, step), dataset, "worn_depth", step),
         outline=contact,
         empty="no wear",
     )
@@ -103,6 +104,9 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
             at = section.length(line.at)
             for body, values in section.worn(line).items():
                 below.plot(at, depth(values), BODY_STYLES[body], color=COLOURS[body - 1], label=f"lost by body {body}")
+                errors = errors_of(dataset, f"worn_depth_{body}", step) if on is None else None
+                if errors is not None:
+                    draw_band(below, at, values, errors[line.where], depth, COLOURS[body - 1])
             below.set_ylim(float(depth(most)) * (1 + ROOM), -ROOM * float(depth(most)))
             below.set_xlabel(f"{line.along} [{section.length.unit}]")
         panels[1, 0].set_ylabel(f"Worn depth [{depth.unit}]")
@@ -248,6 +252,10 @@ def wear_history(dataset: Results) -> Figure:
             scale = scale_for(numbers, si)
             every = max(1, -(-steps.size // MARKERS))
             axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=every)
+            errors = history_errors(dataset, name)
+            if errors is not None:
+                draw_band(axes, at, numbers, errors[steps], scale, COLOURS[n])
+                axes.legend()
             axes.set_ylabel(f"{what} [{scale.unit}]")
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)

@@ -1,0 +1,90 @@
+"""Fields carried from the points of one discretisation to those of another."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+__all__ = ["Axes", "axes_of", "carried"]
+
+#: Places along each dimension of the points of a field [m].
+Axes = tuple["FloatArray", ...]
+#: Points closer than this part of the extent are one.
+_SAME = 1e-9
+
+
+def axes_of(results: Any, name: str) -> Axes:
+    """Places of a field along the dimensions of its points.
+
+    Along a line they are distances from its first point. Scattered points have a single dimension too.
+
+    Raises
+    ------
+    LookupError
+        There is no such field, or no places of its points are stored.
+    """
+    variable = results.variables[name]
+    axes = []
+    for dim in variable.dims[1:]:
+        if dim in results.variables:
+            places = results.variables[dim].values
+            if places.dtype.kind == "f":
+                axes.append(np.asarray(places, dtype=float))
+            continue
+        region = dim.removesuffix("_point")
+        names = [f"{region}_{axis}" for axis in "xyz"]
+        points = np.stack(np.broadcast_arrays(*(np.asarray(results.variables[place].values) for place in names)))
+        moved = np.linalg.norm(np.diff(points), axis=0)
+        axes.append(np.concatenate([[0.0], np.cumsum(moved)]))
+    return tuple(axes)
+
+
+def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) -> NDArray[Any]:
+    """Interpolate a field, given at the places `start`, at the places `target`; the axes are its last dimensions.
+
+    Beyond the first and last place it is constant. `smooth` takes a polynomial through four places, which a field needs
+    whose own small error is compared; without it the field is linear between places, and exceeds none of its values.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 1.0, 6)
+    >>> fine, coarse = (x,), (np.array([0.1, 0.5]),)
+    >>> np.abs(carried(x**3, fine, coarse, smooth=True) - coarse[0] ** 3).max() < 1e-14
+    np.True_
+    """
+    values = np.nan_to_num(values)
+    for axis, (places, others) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
+        if _alike(places, others):
+            continue
+        weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
+        values = np.moveaxis(np.tensordot(weights, values, axes=(1, axis)), 0, axis)
+    return values
+
+
+def _alike(places: FloatArray, others: FloatArray) -> bool:
+    return places.size == others.size and bool(np.abs(places - others).max(initial=0.0) <= _SAME * np.ptp(places))
+
+
+@lru_cache(maxsize=64)  # all fields and steps of a run have the same places
+def _weights(start: bytes, target: bytes, count: int) -> FloatArray:
+    """Weights (target, start) of Lagrange's polynomials through the `count` places around each of the others."""
+    places, others = np.frombuffer(start), np.frombuffer(target)
+    count = min(count, places.size)
+    rows = np.arange(others.size)
+    at = np.clip(others, places[0], places[-1])
+    first = np.clip(np.searchsorted(places, at) - count // 2, 0, places.size - count)
+    near = [places[first + n] for n in range(count)]
+    weights = np.zeros((others.size, places.size))
+    for n in range(count):
+        factors: Sequence[Any] = [(at - near[m]) / (near[n] - near[m]) for m in range(count) if m != n]
+        weights[rows, first + n] = np.prod(factors, axis=0) if factors else 1.0
+    return weights

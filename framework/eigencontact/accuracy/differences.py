@@ -1,0 +1,158 @@
+"""Errors of one field from one source: differences to coarser runs at points, and the order of the field."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from eigencontact.accuracy.carry import Axes, axes_of, carried
+from eigencontact.accuracy.estimate import estimate
+from eigencontact.results.history import HISTORY_STEP
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from eigencontact.accuracy.sources import ErrorSource
+
+__all__ = ["Results", "Sampled", "Share", "differences", "neighbours", "shares_of", "time_of"]
+
+
+#: All but the last, and all but the first of the points along a dimension.
+_SIDES = (slice(None, -1), slice(1, None))
+
+
+class Results(Protocol):
+    """Variables of results by name, in memory or in a file."""
+
+    @property
+    def variables(self) -> Mapping[str, Any]:
+        """All of them."""
+
+
+def time_of(time: float) -> float:
+    """Place in the load history without its rounding: increments of different runs meet there."""
+    return round(float(time), 9)
+
+
+class Sampled:
+    """A field of one run: the places of its points, and its values by the time of each step.
+
+    Raises
+    ------
+    LookupError
+        The run does not have the field, or no places of its points.
+    """
+
+    def __init__(self, results: Results, name: str) -> None:
+        variables = results.variables
+        self.axes: Axes = axes_of(results, name)
+        self._variable = variables[name]
+        times = [time_of(time) for time in variables["time"].values]
+        if self._variable.dims[0] == HISTORY_STEP:
+            by_step = dict(zip(map(int, variables["step"].values), times, strict=True))
+            times = [by_step[int(step)] for step in variables[HISTORY_STEP].values]
+        self.positions = {time: at for at, time in enumerate(times)}
+
+    def at(self, time: float) -> NDArray[Any] | None:
+        """Values at a time; None where they do not lie at these places: in cells of a box that has grown since."""
+        values = np.asarray(self._variable[self.positions[time]].values, dtype=float)
+        return values if values.shape[values.ndim - len(self.axes) :] == tuple(map(len, self.axes)) else None
+
+
+@dataclass(frozen=True)
+class Share:
+    """Error of a field from one source in one step: on the points of each coarser run, with the observed order."""
+
+    errors: list[tuple[Axes, NDArray[Any]]]
+    order: float | None
+
+    def at(self, axes: Axes) -> NDArray[Any]:
+        """Largest of the estimates at the points of the run."""
+        return np.asarray(np.max([carried(part, places, axes, smooth=False) for places, part in self.errors], axis=0))
+
+
+def differences(
+    base: Sampled, varied: Sequence[tuple[float, Sampled]], source: ErrorSource
+) -> Iterator[tuple[float, Share]]:
+    """Times of steps that all runs have, and the errors of a field there.
+
+    `varied` has the step size of each coarser run, and the field there.
+    """
+    if any(len(other.axes) != len(base.axes) for _, other in varied):
+        return
+    for time in sorted(set.intersection(*(set(run.positions) for run in (base, *(other for _, other in varied))))):
+        values, *fields = (run.at(time) for run in (base, *(other for _, other in varied)))
+        sizes, parts, places = [], [], []
+        for (size, other), field in zip(varied, fields, strict=True):
+            if values is None or field is None:
+                break
+            coarse = np.nan_to_num(field)
+            kept = [_within(at, own) for at, own in zip(other.axes, base.axes, strict=True)]
+            leading = map(np.arange, coarse.shape[: coarse.ndim - len(kept)])
+            places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))
+            parts.append(np.abs(coarse[np.ix_(*leading, *kept)] - carried(values, base.axes, places[-1], smooth=True)))
+            sizes.append(size)
+        if len(parts) < len(varied):
+            continue
+        factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
+        errors = [
+            (factor * _filled(part, len(base.axes))).astype(np.float32)
+            for factor, part in zip(factors, parts, strict=True)
+        ]
+        yield time, Share(list(zip(places, errors, strict=True)), order)
+
+
+def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSource) -> tuple[list[float], float | None]:
+    """Factors from differences at points to errors, for each coarser run, and the observed order.
+
+    They are those that turn the `norms` of the differences into the error of a number with the same differences.
+
+    Examples
+    --------
+    >>> from eigencontact.accuracy.sources import SOURCES
+    >>> factors, order = shares_of([3.0, 8.0], [2.0, 3.0], SOURCES[0])  # of second order, the error is 1
+    >>> [f"{factor:.3f}" for factor in factors], f"{order:.2f}"
+    (['0.417', '0.156'], '2.00')
+    """
+    found = estimate(0.0, list(zip(sizes, norms, strict=True)), source.lowest, source.highest)
+    used = source.lowest if found.order is None else min(found.order, source.highest)
+    ways = [abs(size**used - 1.0) for size in sizes]
+    shares = [norm / way for norm, way in zip(norms, ways, strict=True)]
+    reference = max(shares) if found.order is None else shares[0]
+    return [found.error / (reference * way) if reference else 0.0 for way in ways], found.order
+
+
+def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
+    """Return the time itself, or those before and after it, of a sorted sequence.
+
+    Examples
+    --------
+    >>> neighbours([1.0, 2.0, 3.0], 2.0), neighbours([1.0, 2.0, 3.0], 2.5), neighbours([1.0, 2.0], 0.5)
+    ([2.0], [2.0, 3.0], [1.0])
+    """
+    at = bisect_left(times, time)
+    return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
+
+
+def _filled(part: NDArray[Any], points: int) -> NDArray[Any]:
+    """Differences that are at least half of those of their neighbours along the last `points` dimensions.
+
+    Where a difference changes its sign it is small by chance.
+    """
+    filled = part.copy()
+    for axis in range(part.ndim - points, part.ndim):
+        ends = [tuple(side if n == axis else slice(None) for n in range(part.ndim)) for side in _SIDES]
+        for end, other in (ends, ends[::-1]):
+            np.maximum(filled[end], 0.5 * part[other], out=filled[end])
+    return filled
+
+
+def _within(places: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
+    """Positions of places between the first and the last of others; the nearest position where there is none."""
+    room = 1e-9 * (np.ptp(others) + np.ptp(places))
+    inside = np.flatnonzero((places >= others[0] - room) & (places <= others[-1] + room))
+    return inside if inside.size else np.array([int(np.abs(places - others.mean()).argmin())])

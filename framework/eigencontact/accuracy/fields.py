@@ -1,0 +1,186 @@
+"""Errors of the fields of a run at every point, and of its numbers in every step, from the runs that give the bars."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.accuracy.differences import Results, Sampled, Share, differences, neighbours, time_of
+from eigencontact.accuracy.estimate import Estimate, estimate
+from eigencontact.core.field_error import FieldError, beside_edges, error_name
+from eigencontact.core.numbers import ErrorBar, Number
+from eigencontact.core.quantities import QUANTITIES, Quantity
+from eigencontact.results.borders import Variable
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from eigencontact.accuracy.sources import ErrorSource
+
+__all__ = ["FieldErrors"]
+
+#: Fields with errors, by the role of their variables; whether they are zero outside of a zone with edges.
+_ROLES = {"field": True, "history": True, "region": False}
+#: At an edge a field is off by at most this part of the difference to the neighbour: the edge lies between them.
+_OF_NEIGHBOUR = 0.5
+
+
+class FieldErrors:
+    """Errors of fields, collected source by source while `eigencontact.accuracy.bars` varies the sources.
+
+    Parameters
+    ----------
+    run : Results
+        Results of the run.
+    summary : mapping
+        Its summary.
+
+    Attributes
+    ----------
+    fields : dict of str to FieldError
+        Errors of the last step, by variable; complete when all `variables` have been taken.
+
+    Notes
+    -----
+    The finer of two runs is interpolated at the points of the coarser one, by polynomials of third degree, and the
+    difference there, at least half of that of its neighbours, is carried back, linearly. So a field is compared where
+    both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
+    differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
+    where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
+    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
+    difference to a neighbour.
+    """
+
+    def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
+        self.fields: dict[str, FieldError] = {}
+        self._run = run
+        self._summary = summary
+        self._cells_varied = False
+        self._base = (summary, run)
+        self._new: list[tuple[Mapping[str, Any], Results]] = []
+        self._shares: dict[str, dict[str, dict[float, Share]]] = {}
+        self._numbers: dict[str, dict[str, dict[float, Estimate]]] = {}
+
+    def keep(self, summary: Mapping[str, Any], results: Results) -> None:
+        """Take the summary and the results of a coarser run."""
+        self._new.append((summary, results))
+
+    def vary(self, source: ErrorSource, summary: Mapping[str, Any], sizes: Sequence[float]) -> None:
+        """Take one source of error: the runs kept since the last one, of these step sizes.
+
+        They are compared with the run of a summary: the run itself, or that with the coarsest cells. Without sizes
+        these runs are of no use.
+        """
+        base = self._base[1] if summary is self._base[0] else self._run
+        others, self._new = self._new[: len(sizes)], []
+        if not others:
+            return
+        for name in _fields(self._run):
+            try:
+                parts = [(size, Sampled(results, name)) for size, (_, results) in zip(sizes, others, strict=True)]
+                shares = dict(differences(Sampled(base, name), parts, source))
+            except LookupError:  # not in all runs
+                continue
+            if shares:
+                self._shares.setdefault(name, {})[source.name] = shares
+        coarse = [(size, other) for size, (other, _) in zip(sizes, others, strict=True)]
+        for name, number in self._summary["numbers"].items():
+            if number["role"] == "result" and (values := dict(_histories(name, summary, coarse, source))):
+                self._numbers.setdefault(name, {})[source.name] = values
+        if not source.on_coarse:
+            self._cells_varied, self._base = True, others[-1]
+
+    def variables(self, bars: Mapping[str, ErrorBar]) -> Iterator[Variable]:
+        """Errors of each field and of each number, in all steps; none where the cells could not be varied.
+
+        In the last step a number has the error of its bar, and without a bar it has no errors.
+        """
+        if not self._cells_varied:
+            return
+        for name in self._shares:
+            yield self._field(name)
+        times = [time_of(time) for time in self._run.variables["time"].values]
+        for name, estimates in self._numbers.items():
+            if name in bars and error_name(name) not in self._run.variables:
+                yield self._number(name, estimates, times, bars[name].error)
+
+    def _field(self, name: str) -> Variable:
+        """Error of a field at all points in all steps; that of the last step in one number is kept."""
+        variable, field = self._run.variables[name], Sampled(self._run, name)
+        edged = len(field.axes) if _ROLES[variable.attrs["role"]] else 0
+        total = np.full(variable.shape, np.nan, dtype=np.float32)
+        largest = ""
+        for time, step in field.positions.items():
+            if (values := field.at(time)) is None:
+                continue
+            parts = {
+                source: np.max([shares[at].at(field.axes) for at in neighbours(sorted(shares), time)], axis=0)
+                for source, shares in self._shares[name].items()
+            }
+            total[step] = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
+            if step == len(total) - 1:
+                sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+                largest = max(sizes, key=lambda source: sizes[source])
+                order = self._shares[name][largest][max(self._shares[name][largest])].order
+                self.fields[name] = FieldError.of(values, total[-1], edged, source=largest, order=order)
+        attrs: dict[str, str | int] = {
+            "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": largest,
+            "long_name": f"estimated error of: {variable.attrs['long_name']}",
+        }  # fmt: skip
+        return Variable(name=error_name(name), dims=tuple(variable.dims), values=total, attrs=attrs)
+
+    def _number(
+        self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
+    ) -> Variable:
+        """Error of a number in every step."""
+        number = Number(**self._summary["numbers"][name]).own_error(error_name(name))
+        values = [
+            sum(max(errors[at].error for at in neighbours(sorted(errors), time)) for errors in estimates.values())
+            for time in times[:-1]
+        ]
+        attrs = {"role": "error", **number.attributes()}
+        return Variable(name=number.name, dims=("step",), values=np.array([*values, last]), attrs=attrs)
+
+
+def _fields(results: Results) -> Iterator[str]:
+    """Fields that converge with the discretisation."""
+    for name, variable in results.variables.items():
+        attrs = variable.attrs
+        quantity = str(name).removeprefix(f"{attrs['region']}_") if "region" in attrs else str(name)
+        if attrs.get("role") in _ROLES and QUANTITIES.get(quantity, Quantity("", "")).converges:
+            yield str(name)
+
+
+def _histories(
+    name: str,
+    summary: Mapping[str, Any],
+    others: Sequence[tuple[float, Mapping[str, Any]]],
+    source: ErrorSource,
+) -> Iterator[tuple[float, Estimate]]:
+    """Times, and the estimated error of a number there; nothing for one that does not converge."""
+    slow = [warning["order"] for warning in summary.get("warnings", ()) if warning.get("number") == name]
+    if 0.0 in slow:
+        return
+    lowest, highest = (slow[0], slow[0]) if slow and not source.on_coarse else (source.lowest, source.highest)
+    scatters = bool(summary["numbers"][name].get("scatters"))
+    runs = (summary, *(coarse for _, coarse in others))
+    values = [{time_of(row["time"]): row.get(name) for row in run.get("history", ())} for run in runs]
+    for time in sorted(set.intersection(*map(set, values))):
+        value, *rest = (by_time[time] for by_time in values)
+        if value is not None and all(other is not None for other in rest):
+            pairs = [(ratio, other) for (ratio, _), other in zip(others, rest, strict=True)]
+            yield time, estimate(value, pairs, lowest, highest, scatters=scatters)
+
+
+def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int) -> NDArray[Any]:
+    """Errors that are at edges no less than a part of the difference to the neighbours; NaN where the field is."""
+    steps = np.zeros(values.shape)
+    for axis in range(values.ndim - edged, values.ndim):
+        jumps = np.abs(np.diff(np.nan_to_num(values), axis=axis))
+        for side in (slice(None, -1), slice(1, None)):
+            at = tuple(side if n == axis else slice(None) for n in range(values.ndim))
+            np.maximum(steps[at], jumps, out=steps[at])
+    bounded = np.where(beside_edges(values, edged), np.maximum(errors, _OF_NEIGHBOUR * steps), errors)
+    return np.where(np.isfinite(values), bounded, np.nan)

@@ -1,0 +1,78 @@
+"""Estimated errors in pictures: bands along curves, and words above maps; nothing where none are stored."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.field_error import FieldError, error_name
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
+    from eigencontact.viz.cut import Shown
+    from eigencontact.viz.style import Scale
+
+__all__ = ["BAND", "draw_band", "error_line", "errors_of", "history_errors", "with_error"]
+
+#: Name of a band in a legend.
+BAND = "estimated error"
+#: How much of the colour of its curve a band has.
+_FAINT = 0.25
+
+
+def errors_of(dataset: Results, variable: str, step: int) -> NDArray[np.float64] | None:
+    """Errors of a field at every point in one step; None where none are stored."""
+    return _values(dataset, error_name(variable), step)
+
+
+def history_errors(dataset: Results, number: str) -> NDArray[np.float64] | None:
+    """Errors of a number in all steps; None where none are stored."""
+    name = error_name(number)
+    return np.asarray(dataset[name].values, dtype=float) if name in dataset else None
+
+
+def _values(dataset: Results, name: str, step: int) -> NDArray[np.float64] | None:
+    """Values of a variable after a step; None where there are none: of cells of a body not every step is kept."""
+    if name not in dataset:
+        return None
+    variable = dataset[name]
+    if variable.dims[0] == "history_step":
+        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        return np.asarray(variable[int(kept[0])].values, dtype=float) if kept.size else None
+    return np.asarray(variable[step].values, dtype=float)
+
+
+def with_error(title: str, dataset: Results, variable: str, step: int) -> str:
+    """Title of a map of the surface, or of cells of a body, with the error of its field in a line of its own."""
+    values, errors = _values(dataset, variable, step), errors_of(dataset, variable, step)
+    line = "" if values is None else _line(values, errors, values.ndim)
+    return f"{title}\n{line}" if line else title
+
+
+def error_line(numbers: Shown, edged: int = 0) -> str:
+    """Error of what a picture shows, in words; along `edged` of its dimensions it has edges."""
+    return _line(numbers.values, numbers.errors, edged)
+
+
+def _line(values: NDArray[Any], errors: NDArray[Any] | None, edged: int) -> str:
+    words = "" if errors is None else FieldError.of(values, errors, edged).words()
+    return f"estimated error {words}" if words else ""
+
+
+def draw_band(
+    axes: Axes,
+    at: Any,
+    values: NDArray[Any],
+    errors: NDArray[Any],
+    scale: Scale,
+    colour: str,
+    *,
+    across: bool = False,
+) -> None:
+    """Band of a curve of `values` over places `at`, or across the places where these lie along the vertical axis."""
+    fill = axes.fill_betweenx if across else axes.fill_between
+    fill(at, scale(values - errors), scale(values + errors), color=colour, alpha=_FAINT, linewidth=0, label=BAND)

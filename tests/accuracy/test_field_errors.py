@@ -1,0 +1,246 @@
+"""Errors of fields: against closed forms, a finer run and planted faults; in results, pictures and files."""
+
+from math import pi
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
+from close import close
+from eigencontact.accuracy import differences, fields
+from eigencontact.accuracy.fields import FieldErrors
+from eigencontact.accuracy.sources import SOURCES
+from eigencontact.viz.figures import draw_all
+from eigencontact.viz.surface import pressure_map, pressure_profiles
+from eigencontact.viz.sweep import draw_sweep
+
+MODULUS = STEEL["young-modulus"] / (1 - STEEL["poisson-ratio"] ** 2)
+RADIUS = (3 * 0.65 * 105e-6 / (4 * MODULUS)) ** (1 / 3)
+LARGEST = 1.5 * 0.65 / (pi * RADIUS**2)
+#: Points of a line do not follow the cells, so that runs have them at the same places.
+LINE = {"name": "below", "shape": "line", "start": [-6e-6, 0, 2e-6], "end": [6e-6, 0, 2e-6], "count": 49}
+AXIS = {"name": "axis", "shape": "line", "start": [0, 0, 1e-6], "end": [0, 0, 1e-5], "count": 19, "fields": ["stress"]}
+HERTZ = {
+    "body1": STEEL,
+    "geometry": {"type": "sphere", "radius": 105e-6},
+    "steps": {"normal-load": 0.65},
+    "grid": {"cells-per-contact-radius": 20},
+    "stress": [LINE, AXIS],
+    "output": {"pictures": False},
+}
+COARSE = HERTZ | {"grid": {"cells-per-contact-radius": 6}, "stress": LINE}
+CELLS, STEPS = (next(source for source in SOURCES if source.name == name) for name in ("cells", "load steps"))
+
+
+@pytest.fixture(scope="module")
+def hertz():
+    return ec.run(HERTZ, errors=True)
+
+
+def held(errors, true):
+    """Part of the points whose error holds the true one, and the median of their ratio."""
+    return np.mean(errors >= true), np.median(errors / true)
+
+
+def test_the_errors_of_the_pressure_hold_the_closed_form(hertz):
+    data = hertz.dataset
+    distance = np.hypot(*np.meshgrid(data["x"].values, data["y"].values))
+    inside = distance < RADIUS
+    exact = LARGEST * np.sqrt(1 - (distance[inside] / RADIUS) ** 2)
+    errors = data["pressure_error"].values[0][inside]
+    share, ratio = held(errors, np.abs(data["pressure"].values[0][inside] - exact))
+    assert share >= 0.95
+    assert ratio <= 10
+    assert data["pressure_error"].values[0][distance > 1.6 * RADIUS].max() < 1e-12 * LARGEST  # round-off
+
+
+def test_the_errors_of_the_stress_on_the_axis_hold_the_closed_form(hertz):
+    depth = hertz.dataset["axis_z"].values
+    exact = -LARGEST / (1 + (depth / RADIUS) ** 2)
+    errors, stress = (
+        hertz.dataset[name].sel(component="zz").values[0] for name in ("axis_stress_error", "axis_stress")
+    )
+    share, ratio = held(errors, np.abs(stress - exact))
+    assert share >= 0.95
+    assert ratio <= 20
+
+
+def test_the_errors_of_the_stress_along_a_line_hold_a_run_with_twice_the_cells(hertz):
+    finer = ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 40}}).dataset["below_stress"].values[0]
+    stress, errors = (hertz.dataset[name].values[0] for name in ("below_stress", "below_stress_error"))
+    matters = np.abs(stress) > 0.1 * np.abs(stress).max()
+    share, ratio = held(errors[matters], np.abs(stress - finer)[matters])
+    assert share >= 0.95
+    assert ratio <= 20
+
+
+def test_each_field_has_one_number(hertz):
+    found = hertz.summary["field_errors"]
+    assert set(found) == {"pressure", "gap", "displacement_z", "below_stress", "below_von_mises", "axis_stress"} | {
+        name for name in found if name.startswith("axis_")
+    }
+    pressure = found["pressure"]
+    assert pressure["source"] == "cells"
+    assert pressure["largest"] == close(hertz.summary["max_pressure"])
+    assert pressure["relative"] == close(pressure["error"] / pressure["largest"])
+    assert 0 < pressure["relative"] < 0.05 < pressure["worst"] / pressure["largest"]
+
+
+class Field:
+    """Variable of a run that is not solved."""
+
+    def __init__(self, dims, values, **attrs):
+        self.dims, self.values, self.attrs = dims, np.asarray(values), attrs
+        self.shape = self.values.shape
+
+    def __getitem__(self, at):
+        return Field(self.dims[1:], self.values[at])
+
+
+class Run:
+    """Field with errors of second order in the cells and of first order in the increments."""
+
+    def __init__(self, size, count):
+        x = np.arange(0.5 * size, 40, size)
+        times = np.linspace(0.0, 1.0, count + 1)[1:]
+        exact = 5 + np.sin(0.1 * x)
+        field = [time * (exact + self.true(x, size, 0)) + 0.02 / count * time for time in times]
+        attrs = {"role": "field", "units": "Pa", "long_name": "test"}
+        self.variables = {
+            "x": Field(("x",), x), "time": Field(("step",), times), "test": Field(("step", "x"), field, **attrs)
+        }  # fmt: skip
+        self.summary = {"numbers": {}, "history": []}
+
+    @staticmethod
+    def true(x, size, count):
+        return 1e-3 * size**2 * (1.5 + np.cos(0.1 * x)) + (0.02 / count if count else 0.0)
+
+
+def collected():
+    """Field errors of a run with 8 increments: cells 2 and 3 times larger, then half the increments on these."""
+    fine, coarse = Run(1.0, 8), [(2.0, Run(2.0, 8)), (3.0, Run(3.0, 8))]
+    base, half = coarse[-1][1], Run(3.0, 4)
+    found = FieldErrors(fine, fine.summary)
+    unused = Run(1.0, 2)
+    found.keep(unused.summary, unused)
+    found.vary(STEPS, fine.summary, [])
+    for _, run in coarse:
+        found.keep(run.summary, run)
+    found.vary(CELLS, fine.summary, [ratio for ratio, _ in coarse])
+    found.keep(half.summary, half)
+    found.vary(STEPS, base.summary, [2.0])
+    return fine, found
+
+
+def test_the_sources_of_a_field_are_estimated_alone_and_added():
+    fine, found = collected()
+    (variable,) = found.variables({})
+    true = Run.true(fine.variables["x"].values, 1.0, 8)
+    inner = slice(3, -3)  # no coarser cells have their middles beyond
+    ratio = (variable.values[-1] / true)[inner]
+    assert ratio.min() >= 0.99
+    assert ratio.max() <= 1.4
+    assert found.fields["test"].source == "cells"
+    assert found.fields["test"].order == close(2.0, 0.02)
+    # the third increment is no end of one of half as many: the larger share of its neighbours counts
+    share = (variable.values[2] - 0.75 * variable.values[3])[inner]
+    assert share == close(0.25 * 0.5 * 0.02 / 8, 1e-3)
+
+
+def test_half_an_error_is_seen(monkeypatch):
+    original = differences.shares_of
+
+    def fault(*given):
+        factors, order = original(*given)
+        return [0.5 * factor for factor in factors], order
+
+    monkeypatch.setattr(differences, "shares_of", fault)
+    with pytest.raises(AssertionError):
+        test_the_sources_of_a_field_are_estimated_alone_and_added()
+
+
+def test_without_the_difference_to_neighbours_the_edge_is_not_held(monkeypatch, hertz):
+    """The bound at edges is what holds the pressure there, not the differences to coarser runs."""
+    monkeypatch.setattr(fields, "_OF_NEIGHBOUR", 0.0)
+    without = ec.run(HERTZ, errors=True).dataset["pressure_error"]
+    assert float(without.max()) < 0.3 * float(hertz.dataset["pressure_error"].max())
+
+
+def test_results_hold_the_errors_with_units(tmp_path):
+    result = ec.run(COARSE | {"output": {"pictures": False, "vtk": True}}, tmp_path / "run", errors=True)
+    with xr.open_dataset(tmp_path / "run/results.nc", engine="h5netcdf") as data:
+        for name, dims in (("pressure", ("step", "y", "x")), ("below_stress", ("step", "component", "below_point"))):
+            errors = data[f"{name}_error"]
+            assert errors.dims == data[name].dims == dims
+            assert errors.attrs["units"] == "Pa"
+            assert errors.attrs["estimates"] == name
+            assert errors.dtype == np.float32
+        assert float(data["max_pressure_error"][-1]) == close(result.summary["errors"]["max_pressure"]["error"])
+        assert not any(name.startswith("reference") and name.endswith("_error") for name in data)
+    assert b"pressure_error" in (tmp_path / "run/surface_0001.vti").read_bytes()
+    assert b"stress_error" in (tmp_path / "run/below_0001.vtp").read_bytes()
+    again = ec.run(COARSE | {"output": {"pictures": False, "vtk": True}}, tmp_path / "run", errors=True, resume=True)
+    assert again.summary["field_errors"] == result.summary["field_errors"]
+
+
+def test_without_the_option_nothing_is_stored():
+    result = ec.run(COARSE)
+    assert not any(str(name).endswith("_error") for name in result.dataset)
+    assert "field_errors" not in result.summary
+
+
+def test_numbers_have_errors_in_every_step():
+    pressed = ec.run(COARSE | {"steps": {"normal-load": 0.65, "increments": 3}}, errors=True)
+    errors = pressed.dataset["approach_error"]
+    assert errors.dims == ("step",)
+    assert errors.attrs["estimates"] == "approach"
+    assert (errors > 0).all()
+    assert float(errors[-1]) == close(pressed.summary["errors"]["approach"]["error"])
+
+
+def test_a_number_that_does_not_converge_has_no_errors_in_the_steps():
+    fine, coarse = Run(1.0, 2), Run(2.0, 2)
+    for run, value in ((fine, 1.0), (coarse, 2.0)):
+        depth = {"name": "depth", "unit": "m", "meaning": "depth", "role": "result"}
+        run.summary |= {"numbers": {"depth": depth}, "history": [{"time": 0.5, "depth": value}, {"time": 1.0}]}
+        run.summary["warnings"] = [{"number": "depth", "order": 0.0}]
+    found = FieldErrors(fine, fine.summary)
+    found.keep(coarse.summary, coarse)
+    found.vary(CELLS, fine.summary, [2.0])
+    assert [variable.name for variable in found.variables({})] == ["test_error"]
+
+
+def test_cells_that_cannot_be_coarser_leave_no_errors():
+    found = FieldErrors(Run(3.0, 8), {})
+    assert list(found.variables({})) == []
+
+
+def test_pictures_show_errors_and_are_the_same_without_them(tmp_path):
+    data = ec.run(COARSE, errors=True).dataset
+    plain = data.drop_vars([name for name in data if str(name).endswith("_error")])
+    folders = [tmp_path / name for name in ("stripped", "never", "with")]
+    for folder, dataset in zip(folders, (plain, ec.run(COARSE).dataset, data), strict=True):
+        folder.mkdir()
+        draw_all(dataset, folder)
+    for picture in folders[0].iterdir():
+        assert picture.read_bytes() == (folders[1] / picture.name).read_bytes()
+        assert picture.read_bytes() != (folders[2] / picture.name).read_bytes()
+    assert "estimated error ± " in pressure_map(data).axes[0].get_title().replace("\n", " ")
+    assert "estimated error" in pressure_profiles(data).axes[0].get_legend_handles_labels()[1]
+
+
+def test_the_curves_of_a_sweep_have_error_bars(tmp_path):
+    asked = COARSE | {"output": {"errors": True, "pictures": False}}
+    swept = ec.sweep(asked, {"steps.normal-load": [0.3, 0.6]}, tmp_path / "sweep").dataset
+    (bars,) = draw_sweep(swept, "max_pressure").axes[0].containers
+    assert bars.has_yerr
+    assert draw_sweep(swept.drop_vars("max_pressure_error"), "max_pressure").axes[0].containers == []
+
+
+def test_the_report_lists_the_errors_of_fields(tmp_path):
+    ec.run(COARSE | {"steps": {"normal-load": 0.65, "increments": 3}}, tmp_path / "run", errors=True)
+    page = ec.report(tmp_path / "run").read_text(encoding="utf-8")
+    assert 'id="field-errors"' in page
+    assert 'class="band"' in page
