@@ -16,6 +16,7 @@ from eigencontact.hooks.registry import Registry
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.accuracy.pursuit import Answer
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
@@ -174,6 +175,7 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     errors: bool = False,
+    accuracy: str | float | Mapping[str, Any] | None = None,
     watcher: Watcher | None = None,
     registry: Registry | None = None,
     painter: Painter | None = None,
@@ -194,6 +196,10 @@ def run(
     errors : bool
         Estimate the error of every number from coarser runs (`eigencontact.accuracy`); ``errors`` of the summary holds
         them. The key ``output.errors`` of a scene does the same.
+    accuracy : str, float or mapping, optional
+        Error that the main results may have, ``"1 %"``, or a table ``accuracy`` of a scene: ``{"max-pressure": "0.5 %",
+        "time": "10 min"}``. The run then chooses cells, increments and tolerances itself (`eigencontact.accuracy`);
+        ``accuracy`` of the summary says how it went.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -223,6 +229,10 @@ def run(
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
+    if accuracy is not None:
+        planned = plan(_with_accuracy(planned.scene, accuracy), registry=registry)
+    if resume and planned.scene.accuracy is not None:
+        raise SceneError("resume must be without accuracy (got both); a run to an accuracy stores its answer alone")
     if resume and target is None:
         raise SceneError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
     stopwatch = Stopwatch()
@@ -233,8 +243,17 @@ def run(
 
     store: Store
     stored: ResultStore | None = None
+    answer = None
+    if planned.scene.accuracy is not None:
+        if target is not None:
+            _refuse_folder(planned, target)
+            _refuse_results(target, overwrite=overwrite)
+        with stopwatch.on("runs of growing fineness"):
+            answer = _pursued(planned, registry, watcher)
+        planned = answer.last.run.plan
     if target is None:
-        predicted, store = run_bytes(planned, stored=False), MemoryStore(run_info(planned))
+        predicted = run_bytes(planned, stored=False)
+        store = MemoryStore(run_info(planned)) if answer is None else answer.last.run.kept.store
     else:
         from eigencontact.results.store import ResultStore
 
@@ -243,7 +262,12 @@ def run(
         store = stored = ResultStore.create(target, run_info(planned), resume=resume, overwrite=overwrite)
     done = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
     try:
-        solved = _solve(planned, store, watcher, stopwatch, done)
+        if answer is None:
+            solved = _solve(planned, store, watcher, stopwatch, done)
+        else:
+            solved = answer.last.run.kept.solved
+            if stored is not None:
+                stored.adopt(answer.last.run.kept.store)
     except BaseException:
         if stored is not None:
             stored.abandon()
@@ -258,7 +282,9 @@ def run(
         solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
         files |= _draw(planned, results, target, stopwatch, painter)
         files["summary.json"] = "the numbers of this run, in SI units"
-    if errors or planned.scene.output.errors:
+    if answer is not None:
+        noted |= answer.to_dict()
+    elif errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):
@@ -332,19 +358,77 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
 
 
+class _Kept(NamedTuple):
+    """What a run in memory leaves for its storing."""
+
+    store: MemoryStore
+    solved: _Solved
+
+
+def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) -> Answer:
+    """Runs of growing fineness in memory, until the accuracy that the scene asks for is reached."""
+    from eigencontact.accuracy.pursuit import pursue
+    from eigencontact.accuracy.runs import Run, Runs
+    from eigencontact.planning.provenance import run_info
+    from eigencontact.results.memory import MemoryStore
+    from eigencontact.results.summary import summary_of
+
+    announced = getattr(watcher, "announced", None)
+
+    def solve(rung: Plan, words: str) -> Run:
+        if announced is not None:
+            announced(words)
+        store = MemoryStore(run_info(rung))
+        solved = _solve(rung, store, None, Stopwatch(), {})
+        noted = _noted(rung, store, solved.last)
+        return Run(rung, summary_of(store.info, solved.last, noted["history"], noted), _Kept(store, solved))
+
+    assert planned.scene.accuracy is not None
+    return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=solve))
+
+
+def _maker(planned: Plan, registry: Registry | None) -> Callable[[Mapping[str, Any]], Plan]:
+    """Plans of other tables of a scene."""
+    from eigencontact.scene.schema import Scene
+
+    return lambda tables: plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+
+
+def _with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:
+    """Scene that asks for an accuracy; what it asks for itself stays where the call says nothing else."""
+    from eigencontact.scene.accuracy import accuracy_table
+    from eigencontact.scene.schema import Scene
+
+    tables = scene.resolved()
+    table = {**tables.get("accuracy", {}), **accuracy_table(accuracy)}
+    return Scene(**{**tables, "accuracy": table}).within(scene.folder)
+
+
+def _refuse_results(folder: Path, *, overwrite: bool) -> None:
+    """Refuse a folder with results before they are computed anew: their cells are not known yet."""
+    from eigencontact.errors import ResultsError
+    from eigencontact.results.ownership import RESULTS, STEPS
+
+    held = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
+    if held is not None and not overwrite:
+        raise ResultsError(
+            f"{folder} must be without results for a run to an accuracy (got {held}); --overwrite replaces them, "
+            "another -o keeps them"
+        )
+
+
 def _errors(
     planned: Plan, summary: Mapping[str, Any], registry: Registry | None, watcher: Watcher | None
 ) -> dict[str, Any]:
     """Error bars of all numbers, from coarser runs in memory."""
     from eigencontact.accuracy.bars import error_bars
-    from eigencontact.scene.schema import Scene
 
-    announced = getattr(watcher, "announced", None)
+    announced, make = getattr(watcher, "announced", None), _maker(planned, registry)
 
     def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
         if announced is not None:
             announced(f"error bars: {words}")
-        coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+        coarse = make(tables)
         return coarse, run(coarse).summary
 
     return error_bars(planned, summary, solve).to_dict()

@@ -50,7 +50,9 @@ class Accuracy:
         return {"errors": bars, "errors_left_out": self.left_out, **price}
 
 
-def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy:
+def error_bars(
+    plan: Plan, summary: Mapping[str, Any], solve: Solve, sources: Sequence[ErrorSource] | None = None
+) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
     Parameters
@@ -62,6 +64,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     solve : callable
         Tables of a scene, and what differs in words, to the plan and the summary of its run in memory; raises
         `EigencontactError`.
+    sources : sequence of ErrorSource, optional
+        By default those of the plan.
 
     Returns
     -------
@@ -83,7 +87,7 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve) -> Accuracy
     names = [name for name, _ in _results(summary) if name not in left_out]
     orders = {name: warning["order"] for name, warning in slow.items()}
     runs = 0
-    for source in error_sources(plan):
+    for source in error_sources(plan) if sources is None else sources:
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
         others: list[tuple[float, Mapping[str, Any]]] = []
         for variation in source.variations(start[1]):

@@ -1,7 +1,7 @@
 """Do the error bars of a run hold? Bundled scenes with random loads, constants and cells, judged by a finer run.
 
-The judge has twice the cells each way, twice the increments and, where the scene has them, a tenth of the tolerances,
-half the pitch, a degree more by two and a quarter of the error of jumps. A bar holds where it is at least the
+The judge is finer in every source of error: twice the cells each way, twice the increments and, where the scene has
+them, a tenth of the tolerances, half the pitch, a degree more by two and a quarter of the error of jumps. A bar holds where it is at least the
 difference to the judge. Numbers that the scene prescribes do not count.
 """
 
@@ -34,8 +34,6 @@ METHODS = ours("one thread, in memory", "pyfftw", "scipy.fft", "eigencontact.app
 _LOADS = ("normal-load", "approach", "tangential-load-x", "tangential-load-y", "shift-x", "shift-y")
 #: Differences below this part of a number are round-off.
 _NOTHING = 1e-9
-#: Numbers below this part of the largest of their unit are zero by symmetry: the tolerance of the solvers is 1e-6.
-_ZERO = 1e-5
 
 
 def random_scene(name: str, cells: float, random: Random) -> dict[str, Any]:
@@ -71,18 +69,19 @@ def judged(tables: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         The scene or its judge cannot be solved.
     """
     from eigencontact import app
+    from eigencontact.accuracy.targets import ZERO, scales_of
 
     planned = app.plan(tables)
     result = app.run(planned, errors=True)
     truth = app.run(_finer(planned)).summary
     found: dict[str, dict[str, Any]] = {}
     summary = result.summary
-    scales = _scales(summary)
+    scales = scales_of(summary)
     for name, bar in summary["errors"].items():
         true = truth.get(name, truth["observed"].get(name))
         unit = summary["units"][name]
-        zero = abs(bar["value"]) < _ZERO * scales.get(unit, 0.0)
-        least = _ZERO * scales[unit] if zero else _NOTHING * abs(bar["value"])
+        zero = abs(bar["value"]) < ZERO * scales.get(unit, 0.0)
+        least = ZERO * scales[unit] if zero else _NOTHING * abs(bar["value"])
         if true is not None and max(bar["error"], abs(true - bar["value"])) > least:
             found[name] = {**bar, "difference": abs(true - bar["value"])}
     spent = summary["error_seconds"]
@@ -90,40 +89,15 @@ def judged(tables: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _scales(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Largest of the numbers of each unit, so that numbers that are zero by symmetry are known."""
-    declared = summary["numbers"]
-    scales: dict[str, float] = {}
-    for name, number in declared.items():
-        value = summary.get(name, summary["observed"].get(name))
-        if isinstance(value, int | float):
-            scales[number["unit"]] = max(scales.get(number["unit"], 0.0), abs(value))
-    arm = (summary.get("normal_load") or 0.0) * (summary.get("contact_radius") or 0.0)
-    return {**scales, "N m": max(scales.get("N m", 0.0), arm)}
-
-
 def _finer(plan: Any) -> dict[str, Any]:
-    """Tables of the judge."""
-    from eigencontact.accuracy.changes import changed, refined_grid, refined_steps
+    """Tables of the judge: every source of error by its own stride."""
+    from eigencontact.accuracy.changes import changed
+    from eigencontact.accuracy.sources import error_sources
 
-    tables = plan.scene.resolved()
-    numerics: dict[str, Any] = {"tolerance": max(1e-10, 0.1 * plan.numerics.tolerance)}
-    if plan.numerics.inclusion_pitch is not None:
-        numerics["inclusion-pitch"] = 0.5 * plan.numerics.inclusion_pitch
-    numerics["inclusion-cells"] = 2 * plan.numerics.inclusion_cells
-    degree = getattr(plan.numerics.inclusion_resolution, "whole", None)
-    if isinstance(degree, int):
-        numerics["inclusion-resolution"] = {"whole": degree + 2}
-    changes: dict[str, Any] = {
-        "grid": refined_grid(plan, 2.0)[0],
-        "steps": refined_steps(tables["steps"], 2.0)[0],
-        "numerics": numerics,
-    }
-    wear = plan.scene.wear
-    if wear is not None:
-        jumps = {} if wear.error is None else {"jump-error": 0.25 * wear.error}
-        changes["wear"] = jumps
-    return changed(tables, changes)
+    tables: dict[str, Any] = plan.scene.resolved()
+    for source in error_sources(plan):
+        tables = changed(tables, source.finer(plan, source.stride))
+    return tables
 
 
 def measure(_: Code, task: Task) -> Sample:
