@@ -24,8 +24,10 @@ SHARE = 0.85
 _CELLS, _LEAST = 1.1, 1.5
 #: Largest factor of one rung: bars are judged by the runs before it.
 _CELLS_AT_ONCE = 3.0
-#: Least rise of the time that counts, in parts of it.
-_FREE = 1e-3
+#: Least power of the time: a tenth of a tolerance of 1e-6 takes a sixth more iterations, which no prediction contains.
+_FREE = 0.067
+#: Least fall of the errors beyond the targets for which a source is refined, in parts of them.
+_SMALL = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,8 +103,8 @@ def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lev
             log(max(after, 1e-12) / max(before, 1e-12)) / log(source.stride)
             for after, before in ((finer.seconds, plan.seconds), (finer.cost.peak, plan.cost.peak))
         )
-        seconds, memory = (max(0.0, power) for power in powers)
-        found.append(Lever(source=source, seconds=seconds, memory=memory))
+        seconds, memory = powers
+        found.append(Lever(source=source, seconds=max(_FREE, seconds), memory=max(0.0, memory)))
     return found
 
 
@@ -161,8 +163,8 @@ def cheapest(
             within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
             allowed = tried[lever.source.name] <= (1e4 if far else 1.001 * lever.at_once)
             fall = excess - targets.excess(errors(tried), SHARE)
-            pays = fall / max(_FREE * now, price(tried, "seconds") - now)
-            if within and allowed and pays > gain and fall > 1e-9 * excess:
+            pays = fall / (price(tried, "seconds") - now)
+            if within and allowed and pays > gain and fall > _SMALL * excess:
                 best, gain = tried, pays
         if best is None:
             break

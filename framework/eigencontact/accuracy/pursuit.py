@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf, log
+from math import log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from eigencontact.accuracy.changes import changed, refined_grid
 from eigencontact.accuracy.levers import Way, cheapest, levers_of
 from eigencontact.accuracy.runs import Run, Runs, edge_of
 from eigencontact.accuracy.targets import Targets, check_names, targets_of
+from eigencontact.core.memory import machine_bytes
 from eigencontact.core.units import readable, time_in_words
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.model.resolution import cells_per_radius
@@ -33,6 +34,8 @@ _RUNGS, _TRIES = 7, 3
 _FALL = 0.1
 #: Time of the coarser runs of a rung, in times of the rung, before it is known.
 _BARS = 0.4
+#: Time that a pursuit may take where the scene gives none [s].
+_TIME = 600.0
 #: Ratio of cells from which on two rungs tell an order, and the lowest that is believed.
 _APART, _SLOWEST = 1.2, 0.5
 
@@ -148,7 +151,12 @@ class _Course:
     @property
     def left(self) -> float:
         """Time that is left [s]."""
-        return inf if self.table.time is None else self.table.time - (perf_counter() - self.began)
+        return (self.table.time or _TIME) - (perf_counter() - self.began)
+
+    @property
+    def memory(self) -> float:
+        """Memory that a run may take [bytes]."""
+        return self.table.memory or machine_bytes()
 
     def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy]) -> Rung:
         """Solved run with its targets."""
@@ -173,26 +181,32 @@ class _Course:
 
     def refuse_pilot(self, plan: Plan) -> None:
         """Refuse a budget that the first run exceeds."""
-        for key, given, needed, unit in (
-            ("time", self.table.time, plan.seconds, "s"),
-            ("memory", self.table.memory, plan.cost.peak, "B"),
-        ):
+        time, memory = self.table.time, self.table.memory
+        for key, given, needed in (("time", time, plan.seconds), ("memory", memory, float(plan.cost.peak))):
             if given is not None and needed > given:
-                words = [time_in_words(value) if unit == "s" else readable(value, unit) for value in (needed, given)]
-                raise SceneError(
-                    f'accuracy.{key} must be at least "{words[0]}", that of the first run (got "{words[1]}")'
-                )
+                texts = [time_in_words(value) if key == "time" else readable(value, "B") for value in (needed, given)]
+                raise SceneError(f'accuracy.{key} must be at least "{texts[0]}" for the first run (got "{texts[1]}")')
 
-    def way(self, rungs: Sequence[Rung], *, far: bool = False) -> Way:
-        """Refinement of the last rung that pays most, within the budget; `far`, without one."""
-        rung = rungs[-1]
-        peak = rung.run.plan.cost.peak
-        most = inf if far else self.left / (rung.seconds * (1.0 + _BARS))
-        memory = inf if far or self.table.memory is None else self.table.memory / max(peak, 1.0)
+    def way(self, rungs: Sequence[Rung]) -> tuple[Way, Way | None]:
+        """Next refinement, and what all targets would need where that is beyond the budget.
+
+        Numbers that need more than the budget, by the orders that two rungs show, do not take part in the next one.
+        """
+        rung, orders = rungs[-1], _orders(rungs)
+        bars, targets = rung.found.bars, rung.targets
         levers = levers_of(rung.run.plan, self.runs.make)
-        return cheapest(
-            levers, rung.found.bars, rung.targets, orders=_orders(rungs), most=most, memory=memory, far=far
-        )  # fmt: skip
+        most = self.left / (rung.seconds * (1.0 + _BARS))
+        memory = self.memory / max(rung.run.plan.cost.peak, 1.0)
+        whole = cheapest(levers, bars, targets, orders=orders, far=True)
+        beyond = None if whole.seconds <= most and whole.memory <= memory and whole.holds else whole
+        if beyond is not None and len(rungs) > 1:
+            ways = {
+                name: cheapest(levers, bars, targets.only([name]), orders=orders, far=True) for name in targets.allowed
+            }
+            targets = targets.only(
+                name for name, way in ways.items() if way.holds and way.seconds <= most and way.memory <= memory
+            )
+        return cheapest(levers, bars, targets, orders=orders, most=most, memory=memory), beyond
 
 
 def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
@@ -233,15 +247,12 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
     check_names(table, plan)
     course = _Course(table, runs)
     rungs, stopped, idle = [course.pilot(plan)], "", 0
+    more: Way | None = None
     while not rungs[-1].holds and not stopped:
         last = rungs[-1]
-        way = course.way(rungs)
+        way, more = course.way(rungs)
         if not way.factors:
-            stopped = (
-                "the budget of time or memory is spent"
-                if course.way(rungs, far=True).factors
-                else "no setting can be finer"
-            )
+            stopped = "the rest needs more than the budget of time or memory" if more else "no setting can be finer"
         elif len(rungs) == _RUNGS:
             stopped = f"{_RUNGS} runs of growing fineness did not reach the targets"
         else:
@@ -255,8 +266,8 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
             idle = idle + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
             if idle == 2 and not rungs[-1].holds:
                 stopped = "the errors no longer fall"
-    more = course.way(rungs, far=True) if stopped else None
-    return Answer(rungs=rungs, runs=runs, seconds=perf_counter() - course.began, stopped=stopped, more=more)
+    seconds = perf_counter() - course.began
+    return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, more=more if stopped else None)
 
 
 def _words(way: Way) -> str:

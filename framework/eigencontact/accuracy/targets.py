@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.numbers import ErrorBar, Number
@@ -51,6 +51,10 @@ class Targets:
         0.5
         """
         return sum(max(0.0, errors[name] / limit - share) for name, limit in self.allowed.items())
+
+    def only(self, names: Iterable[str]) -> Targets:
+        """Targets of some of the numbers."""
+        return replace(self, allowed={name: self.allowed[name] for name in names})
 
     def hold(self, bars: Mapping[str, ErrorBar]) -> bool:
         """Whether every bar is within its target."""

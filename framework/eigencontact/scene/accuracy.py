@@ -57,9 +57,9 @@ class Accuracy(Table):
         Error of all main results, ``"1 %"``. Any further key is the name of a number of the summary with an error of
         its own: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``.
     time : float, optional
-        Time that the run may take; it then says what it has reached, and what more would cost.
+        Time that the run may take, 10 minutes by default; it then says what it has reached, and what more would cost.
     memory : float, optional
-        Memory that it may take.
+        Memory that its arrays may take, that of the machine by default.
     """
 
     model_config = ConfigDict(extra="allow")
