@@ -94,15 +94,36 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     return make_plan(loaded, loaded.known_plugins(registry))
 
 
-def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
+def explain(
+    scene: Scene | str | Path | Mapping[str, Any], *, accuracy: str | float | Mapping[str, Any] | None = None
+) -> str:
     """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
+
+    With an accuracy, as `run` takes it or in the scene, it also foretells the runs that lead there.
 
     Examples
     --------
     >>> print(explain("hertz").splitlines()[0])
     hertz: Hertz contact: rigid sphere on steel
     """
-    return plan(scene).explain()
+    planned = plan(scene)
+    told = foretold(planned, accuracy)
+    if told is None:
+        return planned.explain()
+    from eigencontact.accuracy.forecast import forecast_text
+
+    return f"{planned.explain()}\n\n{forecast_text(told)}"
+
+
+def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None) -> dict[str, Any] | None:
+    """Runs that lead to an accuracy, as `run` takes it or as the scene asks for it; None where nobody asks."""
+    if accuracy is None and planned.scene.accuracy is None:
+        return None
+    from eigencontact.accuracy.forecast import forecast
+
+    scene = planned.scene if accuracy is None else _with_accuracy(planned.scene, accuracy)
+    assert scene.accuracy is not None
+    return forecast(planned, scene.accuracy, _maker(planned, None))
 
 
 def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
@@ -284,6 +305,7 @@ def run(
         files["summary.json"] = "the numbers of this run, in SI units"
     if answer is not None:
         noted |= answer.to_dict()
+        _warn_of_targets(store, solved, noted)
     elif errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
 
@@ -385,6 +407,18 @@ def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) 
 
     assert planned.scene.accuracy is not None
     return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=solve))
+
+
+def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:
+    """Add a warning where a target does not hold."""
+    if noted["accuracy"]["reached"]:
+        return
+    from eigencontact.accuracy.words import missed
+    from eigencontact.core.cautions import Caution
+    from eigencontact.results.summary import summary_of
+
+    words = missed(summary_of(store.info, solved.last, noted["history"], noted))
+    noted["warnings"] = [*noted["warnings"], Caution("accuracy", words).to_dict()]
 
 
 def _maker(planned: Plan, registry: Registry | None) -> Callable[[Mapping[str, Any]], Plan]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
-__all__ = ["Answer", "Rung", "pilot_tables", "pursue"]
+__all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_tables", "pursue"]
 
 #: Cells per contact radius of the pilot; fewer cells each way than these show no region.
 _PILOT, _WAY = 12.0, 16
@@ -35,7 +35,7 @@ _FALL = 0.1
 #: Time of the coarser runs of a rung, in times of the rung, before it is known.
 _BARS = 0.4
 #: Time that a pursuit may take where the scene gives none [s].
-_TIME = 600.0
+DEFAULT_TIME = 600.0
 #: Ratio of cells from which on two rungs tell an order, and the lowest that is believed.
 _APART, _SLOWEST = 1.2, 0.5
 
@@ -151,7 +151,7 @@ class _Course:
     @property
     def left(self) -> float:
         """Time that is left [s]."""
-        return (self.table.time or _TIME) - (perf_counter() - self.began)
+        return (self.table.time or DEFAULT_TIME) - (perf_counter() - self.began)
 
     @property
     def memory(self) -> float:
