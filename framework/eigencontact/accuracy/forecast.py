@@ -97,8 +97,10 @@ def forecast_text(told: Mapping[str, Any]) -> str:
         lines.append(
             f"  {name}: {factor:g} times finer takes {time:.2g} times the time and {memory:.2g} times the memory"
         )
-    for row in told["finer"]:
-        lines.append(f"  error of the first run {row['excess']:g} targets, order {row['order']:g}: {_words(row)}")
+    lines += [
+        f"  error of the first run {row['excess']:g} targets, order {row['order']:g}: {_words(row)}"
+        for row in told["finer"]
+    ]
     return "\n".join([*lines, "  the error bars of the first run tell which of these lines holds"])
 
 

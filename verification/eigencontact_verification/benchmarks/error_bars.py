@@ -1,8 +1,8 @@
 """Do the error bars of a run hold? Bundled scenes with random loads, constants and cells, judged by a finer run.
 
 The judge is finer in every source of error: twice the cells each way, twice the increments and, where the scene has
-them, a tenth of the tolerances, half the pitch, a degree more by two and a quarter of the error of jumps. A bar holds where it is at least the
-difference to the judge. Numbers that the scene prescribes do not count.
+them, a tenth of the tolerances, half the pitch, a degree more by two and a quarter of the error of jumps. A bar holds
+where it is at least the difference to the judge. Numbers that the scene prescribes do not count.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Ta
 from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
 
-__all__ = ["BENCHMARK", "KINDS", "coverage", "judged", "measure", "random_scene"]
+__all__ = ["BENCHMARK", "KINDS", "coverage", "finer_tables", "judged", "measure", "random_scene"]
 
 #: Bundled scenes by physics, with the cells per contact radius (0: the scene's own window) that they are solved on.
 KINDS: dict[str, dict[str, float]] = {
@@ -73,7 +73,7 @@ def judged(tables: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
     planned = app.plan(tables)
     result = app.run(planned, errors=True)
-    truth = app.run(_finer(planned)).summary
+    truth = app.run(finer_tables(planned)).summary
     found: dict[str, dict[str, Any]] = {}
     summary = result.summary
     scales = scales_of(summary)
@@ -89,7 +89,7 @@ def judged(tables: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _finer(plan: Any) -> dict[str, Any]:
+def finer_tables(plan: Any) -> dict[str, Any]:
     """Tables of the judge: every source of error by its own stride."""
     from eigencontact.accuracy.changes import changed
     from eigencontact.accuracy.sources import error_sources
