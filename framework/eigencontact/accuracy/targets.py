@@ -75,14 +75,18 @@ class Targets:
 
 def check_names(table: Table, plan: Plan) -> None:
     """Refuse targets of numbers that a run does not have, before anything is computed."""
-    known = {name: number for name, number in _declared(plan).items() if number.role == "result"}
-    for name in table.targets:
-        if name not in known:
-            names = [key.replace("_", "-") for key in known]
+    declared = _declared(plan)
+    for name, target in table.targets.items():
+        key, number = name.replace("_", "-"), declared.get(name)
+        if number is None or number.role != "result":
+            keys = [known.replace("_", "-") for known, other in declared.items() if other.role == "result"]
+            got = "no number of this name" if number is None else _KINDS[number.role]
             raise SceneError(
-                f"accuracy.{name.replace('_', '-')} must be a result of the scene (got no number of this name); "
-                f"ask for one of {', '.join(names)}{nearest(name.replace('_', '-'), names)}"
+                f"accuracy.{key} must be a result of the scene (got {got}); ask for one of {', '.join(keys)}"
+                f"{nearest(key, keys)}"
             )
+        if part_of(target) is None:
+            _in_unit(target, number)
 
 
 def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Targets:
@@ -118,7 +122,8 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
         if reason or number is None:
             left_out[name] = reason
             continue
-        allowed[name] = _error(target, number, found.bars[name])
+        part = part_of(target)
+        allowed[name] = _in_unit(target, number) if part is None else part * abs(found.bars[name].value)
         texts[name] = target if isinstance(target, str) else f"{100 * target:g} %"
     if not allowed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
@@ -128,13 +133,15 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
     return Targets(allowed=allowed, texts=texts, left_out=left_out)
 
 
+#: Numbers that are no results.
+_KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated error", "effort": "an effort"}
 _AT_ZERO = "zero by symmetry, and a part of zero is nothing"
 
 
 def _reason(number: Number, found: Accuracy, scales: Mapping[str, float]) -> str:
     """Why a number can have no target; empty where it can."""
     if number.role != "result":
-        return f"it is no result but a {number.role}"
+        return f"it is {_KINDS[number.role]}"
     if number.name in found.left_out:
         return f"it does not converge: {found.left_out[number.name]}"
     bar = found.bars.get(number.name)
@@ -156,11 +163,8 @@ def _instead(able: Iterable[str], reason: str) -> str:
     return f"ask for {names}" if names else "no main result of this scene can reach a target"
 
 
-def _error(target: float | str, number: Number, bar: ErrorBar) -> float:
-    """Allowed error in the unit of the number."""
-    part = part_of(target)
-    if part is not None:
-        return part * abs(bar.value)
+def _in_unit(target: float | str, number: Number) -> float:
+    """Error with a unit in that of its number."""
     key = number.name.replace("_", "-")
     if number.unit in ("1", "unknown"):
         raise SceneError(f'accuracy.{key} must be a part of the number, like "1 %", as it has no unit (got {target!r})')

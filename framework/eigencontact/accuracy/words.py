@@ -14,11 +14,14 @@ __all__ = ["accuracy_lines", "missed"]
 def accuracy_lines(summary: Mapping[str, Any]) -> list[str]:
     """Lines about targets and runs, from the summary of a run."""
     found = summary["accuracy"]
-    effort = f"{len(found['rungs'])} finer and finer runs ({found['runs']} with coarser ones), {time_in_words(found['seconds'])}"
-    lines = [
-        f"accuracy reached: {effort}" if found["reached"] else f"accuracy not reached: {missed(summary)}; {effort}"
-    ]
-    return lines + [f"no target for {name}: {reason}" for name, reason in found["left_out"].items()]
+    count = len(found["rungs"])
+    runs = f"{count} runs, each finer than the last, and {found['runs'] - count} coarser ones"
+    reached = "reached" if found["reached"] else "not reached"
+    without: dict[str, list[str]] = {}
+    for name, reason in found["left_out"].items():
+        without.setdefault(reason, []).append(name)
+    left_out = [f"no target for {', '.join(names)}: {reason}" for reason, names in without.items()]
+    return [f"accuracy {reached}: {runs}, {time_in_words(found['seconds'])}", *left_out]
 
 
 def missed(summary: Mapping[str, Any]) -> str:
