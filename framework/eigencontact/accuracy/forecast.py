@@ -22,8 +22,8 @@ __all__ = ["forecast", "forecast_text"]
 
 #: Errors of the first run, in times of the target, for which the way is told.
 _EXCESS = (2.0, 5.0, 20.0)
-#: Known orders: of areas and what scatters, of pressures and displacements.
-_ORDERS = (1.0, 2.0)
+#: Known orders: of pressures and displacements, of areas and what scatters.
+_ORDERS = (2.0, 1.0)
 
 
 def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
@@ -50,14 +50,13 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
     runs = 1 + sum(len(source.variations(pilot)) for source in error_sources(pilot))
     cells = [lever for lever in levers if lever.source.name == "cells"]
     finer = []
-    for excess in _EXCESS:
+    for excess in _EXCESS if cells else ():
+        sizes = []
         for order in _ORDERS:
             bar = ErrorBar(value=1.0, error=excess, source="cells", order=order, parts={"cells": excess})
             way = cheapest(cells, {"any": bar}, Targets(allowed={"any": 1.0}), far=True)
-            if not way.factors:
-                continue
-            next_plan = make(changed(tables, cells[0].source.finer(pilot, way.factors["cells"])))
-            finer.append({"excess": excess, "order": order, **_size(next_plan)})
+            sizes.append(_size(make(changed(tables, cells[0].source.finer(pilot, way.factors["cells"])))))
+        finer.append({"excess": excess, "least": sizes[0], "most": sizes[1]})
     expected = pilot.model.window.expected
     return {
         "targets": ({} if table.numbers is None else {"numbers": table.numbers}) | table.targets,
@@ -98,10 +97,10 @@ def forecast_text(told: Mapping[str, Any]) -> str:
             f"  {name}: {factor:g} times finer takes {time:.2g} times the time and {memory:.2g} times the memory"
         )
     lines += [
-        f"  error of the first run {row['excess']:g} targets, order {row['order']:g}: {_words(row)}"
+        f"  if its error is {row['excess']:g} targets: {_words(row['least'])}, to {_words(row['most'])}"
         for row in told["finer"]
     ]
-    return "\n".join([*lines, "  the error bars of the first run tell which of these lines holds"])
+    return "\n".join([*lines, "  less for pressures, most for areas; its error bars decide"])
 
 
 def _words(row: Mapping[str, Any]) -> str:

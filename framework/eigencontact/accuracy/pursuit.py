@@ -36,8 +36,8 @@ _FALL = 0.1
 _BARS = 0.4
 #: Time that a pursuit may take where the scene gives none [s].
 DEFAULT_TIME = 600.0
-#: Ratio of cells from which on two rungs tell an order, and the lowest that is believed.
-_APART, _SLOWEST = 1.2, 0.5
+#: Ratio of cells from which on two rungs tell an order, and the orders that are believed.
+_APART, _ORDERS = 1.2, (1.0, 2.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,7 +221,7 @@ def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
         before = rungs[-2].found.bars.get(name)
         parts = (0.0 if before is None else before.parts.get("cells", 0.0), bar.parts.get("cells", 0.0))
         if bar.order is None and finer > _APART and min(parts) > 0.0:
-            found[name] = min(2.0, max(_SLOWEST, log(parts[0] / parts[1]) / log(finer)))
+            found[name] = min(_ORDERS[1], max(_ORDERS[0], log(parts[0] / parts[1]) / log(finer)))
     return found | slow
 
 
