@@ -55,7 +55,7 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
         for order in _ORDERS:
             bar = ErrorBar(value=1.0, error=excess, source="cells", order=order, parts={"cells": excess})
             way = cheapest(cells, {"any": bar}, Targets(allowed={"any": 1.0}), far=True)
-            sizes.append(_size(make(changed(tables, cells[0].source.finer(pilot, way.factors["cells"])))))
+            sizes.append(_size(make(way.changes(pilot, tables))))
         finer.append({"excess": excess, "least": sizes[0], "most": sizes[1]})
     expected = pilot.model.window.expected
     return {

@@ -83,7 +83,7 @@ class Way:
     def changes(self, plan: Plan, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Tables with the finer settings."""
         for source in error_sources(plan):
-            if source.name in self.factors:
+            if source.finer is not None and source.name in self.factors:
                 output = tables["output"]
                 tables = changed(tables, source.finer(plan, self.factors[source.name])) | {"output": output}
         return dict(tables)
@@ -93,6 +93,8 @@ def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lev
     """Sources of error of a plan that can be finer, with what this costs by the prediction of time and memory."""
     found, tables = [], plan.scene.resolved()
     for source in error_sources(plan):
+        if source.finer is None:
+            continue
         try:
             finer = make(changed(tables, source.finer(plan, source.stride)))
         except EigencontactError:

@@ -64,7 +64,7 @@ class Runs:
             replace(source, variations=self._cells(source.variations)) if source.name == "cells" else source
             for source in error_sources(run.plan)
         ]
-        return run, seconds, error_bars(run.plan, run.summary, self._coarse, sources)
+        return run, seconds, error_bars(run.plan, run.summary, self._coarse, sources=sources)
 
     def _coarse(self, tables: Mapping[str, Any], words: str) -> tuple[Plan, Mapping[str, Any]]:
         """Run that a bar compares with, solved now or before."""

@@ -45,8 +45,8 @@ class ErrorSource:
         Whether the plan of a scene has this part.
     variations : callable
         Plan to variations, the nearest to the scene first.
-    finer : callable
-        Plan and a factor to the changes that divide the step size by about this factor.
+    finer : callable, optional
+        Plan and a factor to the changes that divide the step size by about this factor; None where none can.
     stride : float
         Factor that shows in the results: a tolerance must fall further than cells.
     on_coarse : bool
@@ -56,7 +56,7 @@ class ErrorSource:
     name: str
     applies: Callable[[Plan], bool]
     variations: Callable[[Plan], Sequence[Variation]]
-    finer: Callable[[Plan, float], Changes]
+    finer: Callable[[Plan, float], Changes] | None = None
     stride: float = 2.0
     lowest: float = 1.0
     highest: float = 2.0

@@ -96,7 +96,8 @@ def finer_tables(plan: Any) -> dict[str, Any]:
 
     tables: dict[str, Any] = plan.scene.resolved()
     for source in error_sources(plan):
-        tables = changed(tables, source.finer(plan, source.stride))
+        if source.finer is not None:
+            tables = changed(tables, source.finer(plan, source.stride))
     return tables
 
 
