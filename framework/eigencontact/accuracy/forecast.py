@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.levers import cheapest, levers_of
 from eigencontact.accuracy.pursuit import DEFAULT_TIME, pilot_tables
 from eigencontact.accuracy.sources import error_sources
