@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tomllib
 from math import pi
 
 import pytest
@@ -95,6 +96,8 @@ def test_the_answer_is_an_ordinary_result(tmp_path):
     last = again["approach"].values[-1]
     assert last == close(kept.summary["approach"])
     assert [again.sizes["x"], again.sizes["y"]] == kept.summary["accuracy"]["rungs"][-1]["cells"]
+    same = ec.run(tomllib.loads(again.attrs["scene"])).summary  # the scene with the settings that were found
+    assert same["approach"] == close(last)
     with pytest.raises(ResultsError, match="--overwrite"):
         ec.run({**HERTZ, **FRICTION}, tmp_path / "run", accuracy={"approach": "1 %"})
 
