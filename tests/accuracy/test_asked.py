@@ -1,5 +1,6 @@
 """Runs to an accuracy: reached and true against Hertz's closed form, refused with a reason, ended by the budget."""
 
+import json
 import subprocess
 import sys
 import tomllib
@@ -286,3 +287,16 @@ def test_explain_foretells_the_way_without_solving(monkeypatch):
     assert "accuracy asked for" not in ec.explain(HERTZ)
     with pytest.raises(EigencontactError, match="did you mean 'max-pressure'"):
         ec.explain(HERTZ, accuracy={"max-pressur": "1 %"})
+
+
+def test_the_commands_take_an_accuracy(command, tmp_path):
+    plain = ("--set", "output.pictures=false", "--set", "output.vtk=false", "--set", "stress=[]")
+    done = command("run", "hertz", *plain, "-o", str(tmp_path / "run"), "--accuracy", "3%")
+    assert done.code == 0
+    assert "accuracy reached: " in done.out
+    assert "no target for normal_load: " in done.out
+    told = json.loads(command("explain", "hertz", *plain, "--accuracy", "3%", "--json").out)["accuracy"]
+    found = json.loads((tmp_path / "run" / "summary.json").read_text("utf-8"))["accuracy"]
+    assert told["first"]["cells"] == found["rungs"][0]["cells"]
+    assert command("run", "hertz", "-o", str(tmp_path / "no"), "--set", "accuracy.max-pressur=1%").code == 2
+    assert not (tmp_path / "no").exists()
