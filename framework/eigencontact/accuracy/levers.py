@@ -22,6 +22,8 @@ __all__ = ["SHARE", "Lever", "Way", "cheapest", "levers_of"]
 SHARE = 0.85
 #: Factors of one decision: cells may have any number, other settings change by what shows.
 _CELLS, _LEAST = 1.1, 1.5
+#: Factor that tells a price where the memory of the machine refuses a larger one.
+_LITTLE = 1.25
 #: Largest factor of one rung: bars are judged by the runs before it.
 _CELLS_AT_ONCE = 3.0
 #: Least power of the time: a tenth of a tolerance of 1e-6 takes a sixth more iterations, which no prediction contains.
@@ -91,23 +93,29 @@ class Way:
 
 def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lever]:
     """Sources of error of a plan that can be finer, with what this costs by the prediction of time and memory."""
-    found, tables = [], plan.scene.resolved()
+    found = []
     for source in error_sources(plan):
-        if source.finer is None:
-            continue
-        try:
-            finer = make(changed(tables, source.finer(plan, source.stride)))
-        except EigencontactError:
-            continue
-        if finer.scene.model_dump(exclude={"output"}) == plan.scene.model_dump(exclude={"output"}):
-            continue  # as fine as it can be
-        powers = (
-            log(max(after, 1e-12) / max(before, 1e-12)) / log(source.stride)
-            for after, before in ((finer.seconds, plan.seconds), (finer.cost.peak, plan.cost.peak))
-        )
-        seconds, memory = powers
-        found.append(Lever(source=source, seconds=max(_FREE, seconds), memory=max(0.0, memory)))
+        lever = next(filter(None, (_lever(plan, source, factor, make) for factor in (source.stride, _LITTLE))), None)
+        if lever is not None:
+            found.append(lever)
     return found
+
+
+def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mapping[str, Any]], Plan]) -> Lever | None:
+    """Lever by the plan of the scene with this source finer; None where it cannot be, or the plan is refused."""
+    if source.finer is None:
+        return None
+    try:
+        finer = make(changed(plan.scene.resolved(), source.finer(plan, factor)))
+    except EigencontactError:
+        return None
+    if finer.scene.model_dump(exclude={"output"}) == plan.scene.model_dump(exclude={"output"}):
+        return None
+    seconds, memory = (
+        log(max(after, 1e-12) / max(before, 1e-12)) / log(factor)
+        for after, before in ((finer.seconds, plan.seconds), (finer.cost.peak, plan.cost.peak))
+    )
+    return Lever(source=source, seconds=max(_FREE, seconds), memory=max(0.0, memory))
 
 
 def cheapest(

@@ -17,6 +17,7 @@ from eigencontact.core.memory import machine_bytes
 from eigencontact.core.units import readable, time_in_words
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.model.resolution import cells_per_radius
+from eigencontact.model.sizes import MEMORY_SHARE
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -156,7 +157,7 @@ class _Course:
     @property
     def memory(self) -> float:
         """Memory that a run may take [bytes]."""
-        return self.table.memory or machine_bytes()
+        return self.table.memory or MEMORY_SHARE * machine_bytes()
 
     def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy]) -> Rung:
         """Solved run with its targets."""
