@@ -218,13 +218,12 @@ def test_a_depth_of_second_order_is_reached_in_few_runs():
     assert len({(plan.grid.nx, plan.numerics.tolerance) for plan in solved}) == len(solved)  # nothing twice
 
 
-def test_errors_that_do_not_fall_end_it_before_the_budget_is_spent():
+def test_errors_that_do_not_fall_end_it():
     count = iter(range(1000))
     answer, _ = known(lambda _: 1.0 + 0.1 * (-1) ** next(count), {"depth": "1 %"})
     assert not answer.last.holds
-    assert len(answer.rungs) <= 3
-    assert answer.stopped == "the rest needs more than the budget of time or memory"
-    assert answer.more.factors["cells"] > 10
+    assert answer.stopped == "the errors no longer fall"
+    assert len(answer.rungs) <= 4
 
 
 def test_a_finer_run_that_fails_leaves_the_one_before():

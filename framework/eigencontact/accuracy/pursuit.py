@@ -33,8 +33,8 @@ _WINDOW = 0.5
 _RUNGS, _TRIES = 7, 3
 #: Fall of the errors beyond the targets, in parts of them, below which a rung has not paid.
 _FALL = 0.1
-#: Time of the coarser runs of a rung, in times of the rung, before it is known.
-_BARS = 0.4
+#: Time of the coarser runs of the next rung, in times of that rung: that of the last one, within these bounds.
+_BARS = (0.4, 1.5)
 #: Time that a pursuit may take where the scene gives none [s].
 DEFAULT_TIME = 600.0
 #: Ratio of cells from which on two rungs tell an order, and the orders that are believed.
@@ -196,7 +196,9 @@ class _Course:
         rung, orders = rungs[-1], _orders(rungs)
         bars, targets = rung.found.bars, rung.targets
         levers = levers_of(rung.run.plan, self.runs.make)
-        most = self.left / (rung.seconds * (1.0 + _BARS))
+        most = self.left / (
+            rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.found.seconds))
+        )
         memory = self.memory / max(rung.run.plan.cost.peak, 1.0)
         whole = cheapest(levers, bars, targets, orders=orders, far=True)
         beyond = None if whole.seconds <= most and whole.memory <= memory and whole.holds else whole
