@@ -20,6 +20,7 @@ from eigencontact.accuracy.targets import Targets
 from eigencontact.accuracy.words import accuracy_lines
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import EigencontactError, NotConverged, ResultsError, SceneError
+from eigencontact_verification.benchmarks.accuracy_asked import verdict
 
 LOAD, RADIUS = 0.65, 105e-6
 HERTZ = {
@@ -299,3 +300,15 @@ def test_the_commands_take_an_accuracy(command, tmp_path):
     assert told["first"]["cells"] == found["rungs"][0]["cells"]
     assert command("run", "hertz", "-o", str(tmp_path / "no"), "--set", "accuracy.max-pressur=1%").code == 2
     assert not (tmp_path / "no").exists()
+
+
+def test_the_benchmark_counts_targets_that_hold_by_the_bars_and_are_not_true():
+    targets = {name: {"allowed": 0.1, "holds": holds} for name, holds in (("a", True), ("b", True), ("c", False))}
+    answer = {"accuracy": {"targets": targets}, "observed": {}, "a": 1.0, "b": 2.0, "c": 3.0}
+    hand = {"observed": {"b": 2.1}, "a": 1.2}
+    truth = {"observed": {}, "a": 1.05, "b": 2.2, "c": 3.0}
+    row = verdict(answer, hand, truth)
+    assert (row["held"], row["missed"], row["true"], row["untrue"]) == ("2 of 3", "c", "1 of 2", "b")
+    assert row["error"] == close(2.0)
+    assert row["hand_error"] == close(1.5)
+    assert "true" not in verdict(answer, hand, None)
