@@ -58,7 +58,7 @@ def test_the_target_is_reached_and_true(target):
     assert set(result["accuracy"]["left_out"]) == {"normal_load"}
 
 
-def test_half_an_error_bar_ends_too_early_and_is_seen(monkeypatch):
+def test_error_bars_that_are_too_small_end_it_too_early_and_are_seen(monkeypatch):
     """Planted fault: a twentieth of the errors. The run then ends where the contact radius misses its target."""
     honest = bars.estimate
 
@@ -217,6 +217,18 @@ def test_a_depth_of_second_order_is_reached_in_few_runs():
     assert len(solved) == answer.runs.solved
     assert answer.runs.reused == 2
     assert len({(plan.grid.nx, plan.numerics.tolerance) for plan in solved}) == len(solved)  # nothing twice
+
+
+def test_half_an_error_bar_misses_the_target_and_is_seen(monkeypatch):
+    honest = bars.estimate
+
+    def fault(*given, **options):
+        found = honest(*given, **options)
+        return found._replace(error=0.5 * found.error)
+
+    monkeypatch.setattr(bars, "estimate", fault)
+    with pytest.raises(AssertionError):
+        test_a_depth_of_second_order_is_reached_in_few_runs()
 
 
 def test_errors_that_do_not_fall_end_it():
