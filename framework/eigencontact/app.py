@@ -16,6 +16,7 @@ from eigencontact.hooks.registry import Registry
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.accuracy.pursuit import Answer
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.layout import Variable
@@ -94,15 +95,36 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     return make_plan(loaded, loaded.known_plugins(registry))
 
 
-def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
+def explain(
+    scene: Scene | str | Path | Mapping[str, Any], *, accuracy: str | float | Mapping[str, Any] | None = None
+) -> str:
     """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
+
+    With an accuracy, as `run` takes it or in the scene, it also foretells the runs that lead there.
 
     Examples
     --------
     >>> print(explain("hertz").splitlines()[0])
     hertz: Hertz contact: rigid sphere on steel
     """
-    return plan(scene).explain()
+    planned = plan(scene)
+    told = foretold(planned, accuracy)
+    if told is None:
+        return planned.explain()
+    from eigencontact.accuracy.forecast import forecast_text
+
+    return f"{planned.explain()}\n\n{forecast_text(told)}"
+
+
+def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None) -> dict[str, Any] | None:
+    """Runs that lead to an accuracy, as `run` takes it or as the scene asks for it; None where nobody asks."""
+    if accuracy is None and planned.scene.accuracy is None:
+        return None
+    from eigencontact.accuracy.forecast import forecast
+
+    scene = planned.scene if accuracy is None else _with_accuracy(planned.scene, accuracy)
+    assert scene.accuracy is not None
+    return forecast(planned, scene.accuracy, _maker(planned, None))
 
 
 def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
@@ -175,6 +197,7 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     errors: bool = False,
+    accuracy: str | float | Mapping[str, Any] | None = None,
     watcher: Watcher | None = None,
     registry: Registry | None = None,
     painter: Painter | None = None,
@@ -196,6 +219,10 @@ def run(
         Estimate the error of every number and field from coarser runs (`eigencontact.accuracy`); ``errors`` and
         ``field_errors`` of the summary, and variables ``<field>_error`` of the results, hold them. The key
         ``output.errors`` of a scene does the same.
+    accuracy : str, float or mapping, optional
+        Error that the main results may have, ``"1 %"``, or a table ``accuracy`` of a scene: ``{"max-pressure": "0.5 %",
+        "time": "10 min"}``. The run then chooses cells, increments and tolerances itself (`eigencontact.accuracy`);
+        ``accuracy`` of the summary says how it went.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -225,6 +252,10 @@ def run(
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
+    if accuracy is not None:
+        planned = plan(_with_accuracy(planned.scene, accuracy), registry=registry)
+    if resume and planned.scene.accuracy is not None:
+        raise SceneError("resume must be without accuracy (got both); a run to an accuracy stores its answer alone")
     if resume and target is None:
         raise SceneError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
     stopwatch = Stopwatch()
@@ -235,8 +266,17 @@ def run(
 
     store: Store
     stored: ResultStore | None = None
+    answer = None
+    if planned.scene.accuracy is not None:
+        if target is not None:
+            _refuse_folder(planned, target)
+            _refuse_results(target, overwrite=overwrite)
+        with stopwatch.on("runs of growing fineness"):
+            answer = _pursued(planned, registry, watcher)
+        planned = answer.last.run.plan
     if target is None:
-        predicted, store = run_bytes(planned, stored=False), MemoryStore(run_info(planned))
+        predicted = run_bytes(planned, stored=False)
+        store = MemoryStore(run_info(planned)) if answer is None else answer.last.run.kept.store
     else:
         from eigencontact.results.store import ResultStore
 
@@ -245,7 +285,12 @@ def run(
         store = stored = ResultStore.create(target, run_info(planned), resume=resume, overwrite=overwrite)
     done = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
     try:
-        solved = _solve(planned, store, watcher, stopwatch, done)
+        if answer is None:
+            solved = _solve(planned, store, watcher, stopwatch, done)
+        else:
+            solved = answer.last.run.kept.solved
+            if stored is not None:
+                stored.adopt(answer.last.run.kept.store)
     except BaseException:
         if stored is not None:
             stored.abandon()
@@ -256,7 +301,10 @@ def run(
             results = stored.finish()
         files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
     noted = _noted(planned, store, solved.last)
-    if errors or planned.scene.output.errors:
+    if answer is not None:
+        noted |= answer.to_dict()
+        _warn_of_targets(store, solved, noted)
+    elif errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):
@@ -335,6 +383,77 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
 
 
+class _Kept(NamedTuple):
+    """What a run in memory leaves for its storing."""
+
+    store: MemoryStore
+    solved: _Solved
+
+
+def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) -> Answer:
+    """Runs of growing fineness in memory, until the accuracy that the scene asks for is reached."""
+    from eigencontact.accuracy.pursuit import pursue
+    from eigencontact.accuracy.runs import Run, Runs
+    from eigencontact.planning.provenance import run_info
+    from eigencontact.results.memory import MemoryStore
+    from eigencontact.results.summary import summary_of
+
+    announced = getattr(watcher, "announced", None)
+
+    def solve(rung: Plan, words: str) -> Run:
+        if announced is not None:
+            announced(words)
+        store = MemoryStore(run_info(rung))
+        solved = _solve(rung, store, None, Stopwatch(), {})
+        noted = _noted(rung, store, solved.last)
+        return Run(rung, summary_of(store.info, solved.last, noted["history"], noted), _Kept(store, solved))
+
+    assert planned.scene.accuracy is not None
+    return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=solve))
+
+
+def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:
+    """Add a warning where a target does not hold."""
+    if noted["accuracy"]["reached"]:
+        return
+    from eigencontact.accuracy.words import missed
+    from eigencontact.core.cautions import Caution
+    from eigencontact.results.summary import summary_of
+
+    words = missed(summary_of(store.info, solved.last, noted["history"], noted))
+    noted["warnings"] = [*noted["warnings"], Caution("accuracy", words).to_dict()]
+
+
+def _maker(planned: Plan, registry: Registry | None) -> Callable[[Mapping[str, Any]], Plan]:
+    """Plans of other tables of a scene."""
+    from eigencontact.scene.schema import Scene
+
+    return lambda tables: plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+
+
+def _with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:
+    """Scene that asks for an accuracy; what it asks for itself stays where the call says nothing else."""
+    from eigencontact.scene.accuracy import accuracy_table
+    from eigencontact.scene.schema import Scene
+
+    tables = scene.resolved()
+    table = {**tables.get("accuracy", {}), **accuracy_table(accuracy)}
+    return Scene(**{**tables, "accuracy": table}).within(scene.folder)
+
+
+def _refuse_results(folder: Path, *, overwrite: bool) -> None:
+    """Refuse a folder with results before they are computed anew: their cells are not known yet."""
+    from eigencontact.errors import ResultsError
+    from eigencontact.results.ownership import RESULTS, STEPS
+
+    held = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
+    if held is not None and not overwrite:
+        raise ResultsError(
+            f"{folder} must be without results for a run to an accuracy (got {held}); --overwrite replaces them, "
+            "another -o keeps them"
+        )
+
+
 def _errors(
     planned: Plan, summary: Mapping[str, Any], store: Store, registry: Registry | None, watcher: Watcher | None
 ) -> dict[str, Any]:
@@ -344,9 +463,8 @@ def _errors(
     from eigencontact.accuracy.bars import error_bars
     from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.results.memory import MemoryStore
-    from eigencontact.scene.schema import Scene
 
-    announced = getattr(watcher, "announced", None)
+    announced, make = getattr(watcher, "announced", None), _maker(planned, registry)
     with ExitStack() as stack:
         if isinstance(store, MemoryStore):
             fields = FieldErrors(store.results(), summary)
@@ -358,7 +476,7 @@ def _errors(
         def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
             if announced is not None:
                 announced(f"error bars: {words}")
-            coarse = plan(Scene(**tables).within(planned.scene.folder), registry=registry)
+            coarse = make(tables)
             result = run(coarse)
             assert isinstance(result._store, MemoryStore)  # noqa: SLF001 - a run without a folder
             fields.keep(result.summary, result._store.results())  # noqa: SLF001

@@ -96,6 +96,14 @@ SceneArgument = Annotated[
         autocompletion=completion.scenes,
     ),
 ]
+AccuracyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy",
+        metavar="ERROR",
+        help="Error that the main results may have, `1%`; for single numbers see `schema accuracy`.",
+    ),
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value: `--set body1.poisson-ratio=0.4`; repeatable."),
@@ -124,6 +132,7 @@ def run(
     errors: Annotated[
         bool, typer.Option("--errors", help="Estimate the error of every number and field from coarser runs.")
     ] = False,
+    accuracy: AccuracyOption = None,
     quiet: QuietOption = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print a line for each load step: iterations, residuals, times.")
@@ -146,8 +155,8 @@ def run(
             folder = here / (planned.name if output is None else output)
             with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
                 result = calls.run(
-                    planned, folder, resume=resume, overwrite=overwrite, errors=errors, watcher=watcher,
-                    painter=painter,
+                    planned, folder, resume=resume, overwrite=overwrite, errors=errors, accuracy=accuracy,
+                    watcher=watcher, painter=painter,
                 )  # fmt: skip
     for problem in result.problems:
         typer.echo(f"eigencontact: {problem}", err=True)
@@ -177,6 +186,10 @@ def _report(name: str, result: Any) -> None:
     print_table(numbers, console)
     if course := course_table(summary["history"]):
         console.print(f"\n{course}", markup=False, soft_wrap=True)
+    if "accuracy" in summary:
+        from eigencontact.accuracy.words import accuracy_lines
+
+        console.print("\n".join(accuracy_lines(summary)), markup=False, soft_wrap=True)
     for source, reason in summary.get("errors_left_out", {}).items():
         console.print(f"the errors leave out {source}: {reason}", markup=False, soft_wrap=True)
     for caution in summary["warnings"]:
@@ -206,13 +219,23 @@ def _spent(seconds: dict[str, float]) -> str:
 
 
 @app.command(cls=HelpfulCommand)
-def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOption = False) -> None:
-    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons."""
+def explain(
+    scene: SceneArgument, *, changes: SetOption = None, accuracy: AccuracyOption = None, as_json: JsonOption = False
+) -> None:
+    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
+
+    Example: `eigencontact explain hertz --accuracy 1%` foretells the runs that lead to an error of 1 %.
+    """
     from eigencontact import app as calls
 
     with refusals():
-        planned = calls.plan(calls.load_scene(scene, changes or []))
-        typer.echo(json.dumps(planned.to_dict(), indent=2) if as_json else planned.explain())
+        loaded = calls.load_scene(scene, changes or [])
+        if not as_json:
+            typer.echo(calls.explain(loaded, accuracy=accuracy))
+            return
+        planned = calls.plan(loaded)
+        told = calls.foretold(planned, accuracy)
+        typer.echo(json.dumps({**planned.to_dict(), **({} if told is None else {"accuracy": told})}, indent=2))
 
 
 @app.command(cls=HelpfulCommand)

@@ -83,7 +83,14 @@ class Accuracy:
         return {"errors": bars, "errors_left_out": self.left_out, **price}
 
 
-def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: FieldErrors | None = None) -> Accuracy:
+def error_bars(
+    plan: Plan,
+    summary: Mapping[str, Any],
+    solve: Solve,
+    fields: FieldErrors | None = None,
+    *,
+    sources: Sequence[ErrorSource] | None = None,
+) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
     Parameters
@@ -97,6 +104,8 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: Fie
         `EigencontactError`.
     fields : FieldErrors, optional
         Takes the same runs for the errors of fields.
+    sources : sequence of ErrorSource, optional
+        By default those of the plan.
 
     Returns
     -------
@@ -115,7 +124,7 @@ def error_bars(plan: Plan, summary: Mapping[str, Any], solve: Solve, fields: Fie
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
     runs, kept = 0, Kept(_KEPT_BYTES)
-    for source in error_sources(plan):
+    for source in error_sources(plan) if sources is None else sources:
         start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
         if source.known is not None:
             comparisons.append(Comparison(source=source, known=source.known(plan, summary)))

@@ -18,7 +18,7 @@ _FILES = ("pictures", "vtk", "animation", "errors")
 
 
 def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
-    """Tables of a scene with changes, without pictures and other files.
+    """Tables of a scene with changes, without pictures, other files and a target of accuracy.
 
     Examples
     --------
@@ -28,6 +28,7 @@ def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
     ({'tolerance': 0.0001}, False)
     """
     out = {**tables, "output": {**tables.get("output", {}), **dict.fromkeys(_FILES, False)}}
+    out.pop("accuracy", None)
     for name, change in changes.items():
         # a grid is replaced as a whole: two of its keys exclude the others
         if name == "grid" or not isinstance(change, Mapping):

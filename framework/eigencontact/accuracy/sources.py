@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import log2
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
+from eigencontact.accuracy.changes import Changes, refined_grid, refined_steps, refined_window
 from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
 from eigencontact.accuracy.settings import FIDELITIES
+from eigencontact.scene.whole import HIGHEST_DEGREE
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -52,6 +54,10 @@ class ErrorSource:
         Plan and summary of the run to errors that need no other run, by number.
     least : bool
         Whether it counts only in a number that no other source changes: its error is the least that is known.
+    finer : callable, optional
+        Plan and a factor to the changes that divide the step size by about this factor; None where none can.
+    stride : float
+        Factor that shows in the results: a tolerance must fall further than cells.
     on_coarse : bool
         Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
     """
@@ -60,6 +66,8 @@ class ErrorSource:
     applies: Callable[[Plan], bool]
     variations: Callable[[Plan], Sequence[Variation]] = lambda _: ()
     known: Callable[[Plan, Mapping[str, Any]], Mapping[str, float]] | None = None
+    finer: Callable[[Plan, float], Changes] | None = None
+    stride: float = 2.0
     lowest: float = 1.0
     highest: float = 2.0
     on_coarse: bool = True
@@ -80,6 +88,10 @@ def _cells(plan: Plan) -> list[Variation]:
     ]
 
 
+def _finer_cells(plan: Plan, factor: float) -> Changes:
+    return {"grid": refined_grid(plan, factor)[0]}
+
+
 def _has_path(plan: Plan) -> bool:
     """Whether a state depends on the path of the loads: friction, wear, a law with memory."""
     scene = plan.scene
@@ -97,6 +109,10 @@ def _increments(plan: Plan) -> list[Variation]:
     return []
 
 
+def _more_increments(plan: Plan, factor: float) -> Changes:
+    return {"steps": refined_steps(plan.scene.resolved()["steps"], factor)[0]}
+
+
 def _of_setting(key: str, value: Callable[[Plan], Any], ratio: float) -> Callable[[Plan], list[Variation]]:
     """Variation of one setting of the scene."""
 
@@ -104,6 +120,11 @@ def _of_setting(key: str, value: Callable[[Plan], Any], ratio: float) -> Callabl
         return [Variation(changes=_SETTINGS[key].of(plan, value(plan)), ratio=ratio)]
 
     return variations
+
+
+def _divided(key: str, value: Callable[[Plan], float], least: float) -> Callable[[Plan, float], Changes]:
+    """Changes that divide one setting of the scene, down to the least that it can have."""
+    return lambda plan, factor: _SETTINGS[key].of(plan, max(least, value(plan) / factor))
 
 
 def _has(key: str) -> Callable[[Plan], bool]:
@@ -125,6 +146,24 @@ def _lower_degree(plan: Plan) -> list[Variation]:
     return [Variation(changes={"numerics": {"inclusion-resolution": {"whole": _degree(plan) - 1}}}, ratio=2.0)]
 
 
+def _higher_degree(plan: Plan, factor: float) -> Changes:
+    degree = min(HIGHEST_DEGREE, _degree(plan) + max(1, round(log2(factor))))
+    return {"numerics": {"inclusion-resolution": {"whole": degree}}}
+
+
+def _more_cells(plan: Plan, factor: float) -> Changes:
+    return {"numerics": {"inclusion-cells": round(factor * plan.numerics.inclusion_cells)}}
+
+
+def _fewer_jumps(plan: Plan, factor: float) -> Changes:
+    wear = plan.scene.wear
+    assert wear is not None
+    if wear.error is None:
+        assert wear.cycles_per_update is not None
+        return {"wear": {"cycles-per-update": max(1, int(wear.cycles_per_update / factor))}}
+    return {"wear": {"jump-error": max(1e-6, wear.error / factor)}}
+
+
 def _jumps(plan: Plan) -> list[Variation]:
     """Twice the error that a jump over cycles may have, or jumps over twice the cycles."""
     wear = plan.scene.wear
@@ -137,11 +176,15 @@ def _jumps(plan: Plan) -> list[Variation]:
 
 def _layer_error(plan: Plan) -> float:
     assert plan.scene.wear is not None
-    return min(1.0, 2.0 * plan.scene.wear.layer_error)
+    return plan.scene.wear.layer_error
 
 
 def _plastic_error(plan: Plan) -> float:
-    return min(1.0, 2.0 * (plan.numerics.plastic_error or 0.0))
+    return plan.numerics.plastic_error or 0.0
+
+
+def _pitch(plan: Plan) -> float:
+    return plan.numerics.inclusion_pitch or 0.0
 
 
 def _expands_clouds(plan: Plan) -> bool:
@@ -149,7 +192,7 @@ def _expands_clouds(plan: Plan) -> bool:
 
 
 SOURCES: tuple[ErrorSource, ...] = (
-    ErrorSource(name="cells", applies=lambda _: True, variations=_cells, on_coarse=False),
+    ErrorSource(name="cells", applies=lambda _: True, variations=_cells, finer=_finer_cells, on_coarse=False),
     ErrorSource(name="points of regions", applies=has_points, known=half_distances, on_coarse=False),
     ErrorSource(
         name="size of a cell",
@@ -158,39 +201,62 @@ SOURCES: tuple[ErrorSource, ...] = (
         on_coarse=False,
         least=True,
     ),
-    ErrorSource(name="load steps", applies=_has_path, variations=_increments, highest=1.0),
+    ErrorSource(name="load steps", applies=_has_path, variations=_increments, finer=_more_increments, highest=1.0),
     ErrorSource(
         name="cells along z",
         applies=_own_pitch,
-        variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * (plan.numerics.inclusion_pitch or 0.0), 1.5),
+        variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * _pitch(plan), 1.5),
+        finer=_divided("inclusion-pitch", _pitch, 0.0),
     ),
     ErrorSource(
         name="cells of regions",
         applies=_has("inclusion-cells"),
         variations=_of_setting("inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0),
+        finer=_more_cells,
     ),
-    ErrorSource(name="degree", applies=lambda plan: _degree(plan) > 0, variations=_lower_degree),
+    ErrorSource(
+        name="degree",
+        applies=lambda plan: _degree(plan) > 0,
+        variations=_lower_degree,
+        finer=_higher_degree,
+        stride=4.0,
+    ),
     ErrorSource(
         name="plastic-error",
         applies=lambda plan: plan.numerics.plastic_error is not None,
-        variations=_of_setting("plastic-error", _plastic_error, 2.0),
+        variations=_of_setting("plastic-error", lambda plan: min(1.0, 2.0 * _plastic_error(plan)), 2.0),
+        finer=_divided("plastic-error", _plastic_error, 1e-6),
+        stride=4.0,
         lowest=_ADAPTIVE,
     ),
-    ErrorSource(name="jumps over cycles", applies=_has("jump-error"), variations=_jumps, lowest=_ADAPTIVE),
+    ErrorSource(
+        name="jumps over cycles",
+        applies=_has("jump-error"),
+        variations=_jumps,
+        finer=_fewer_jumps,
+        stride=4.0,
+        lowest=_ADAPTIVE,
+    ),
     ErrorSource(
         name="layer-error",
         applies=_has("layer-error"),
-        variations=_of_setting("layer-error", _layer_error, 2.0),
+        variations=_of_setting("layer-error", lambda plan: min(1.0, 2.0 * _layer_error(plan)), 2.0),
+        finer=_divided("layer-error", _layer_error, 1e-6),
+        stride=4.0,
         lowest=_ADAPTIVE,
     ),
     ErrorSource(
         name="cloud-tolerance",
         applies=_expands_clouds,
         variations=_of_setting("cloud-tolerance", lambda plan: min(0.01, 10.0 * plan.numerics.cloud_tolerance), 10.0),
+        finer=_divided("cloud-tolerance", lambda plan: plan.numerics.cloud_tolerance, 1e-12),
+        stride=10.0,
     ),
     ErrorSource(
         name="tolerance",
         applies=lambda plan: plan.numerics.tolerance > _TIGHT and _SETTINGS["tolerance"].has(plan),
         variations=_of_setting("tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0),
+        finer=_divided("tolerance", lambda plan: plan.numerics.tolerance, 1e-10),
+        stride=10.0,
     ),
 )

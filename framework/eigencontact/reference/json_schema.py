@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_type_hints
 
 from eigencontact.core.places import place_field
 from eigencontact.hooks.registry import Registry
 from eigencontact.reference.docstrings import summary
-from eigencontact.reference.forms import kinds_within
+from eigencontact.reference.forms import form_of, kinds_within
 from eigencontact.reference.keys import Key, keys_of
+from eigencontact.scene.accuracy import Accuracy
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
 
@@ -51,7 +52,7 @@ class _Definitions:
             "description": summary(cls),
             "properties": {**(beside or {}), **properties},
             "required": [*(["type"] if beside else []), *(key.name for key in keys if key.required)],
-            "additionalProperties": False,
+            "additionalProperties": _further(cls),
         }
 
     def _define(self, key: Key) -> None:
@@ -82,6 +83,12 @@ class _Definitions:
     def _plugin(self, entry: Any, beside: dict[str, Any] | None = None) -> dict[str, Any]:
         type_form = {"type": {"const": self.registry.spelling(entry), "description": summary(entry.component)}}
         return self.table(entry.component, {**type_form, **(beside or {})})
+
+
+def _further(cls: type) -> bool | dict[str, Any]:
+    """Form of keys that a class does not declare; False where it takes none."""
+    kept = get_type_hints(cls, include_extras=True).get("__pydantic_extra__") if issubclass(cls, Accuracy) else None
+    return False if kept is None else dict(_clean(form_of(kept)["additionalProperties"]))
 
 
 def _property(key: Key) -> dict[str, Any]:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.results.history import HISTORY_STEP
-from eigencontact.results.join import dataset_of
+from eigencontact.results.join import dataset_of, join_steps
 from eigencontact.results.part import Part, part_of
 from eigencontact.results.stepfile import history_part, step_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
     import xarray as xr
     from numpy.typing import NDArray
@@ -56,6 +57,10 @@ class MemoryStore:
         """Scalars of every step in order; NaN where a step before the last has none of a name."""
         nothing = dict.fromkeys((name for row in self._rows for name in row), float("nan"))
         return [*(nothing | row for row in self._rows[:-1]), last.row()]
+
+    def join(self, path: Path) -> None:
+        """Write the stored steps to a results file."""
+        join_steps(path, self._steps, self._histories)
 
     def dataset(self) -> xr.Dataset:
         """Dataset as `eigencontact.results.reader.open_results` returns it; the call releases the stored steps."""

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from eigencontact.results.layout import Variable
+    from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import RunInfo, StepRecord
 
 __all__ = ["ResultStore"]
@@ -250,6 +251,17 @@ class ResultStore:
         from eigencontact.results.errors import append
 
         append(self.folder / RESULTS, variables)
+
+    def adopt(self, memory: MemoryStore) -> None:
+        """Store the steps of a run in memory as the finished results.
+
+        Raises
+        ------
+        ResultsError
+            When they cannot be stored.
+        """
+        memory.join(self.folder / RESULTS)
+        _remove_steps(self.folder)
 
     def history(self, last: StepRecord) -> list[dict[str, Any]]:
         """Numbers of every stored step, the last one as it is in memory; in order."""

@@ -14,7 +14,7 @@ from eigencontact.errors import PluginError
 from eigencontact.hooks.registry import Registry
 from eigencontact.scene.components import kind_within
 from eigencontact.scene.schema import Scene
-from eigencontact.scene.table import OfKind, Table
+from eigencontact.scene.table import ComponentTable, OfKind, Table
 
 __all__ = ["anchored"]
 
@@ -70,7 +70,7 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
             changes[name] = _in_model(value, registry, place)
         elif isinstance(value, list) and value and isinstance(value[0], Table):
             changes[name] = [_in_model(table, registry, place) for table in value]
-    if model.model_extra:  # the fields of a component stand in the table itself
+    if isinstance(model, ComponentTable) and model.model_extra:  # the fields of a component stand in the table itself
         table = _in_component({"type": model.type, **model.model_extra}, model.kind, registry, place)
         changes |= {key: table[key] for key in model.model_extra}
     return model.model_copy(update=changes)

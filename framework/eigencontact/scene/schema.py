@@ -15,6 +15,7 @@ from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError
 from eigencontact.hooks.files import with_files
 from eigencontact.hooks.registry import Registry
+from eigencontact.scene.accuracy import Accuracy
 from eigencontact.scene.as_tables import with_tables
 from eigencontact.scene.body import Body
 from eigencontact.scene.checks import (
@@ -243,6 +244,8 @@ class Scene(Table):
         What is written beside each step; ``type`` names the plugin.
     output : Output
         Files beside results and summary.
+    accuracy : Accuracy, optional
+        Errors that numbers may have: the run chooses cells, increments and tolerances.
 
     Examples
     --------
@@ -275,6 +278,7 @@ class Scene(Table):
     stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
     observers: Annotated[Tables, OfKind("observer")] = Field([])
     output: Output = Output()
+    accuracy: Accuracy | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:

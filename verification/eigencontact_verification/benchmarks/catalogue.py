@@ -11,7 +11,8 @@ __all__ = ["BENCHMARKS"]
 #: Modules of this folder with a `BENCHMARK`, which has the name of its module.
 _NAMES = (
     "hertz", "stress", "fidelity", "eigenstrain", "cloud", "trade", "tangential", "inhomogeneity", "degrees",
-    "degree_errors", "error_bars", "field_errors", "balls", "largest", "layers", "plasticity", "wear", "rough",
+    "degree_errors", "error_bars", "field_errors", "accuracy_asked", "balls", "largest", "layers", "plasticity", "wear",
+    "rough",
     "predictions", "start", "store",
 )  # fmt: skip
 BENCHMARKS: dict[str, Benchmark] = {

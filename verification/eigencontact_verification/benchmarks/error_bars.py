@@ -31,8 +31,6 @@ _FINER = {"inclusions": 2.0, "yield": 2.0, "damage": 2.0}
 _FINEST = 3.0
 #: Differences below this part of a number are round-off.
 _NOTHING = 1e-9
-#: Numbers below this part of the largest of their unit are zero by symmetry: the tolerance of the solvers is 1e-6.
-_ZERO = 1e-5
 
 
 def solved(tables: Mapping[str, Any], factor: float = 2.0) -> dict[str, Any]:
@@ -83,6 +81,7 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Value, error bar and difference to the judge of every number of a stored scene."""
     from eigencontact.accuracy.bars import Comparison, joined_bars
     from eigencontact.accuracy.sources import SOURCES
+    from eigencontact.accuracy.targets import ZERO
 
     sources = {source.name: source for source in SOURCES}
     comparisons = [
@@ -97,8 +96,8 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for name, bar in joined_bars(summary, comparisons).items():
         unit = row["numbers"][name]["unit"]
-        zero = abs(bar.value) < _ZERO * scales.get(unit, 0.0)
-        least = _ZERO * scales[unit] if zero else _NOTHING * abs(bar.value)
+        zero = abs(bar.value) < ZERO * scales.get(unit, 0.0)
+        least = ZERO * scales[unit] if zero else _NOTHING * abs(bar.value)
         seen = name in truth and (bar.value != 0.0 or truth[name] != 0.0)
         if seen and max(bar.error, abs(truth[name] - bar.value)) > least:
             found[name] = {**bar.to_dict(), "difference": abs(truth[name] - bar.value)}

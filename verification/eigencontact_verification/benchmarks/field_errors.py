@@ -14,7 +14,7 @@ import numpy as np
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, timed
 from eigencontact_verification.benchmarks.codes import Code, ours
-from eigencontact_verification.benchmarks.error_bars import KINDS, _finer, random_scene
+from eigencontact_verification.benchmarks.random_scenes import KINDS, finer, random_scene
 from eigencontact_verification.reporting.table import Column
 
 __all__ = ["BENCHMARK", "compared", "measure"]
@@ -40,7 +40,7 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
 
     planned = app.plan(tables)
     result = app.run(planned, errors=True)
-    run, judge = result.dataset, app.run(_finer(planned)).dataset
+    run, judge = result.dataset, app.run(finer(planned)).dataset
     found = {}
     for name in result.summary["field_errors"]:
         values, errors = (run[stored].values[-1] for stored in (name, f"{name}_error"))

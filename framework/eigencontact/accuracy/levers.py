@@ -1,0 +1,201 @@
+"""Which source of error to refine, and by how much: the one whose error falls most for its time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, log
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.accuracy.changes import changed
+from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.errors import EigencontactError
+
+if TYPE_CHECKING:
+    from eigencontact.accuracy.targets import Targets
+    from eigencontact.core.numbers import ErrorBar
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["SHARE", "Lever", "Way", "cheapest", "levers_of"]
+
+#: Share of a target that a prediction aims at: orders are not exact.
+SHARE = 0.85
+#: Factors of one decision: cells may have any number, other settings change by what shows.
+_CELLS, _LEAST = 1.1, 1.5
+#: Factor that tells a price where the memory of the machine refuses a larger one.
+_LITTLE = 1.25
+#: Largest factor of one rung: bars are judged by the runs before it.
+_CELLS_AT_ONCE = 3.0
+#: Least power of the time: a tenth of a tolerance of 1e-6 takes a sixth more iterations, which no prediction contains.
+_FREE = 0.067
+#: Least power of the time for cells: on few of them the fixed part of a run hides that their number grows so.
+_SQUARE = 2.0
+#: Least fall of the errors beyond the targets for which a source is refined, in parts of them.
+_SMALL = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lever:
+    """A source of error with its price.
+
+    Attributes
+    ----------
+    source : ErrorSource
+    seconds, memory : float
+        Powers of the factor with which the predicted time and memory rise.
+    """
+
+    source: ErrorSource
+    seconds: float
+    memory: float
+
+    @property
+    def step(self) -> float:
+        """Factor of one decision."""
+        if self.source.name == "cells":
+            return _CELLS
+        return _LEAST if self.source.stride == 2.0 else self.source.stride
+
+    @property
+    def at_once(self) -> float:
+        """Largest factor of one rung."""
+        return _CELLS_AT_ONCE if self.source.name == "cells" else self.source.stride**2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """Factors by which the sources are refined, with what they are predicted to lead to.
+
+    Attributes
+    ----------
+    factors : dict of str to float
+        By name of the source.
+    seconds, memory : float
+        Predicted time and memory in those of the run that is refined.
+    errors : dict of str to float
+        Predicted error of each number with a target.
+    holds : bool
+        Whether all targets hold then.
+    """
+
+    factors: dict[str, float]
+    seconds: float
+    memory: float
+    errors: dict[str, float]
+    holds: bool
+
+    def changes(self, plan: Plan, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Tables with the finer settings."""
+        for source in error_sources(plan):
+            if source.finer is not None and source.name in self.factors:
+                output = tables["output"]
+                tables = changed(tables, source.finer(plan, self.factors[source.name])) | {"output": output}
+        return dict(tables)
+
+
+def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lever]:
+    """Sources of error of a plan that can be finer, with what this costs by the prediction of time and memory."""
+    found = []
+    for source in error_sources(plan):
+        lever = next(filter(None, (_lever(plan, source, factor, make) for factor in (source.stride, _LITTLE))), None)
+        if lever is not None:
+            found.append(lever)
+    return found
+
+
+def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mapping[str, Any]], Plan]) -> Lever | None:
+    """Lever by the plan of the scene with this source finer; None where it cannot be, or the plan is refused."""
+    if source.finer is None:
+        return None
+    try:
+        finer = make(changed(plan.scene.resolved(), source.finer(plan, factor)))
+    except EigencontactError:
+        return None
+    if finer.scene.model_dump(exclude={"output"}) == plan.scene.model_dump(exclude={"output"}):
+        return None
+    seconds, memory = (
+        log(max(after, 1e-12) / max(before, 1e-12)) / log(factor)
+        for after, before in ((finer.seconds, plan.seconds), (finer.cost.peak, plan.cost.peak))
+    )
+    least = _SQUARE if source.name == "cells" else _FREE
+    return Lever(source=source, seconds=max(least, seconds), memory=max(0.0, memory))
+
+
+def cheapest(
+    levers: Sequence[Lever],
+    bars: Mapping[str, ErrorBar],
+    targets: Targets,
+    *,
+    orders: Mapping[str, float] | None = None,
+    most: float = inf,
+    memory: float = inf,
+    far: bool = False,
+) -> Way:
+    """Refine the source with the largest fall of errors per rise of time, again and again, until all targets hold.
+
+    Parameters
+    ----------
+    levers : sequence of Lever
+    bars : mapping of str to ErrorBar
+        Errors now; each share falls with its observed order, or with the lowest that is known.
+    targets : Targets
+    orders : mapping of str to float, optional
+        Orders of numbers with the cells, where they are known better: that of a warning, that between two rungs.
+    most, memory : float
+        Time and memory that must not be exceeded, in those of now.
+    far : bool
+        Whether factors may be larger than those of one rung: to tell what more would cost.
+    """
+    falls = {
+        (name, lever.source.name): _order(lever.source, bars[name], (orders or {}).get(name))
+        for name in targets.allowed
+        for lever in levers
+    }
+    factors = dict.fromkeys((lever.source.name for lever in levers), 1.0)
+
+    def errors(given: Mapping[str, float]) -> dict[str, float]:
+        return {
+            name: sum(
+                part / given.get(source, 1.0) ** falls.get((name, source), 0.0)
+                for source, part in bars[name].parts.items()
+            )
+            for name in targets.allowed
+        }
+
+    def price(given: Mapping[str, float], kind: str) -> float:
+        out = 1.0
+        for lever in levers:
+            out *= given[lever.source.name] ** getattr(lever, kind)
+        return out
+
+    excess = targets.excess(errors(factors), SHARE)
+    while excess > 0.0:
+        now, best, gain = price(factors, "seconds"), None, 0.0
+        for lever in levers:
+            tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
+            within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
+            allowed = tried[lever.source.name] <= (1e4 if far else 1.001 * lever.at_once)
+            fall = excess - targets.excess(errors(tried), SHARE)
+            pays = fall / (price(tried, "seconds") - now)
+            if within and allowed and pays > gain and fall > _SMALL * excess:
+                best, gain = tried, pays
+        if best is None:
+            break
+        factors, excess = best, targets.excess(errors(best), SHARE)
+    reached = errors(factors)
+    return Way(
+        factors={name: factor for name, factor in factors.items() if factor > 1.0},
+        seconds=price(factors, "seconds"),
+        memory=price(factors, "memory"),
+        errors=reached,
+        holds=targets.excess(reached) == 0.0,
+    )
+
+
+def _order(source: ErrorSource, bar: ErrorBar, known: float | None) -> float:
+    """Order with which the share of a source falls."""
+    if source.name == "cells" and known is not None:
+        return known
+    if source.name == bar.source and bar.order is not None:
+        return min(bar.order, source.highest)
+    return source.lowest

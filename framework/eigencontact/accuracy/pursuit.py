@@ -1,0 +1,278 @@
+"""From a pilot on few cells to an answer whose error bars hold the targets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import log
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.accuracy.bars import Accuracy
+from eigencontact.accuracy.changes import changed, refined_grid
+from eigencontact.accuracy.levers import Way, cheapest, levers_of
+from eigencontact.accuracy.runs import Run, Runs, edge_of
+from eigencontact.accuracy.targets import Targets, check_names, targets_of
+from eigencontact.core.memory import machine_bytes
+from eigencontact.core.units import readable, time_in_words
+from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.model.resolution import cells_per_radius
+from eigencontact.model.sizes import MEMORY_SHARE
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+    from eigencontact.scene.accuracy import Accuracy as Table
+
+__all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_tables", "pursue"]
+
+#: Cells per contact radius of the pilot; fewer cells each way than these show no region.
+_PILOT, _WAY = 12.0, 16
+#: Part of the cells of a given window that the pilot has at least: a measured surface is lost on fewer.
+_WINDOW = 0.5
+#: Most rungs, and how often a pilot that is refused becomes finer.
+_RUNGS, _TRIES = 7, 3
+#: Fall of the errors beyond the targets, in parts of them, below which a rung has not paid.
+_FALL = 0.1
+#: Time of the coarser runs of the next rung, in times of that rung: that of the last one, within these bounds.
+_BARS = (0.4, 1.5)
+#: Time that a pursuit may take where the scene gives none [s].
+DEFAULT_TIME = 600.0
+#: Ratio of cells from which on two rungs tell an order, and the orders that are believed.
+_APART, _ORDERS = 1.2, (1.0, 2.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rung:
+    """One run on the way, with its error bars and targets."""
+
+    run: Run
+    tables: Mapping[str, Any]
+    seconds: float
+    found: Accuracy
+    targets: Targets
+
+    @property
+    def holds(self) -> bool:
+        """Whether all targets hold by the bars."""
+        return self.targets.hold(self.found.bars)
+
+    @property
+    def excess(self) -> float:
+        """Errors beyond the targets."""
+        return self.targets.excess({name: self.found.bars[name].error for name in self.targets.allowed})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Settings, time and bars as plain data."""
+        plan = self.run.plan
+        return {
+            "cells": [plan.grid.nx, plan.grid.ny],
+            "spacing": [float(plan.grid.dx), float(plan.grid.dy)],
+            "load_steps": plan.steps,
+            "tolerance": plan.numerics.tolerance,
+            "seconds": self.seconds,
+            "error_seconds": self.found.seconds,
+            "errors": {name: self.found.bars[name].error for name in self.targets.allowed},
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """The finest run, and how it was reached.
+
+    Attributes
+    ----------
+    rungs : list of Rung
+        In order; the last one is the answer.
+    runs : Runs
+        All runs, the coarser ones too.
+    seconds : float
+        Wall time of all [s].
+    stopped : str
+        Why targets were not reached; empty where they were.
+    more : Way, optional
+        What would reach them, in time and memory of the answer.
+    """
+
+    rungs: list[Rung]
+    runs: Runs
+    seconds: float
+    stopped: str = ""
+    more: Way | None = None
+
+    @property
+    def last(self) -> Rung:
+        """The answer."""
+        return self.rungs[-1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for ``summary.json``."""
+        last = self.last
+        accuracy: dict[str, Any] = {
+            "reached": last.holds,
+            "targets": last.targets.to_dict(last.found.bars),
+            "left_out": last.targets.left_out,
+            "rungs": [rung.to_dict() for rung in self.rungs],
+            "runs": self.runs.solved,
+            "reused": self.runs.reused,
+            "seconds": self.seconds,
+            "stopped": self.stopped,
+        }
+        if self.more is not None:
+            accuracy["more"] = {
+                "seconds": self.more.seconds * last.seconds,
+                "memory": self.more.memory * last.run.plan.cost.peak,
+                "factors": self.more.factors,
+                "holds": self.more.holds,
+            }
+        return {**last.found.to_dict(), "accuracy": accuracy}
+
+
+def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
+    """Tables of the first run: the scene on few cells, which need not show what the scene's own would."""
+    spec, expected = plan.scene.grid, plan.model.window.expected
+    if spec.automatic and plan.scene.geometry:
+        factor = cells / spec.cells_per_contact_radius
+    else:
+        share = _WINDOW if expected is None else cells / max(cells_per_radius(expected, plan.grid), 1e-9)
+        factor = max(share, _WINDOW, _WAY / min(plan.grid.nx, plan.grid.ny))
+    tables = plan.scene.resolved()
+    output = {**tables["output"], "errors": False}
+    coarse = {"grid": refined_grid(plan, min(1.0, factor))[0], "numerics": {"allow-coarse": True}}
+    return changed(tables, coarse) | {"output": output}
+
+
+@dataclass
+class _Course:
+    """A pursuit under way."""
+
+    table: Table
+    runs: Runs
+    began: float = field(default_factory=perf_counter)
+
+    @property
+    def left(self) -> float:
+        """Time that is left [s]."""
+        return (self.table.time or DEFAULT_TIME) - (perf_counter() - self.began)
+
+    @property
+    def memory(self) -> float:
+        """Memory that a run may take [bytes]."""
+        return self.table.memory or MEMORY_SHARE * machine_bytes()
+
+    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy]) -> Rung:
+        """Solved run with its targets."""
+        run, seconds, found = solved
+        targets = targets_of(self.table, run.summary, found)
+        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets)
+
+    def pilot(self, plan: Plan) -> Rung:
+        """First run; a finer one where it is refused, as cells that show nothing are."""
+        for attempt in range(_TRIES):
+            tables = pilot_tables(plan, _PILOT * 2.0**attempt)
+            try:
+                planned = self.runs.make(tables)
+                self.refuse_pilot(planned)
+                solved = self.runs.rung(planned, "pilot")
+            except EigencontactError:
+                if attempt == _TRIES - 1:
+                    raise
+            else:
+                return self.judged(tables, solved)
+        raise AssertionError
+
+    def refuse_pilot(self, plan: Plan) -> None:
+        """Refuse a budget that the first run exceeds."""
+        time, memory = self.table.time, self.table.memory
+        for key, given, needed in (("time", time, plan.seconds), ("memory", memory, float(plan.cost.peak))):
+            if given is not None and needed > given:
+                texts = [time_in_words(value) if key == "time" else readable(value, "B") for value in (needed, given)]
+                raise SceneError(f'accuracy.{key} must be at least "{texts[0]}" for the first run (got "{texts[1]}")')
+
+    def way(self, rungs: Sequence[Rung]) -> tuple[Way, Way | None]:
+        """Next refinement, and what all targets would need where that is beyond the budget.
+
+        Numbers that need more than the budget, by the orders that two rungs show, do not take part in the next one.
+        """
+        rung, orders = rungs[-1], _orders(rungs)
+        bars, targets = rung.found.bars, rung.targets
+        levers = levers_of(rung.run.plan, self.runs.make)
+        most = self.left / (
+            rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.found.seconds))
+        )
+        memory = self.memory / max(rung.run.plan.cost.peak, 1.0)
+        whole = cheapest(levers, bars, targets, orders=orders, far=True)
+        beyond = None if whole.seconds <= most and whole.memory <= memory and whole.holds else whole
+        if beyond is not None and len(rungs) > 1:
+            ways = {
+                name: cheapest(levers, bars, targets.only([name]), orders=orders, far=True) for name in targets.allowed
+            }
+            targets = targets.only(
+                name for name, way in ways.items() if way.holds and way.seconds <= most and way.memory <= memory
+            )
+        return cheapest(levers, bars, targets, orders=orders, most=most, memory=memory), beyond
+
+
+def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
+    """Orders with the cells of numbers that show none in one rung: from a warning, or from the bars of two rungs."""
+    last = rungs[-1]
+    slow = {w["number"]: float(w["order"]) for w in last.run.summary["warnings"] if w.get("number")}
+    if len(rungs) < 2:
+        return slow
+    finer = edge_of(rungs[-2].run.plan) / edge_of(last.run.plan)
+    found = dict[str, float]()
+    for name, bar in last.found.bars.items():
+        before = rungs[-2].found.bars.get(name)
+        parts = (0.0 if before is None else before.parts.get("cells", 0.0), bar.parts.get("cells", 0.0))
+        if bar.order is None and finer > _APART and min(parts) > 0.0:
+            found[name] = min(_ORDERS[1], max(_ORDERS[0], log(parts[0] / parts[1]) / log(finer)))
+    return found | slow
+
+
+def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
+    """Refine a scene from a pilot on until its numbers have the accuracy that is asked for.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the scene as it is.
+    table : Accuracy
+        Targets and budget.
+    runs : Runs
+        Plans and solves.
+
+    Raises
+    ------
+    SceneError
+        A target that no cells can reach, or a budget below the first run.
+    EigencontactError
+        The first run fails.
+    """
+    check_names(table, plan)
+    course = _Course(table, runs)
+    rungs, stopped, idle = [course.pilot(plan)], "", 0
+    more: Way | None = None
+    while not rungs[-1].holds and not stopped:
+        last = rungs[-1]
+        way, more = course.way(rungs)
+        if not way.factors:
+            stopped = "the rest needs more than the budget of time or memory" if more else "no setting can be finer"
+        elif len(rungs) == _RUNGS:
+            stopped = f"{_RUNGS} runs of growing fineness did not reach the targets"
+        else:
+            tables = way.changes(last.run.plan, last.tables)
+            try:
+                solved = runs.rung(runs.make(tables), _words(way))
+            except EigencontactError as problem:
+                stopped = " ".join(str(problem).split())
+                continue
+            rungs.append(course.judged(tables, solved))
+            idle = idle + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
+            if idle == 2 and not rungs[-1].holds:
+                stopped = "the errors no longer fall"
+    seconds = perf_counter() - course.began
+    return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, more=more if stopped else None)
+
+
+def _words(way: Way) -> str:
+    """Refinement in words."""
+    return ", ".join(f"{name} {factor:.3g} times finer" for name, factor in way.factors.items())

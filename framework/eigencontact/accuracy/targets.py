@@ -1,0 +1,192 @@
+"""Errors that the numbers of a run may have, and the reasons why a number can have no target."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.core.numbers import ErrorBar, Number
+from eigencontact.core.units import parse_quantity
+from eigencontact.errors import SceneError, nearest
+from eigencontact.scene.accuracy import part_of
+
+if TYPE_CHECKING:
+    from eigencontact.accuracy.bars import Accuracy
+    from eigencontact.planning.plan import Plan
+    from eigencontact.scene.accuracy import Accuracy as Table
+
+__all__ = ["ZERO", "Targets", "scales_of", "targets_of"]
+
+#: Numbers below this part of the largest of their unit are zero by symmetry: the tolerance of the solvers is 1e-6.
+ZERO = 1e-5
+#: A small number whose error is below this part of it is no zero: worn depths are small beside the contact.
+_NOISE = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Targets:
+    """Allowed errors of the numbers of one run.
+
+    Attributes
+    ----------
+    allowed : dict of str to float
+        Largest error of each number that has a target, in its unit.
+    texts : dict of str to str
+        The same as the scene writes it.
+    left_out : dict of str to str
+        Main results without a target, and why.
+    """
+
+    allowed: dict[str, float]
+    texts: dict[str, str] = field(default_factory=dict)
+    left_out: dict[str, str] = field(default_factory=dict)
+
+    def excess(self, errors: Mapping[str, float], share: float = 1.0) -> float:
+        """Sum over all targets of the error beyond a share of what is allowed, in parts of what is allowed.
+
+        Examples
+        --------
+        >>> Targets(allowed={"approach": 2.0}).excess({"approach": 3.0})
+        0.5
+        """
+        return sum(max(0.0, errors[name] / limit - share) for name, limit in self.allowed.items())
+
+    def only(self, names: Iterable[str]) -> Targets:
+        """Targets of some of the numbers."""
+        return replace(self, allowed={name: self.allowed[name] for name in names})
+
+    def hold(self, bars: Mapping[str, ErrorBar]) -> bool:
+        """Whether every bar is within its target."""
+        return all(bars[name].error <= limit for name, limit in self.allowed.items())
+
+    def to_dict(self, bars: Mapping[str, ErrorBar]) -> dict[str, Any]:
+        """Plain data: each target beside the error that was reached."""
+        return {
+            name: {
+                "target": self.texts[name],
+                "allowed": limit,
+                "error": bars[name].error,
+                "holds": bars[name].error <= limit,
+            }
+            for name, limit in self.allowed.items()
+        }
+
+
+def check_names(table: Table, plan: Plan) -> None:
+    """Refuse targets of numbers that a run does not have, before anything is computed."""
+    declared = _declared(plan)
+    for name, target in table.targets.items():
+        key, number = name.replace("_", "-"), declared.get(name)
+        if number is None or number.role != "result":
+            keys = [known.replace("_", "-") for known, other in declared.items() if other.role == "result"]
+            got = "no number of this name" if number is None else _KINDS[number.role]
+            raise SceneError(
+                f"accuracy.{key} must be a result of the scene (got {got}); ask for one of {', '.join(keys)}"
+                f"{nearest(key, keys)}"
+            )
+        if part_of(target) is None:
+            _in_unit(target, number)
+
+
+def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Targets:
+    """Allowed errors of a run with its error bars.
+
+    Raises
+    ------
+    SceneError
+        A number that the scene names cannot reach its target on any cells, or no main result can: names the reason and
+        what can be asked for instead.
+    """
+    declared = {name: Number(**number) for name, number in summary["numbers"].items()}
+    scales = scales_of(summary)
+    allowed, texts, left_out = dict[str, float](), dict[str, str](), dict[str, str]()
+    main = [name for name, number in declared.items() if number.headline and number.role == "result"]
+    able = [name for name in main if not _reason(declared[name], found, scales)]
+    wanted = {name: table.numbers for name in main if table.numbers is not None} | table.targets
+    for name, target in wanted.items():
+        number, key = declared.get(name), name.replace("_", "-")
+        absolute = part_of(target) is None
+        reason = "the run has no such number" if number is None else _reason(number, found, scales)
+        if absolute and reason == _AT_ZERO:
+            reason = ""
+        if reason and name in table.targets:
+            raise SceneError(
+                f"accuracy.{key} must be a number that can reach a target "
+                f"(got {key}: {reason}); {_instead(able, reason)}"
+            )
+        if absolute and name not in table.targets and number is not None:
+            raise SceneError(
+                f'accuracy.numbers must be a part of the numbers, like "1 %" (got {target!r}); write {key} = {target!r}'
+            )
+        if reason or number is None:
+            left_out[name] = reason
+            continue
+        part = part_of(target)
+        allowed[name] = _in_unit(target, number) if part is None else part * abs(found.bars[name].value)
+        texts[name] = target if isinstance(target, str) else f"{100 * target:g} %"
+    if not allowed:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
+        raise SceneError(
+            f"accuracy.numbers must be of a scene with results that can reach it (got {reasons}); name a number"
+        )
+    return Targets(allowed=allowed, texts=texts, left_out=left_out)
+
+
+#: Numbers that are no results.
+_KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated error", "effort": "an effort"}
+_AT_ZERO = "zero by symmetry, and a part of zero is nothing"
+
+
+def _reason(number: Number, found: Accuracy, scales: Mapping[str, float]) -> str:
+    """Why a number can have no target; empty where it can."""
+    if number.role != "result":
+        return f"it is {_KINDS[number.role]}"
+    if number.name in found.left_out:
+        return f"it does not converge: {found.left_out[number.name]}"
+    bar = found.bars.get(number.name)
+    if bar is None:
+        lacking = "; ".join(f"{source}: {words}" for source, words in found.left_out.items())
+        return f"it has no error bar{lacking and f' ({lacking})'}"
+    small = abs(bar.value) < ZERO * scales.get(number.unit, 0.0)
+    if bar.value == 0.0 or (small and bar.error > _NOISE * abs(bar.value)):
+        return _AT_ZERO
+    return (
+        "" if bar.counts else "no setting of the run changes it: the scene prescribes it, or the points of a region do"
+    )
+
+
+def _instead(able: Iterable[str], reason: str) -> str:
+    names = ", ".join(name.replace("_", "-") for name in able)
+    if reason == _AT_ZERO:
+        return 'give an error with a unit, like "1 nm"'
+    return f"ask for {names}" if names else "no main result of this scene can reach a target"
+
+
+def _in_unit(target: float | str, number: Number) -> float:
+    """Error with a unit in that of its number."""
+    key = number.name.replace("_", "-")
+    if number.unit in ("1", "unknown"):
+        raise SceneError(f'accuracy.{key} must be a part of the number, like "1 %", as it has no unit (got {target!r})')
+    unit = number.unit.replace("m2", "m^2").replace("m3", "m^3").replace(" ", "*")
+    try:
+        return float(parse_quantity(target, unit, "an error"))
+    except ValueError as problem:
+        raise SceneError(f"accuracy.{key} must be {problem} (got {target!r})") from None
+
+
+def _declared(plan: Plan) -> dict[str, Number]:
+    """Every number that a run may have, those of its observers too."""
+    observed = {number.name: number for observer in plan.model.observers for number in observer.numbers}
+    return {**plan.numbers, **observed}
+
+
+def scales_of(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Largest of the numbers of each unit, so that numbers that are zero by symmetry are known."""
+    scales: dict[str, float] = {}
+    for name, number in summary["numbers"].items():
+        value = summary.get(name, summary["observed"].get(name))
+        if isinstance(value, int | float):
+            scales[number["unit"]] = max(scales.get(number["unit"], 0.0), abs(value))
+    arm = (summary.get("normal_load") or 0.0) * (summary.get("contact_radius") or 0.0)
+    return {**scales, "N m": max(scales.get("N m", 0.0), arm)}

@@ -1,0 +1,46 @@
+"""What a run to an accuracy has reached, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from eigencontact.core.numbers import Number
+from eigencontact.core.units import readable, time_in_words
+
+__all__ = ["accuracy_lines", "missed"]
+
+
+def accuracy_lines(summary: Mapping[str, Any]) -> list[str]:
+    """Lines about targets and runs, from the summary of a run."""
+    found = summary["accuracy"]
+    count = len(found["rungs"])
+    runs = f"{count} runs, each finer than the last, and {found['runs'] - count} coarser ones"
+    reached = "reached" if found["reached"] else "not reached"
+    without: dict[str, list[str]] = {}
+    for name, reason in found["left_out"].items():
+        without.setdefault(reason, []).append(name)
+    left_out = [f"no target for {', '.join(names)}: {reason}" for reason, names in without.items()]
+    return [f"accuracy {reached}: {runs}, {time_in_words(found['seconds'])}", *left_out]
+
+
+def missed(summary: Mapping[str, Any]) -> str:
+    """Targets that do not hold, why the run stopped, and what more would cost."""
+    found = summary["accuracy"]
+    declared = {name: Number(**table) for name, table in summary["numbers"].items()}
+    texts = [
+        f"{name} has an error of {_error(declared[name], row, summary)}, {row['target']} asked for"
+        for name, row in found["targets"].items()
+        if not row["holds"]
+    ]
+    more = found.get("more")
+    if more and more["holds"]:
+        cost = f"{time_in_words(more['seconds'])} and {readable(more['memory'], 'B')} of arrays"
+        factors = ", ".join(f"{name} {factor:.2g} times finer" for name, factor in more["factors"].items())
+        texts.append(f"a run with {factors} would take about {cost}")
+    return "; ".join([*texts, found["stopped"]])
+
+
+def _error(number: Number, row: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
+    value = summary["errors"][number.name]["value"]
+    return f"{100 * row['error'] / abs(value):.2g} %" if value else number.text(row["error"])

@@ -1,0 +1,96 @@
+"""Accuracy table of a scene: how accurate its numbers must be, and what that may cost."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+
+from eigencontact.core.quantities import Unit
+from eigencontact.core.units import NUMBER
+from eigencontact.errors import SceneError
+from eigencontact.scene.checks import positive
+from eigencontact.scene.table import Table
+
+__all__ = ["Accuracy", "accuracy_table", "part_of"]
+
+_RULE = 'a part of the number, as "1 %" or 0.01, or an error with a unit, as "2 nm"'
+
+
+def part_of(target: float | str) -> float | None:
+    """Part of a number that a target allows as its error; None where it is an error with a unit.
+
+    Examples
+    --------
+    >>> part_of("0.5 %"), part_of(0.01), part_of("2 nm")
+    (0.005, 0.01, None)
+    """
+    if not isinstance(target, str):
+        return float(target)
+    text = target.strip()
+    return 0.01 * float(text.removesuffix("%")) if text.endswith("%") else None
+
+
+def _target(value: Any) -> Any:
+    """Refuse what cannot be a target; the unit of an error is checked with that of its number."""
+    if isinstance(value, str):
+        head = NUMBER.match(value.strip())
+        unit = "" if head is None else value.strip()[head.end() :].strip()
+        valid = bool(unit) and ("%" not in unit or unit == "%")
+    else:
+        valid = isinstance(value, int | float) and not isinstance(value, bool)
+    part = part_of(value) if valid else None
+    if not valid or (part is not None and not 0.0 < part < 1.0):
+        raise ValueError(_RULE)
+    return value
+
+
+Target = Annotated[float | str, BeforeValidator(_target)]
+
+
+class Accuracy(Table):
+    """Accuracy that a run must reach; it then chooses cells, increments and tolerances itself.
+
+    Parameters
+    ----------
+    numbers : float or text, optional
+        Error of all main results, ``"1 %"``. Any further key is the name of a number of the summary with an error of
+        its own: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``.
+    time : float, optional
+        Time that the run may take, 10 minutes by default; it then says what it has reached, and what more would cost.
+    memory : float, optional
+        Memory that its arrays may take, that of the machine by default.
+    """
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Target] = Field(init=False)
+
+    numbers: Target | None = None
+    time: Annotated[float, Unit("s", "a time"), AfterValidator(positive("s"))] | None = None
+    memory: Annotated[float, Unit("B", "a size"), AfterValidator(positive("B"))] | None = None
+
+    @model_validator(mode="after")
+    def _asks(self) -> Accuracy:
+        if self.numbers is None and not self.targets:
+            raise ValueError('given numbers = "1 %", or the name of a number with its error')
+        return self
+
+    @property
+    def targets(self) -> dict[str, float | str]:
+        """Targets of single numbers, by their names in the summary."""
+        return {name.replace("-", "_"): target for name, target in (self.__pydantic_extra__ or {}).items()}
+
+
+def accuracy_table(asked: Any) -> dict[str, Any]:
+    """Table of what a call asks for: one target for all main results, or targets by name.
+
+    Examples
+    --------
+    >>> accuracy_table("1 %"), accuracy_table({"max_pressure": 0.01})
+    ({'numbers': '1 %'}, {'max-pressure': 0.01})
+    """
+    if isinstance(asked, str | int | float) and not isinstance(asked, bool):
+        return {"numbers": asked}
+    if not isinstance(asked, dict):
+        raise SceneError(f"accuracy must be {_RULE}, or a table of such targets by name (got {asked!r})")
+    return {str(name).replace("_", "-"): target for name, target in asked.items()}

@@ -1,0 +1,112 @@
+"""Does a run to an accuracy reach it? Bundled scenes with one target for all main results, judged by a finer run.
+
+The judge refines every source of error of the answer once more (`random_scenes.finer`). The scene with the cells
+that its author chose is solved too, and judged alike.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, timed
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.error_bars import METHODS
+from eigencontact_verification.benchmarks.random_scenes import finer
+from eigencontact_verification.reporting.table import Column, Row
+
+__all__ = ["BENCHMARK", "SCENES", "measure", "verdict"]
+
+#: Bundled scenes that take seconds on the cells that their authors chose.
+SCENES = (
+    "hertz", "hertz-ellipse", "dissimilar-spheres", "tilted-punch", "cattaneo-mindlin", "fretting-mode-1",
+    "fretting-mode-2", "fretting-mode-3", "rotating-shear", "gross-slip", "coated-sphere", "soft-coating",
+    "coated-fretting", "coated-sliding", "sphere-near-surface", "buried-cuboid", "inclusion-under-contact",
+    "void-under-contact", "two-inclusions", "peened-layer", "wear-gross-sliding", "fretting-wear-gross-slip",
+    "pin-on-disc", "random-rough", "plastic-indentation", "plastic-hertz",
+)  # fmt: skip
+#: Time that a run to the accuracy may take, and longest predicted time of the judge [s].
+_TIME, _JUDGE = 60.0, 150.0
+
+
+def measure(_: Code, task: Task) -> Sample:
+    """One scene with a target of `task.n` per cent."""
+    from eigencontact import app
+    from eigencontact.errors import EigencontactError
+
+    quiet = ["output.pictures=false", "output.vtk=false", "output.animation=false", f"numerics.threads={task.threads}"]
+    scene = app.load_scene(task.case, quiet)
+    hand, hand_seconds, _cpu = timed(lambda: app.run(scene))
+    asked = {"numbers": f"{task.n} %", "time": _TIME}
+    try:
+        answer, seconds, _cpu = timed(lambda: app.run(scene, accuracy=asked))
+    except EigencontactError as problem:
+        return {"status": "ok", "took_s": hand_seconds, "hand_s": hand_seconds, "said": " ".join(str(problem).split())}
+    found = answer.summary["accuracy"]
+    sample = {
+        "status": "ok", "took_s": seconds, "hand_s": hand_seconds, "rungs": len(found["rungs"]), "runs": found["runs"],
+        "said": found["stopped"],
+    }  # fmt: skip
+    planned = app.plan(tomllib.loads(answer.dataset.attrs["scene"]))
+    truth = None
+    try:
+        finest = app.plan(finer(planned))
+        if finest.seconds / planned.seconds * found["rungs"][-1]["seconds"] < _JUDGE:
+            truth = app.run(finest).summary
+    except EigencontactError as problem:
+        sample["said"] += f" (no judge: {' '.join(str(problem).split())})"
+    return sample | verdict(answer.summary, hand.summary, truth)
+
+
+def verdict(answer: Mapping[str, Any], hand: Mapping[str, Any], truth: Mapping[str, Any] | None) -> Row:
+    """Targets that hold by the bars and against the judge; largest errors in parts of the target."""
+    targets = answer["accuracy"]["targets"]
+    held = [name for name, row in targets.items() if row["holds"]]
+    row: Row = {
+        "held": f"{len(held)} of {len(targets)}",
+        "missed": ", ".join(sorted(set(targets) - set(held))) or "none",
+    }
+    if truth is None or not held:
+        return row
+
+    def worst(summary: Mapping[str, Any]) -> tuple[float, str]:
+        return max((abs(_value(summary, name) - _value(truth, name)) / targets[name]["allowed"], name) for name in held)
+
+    true = [name for name in held if abs(_value(answer, name) - _value(truth, name)) <= targets[name]["allowed"]]
+    return row | {
+        "true": f"{len(true)} of {len(held)}", "error": worst(answer)[0], "hand_error": worst(hand)[0],
+        "untrue": ", ".join(sorted(set(held) - set(true))) or "none",
+    }  # fmt: skip
+
+
+def _value(summary: Mapping[str, Any], name: str) -> float:
+    value = summary.get(name, summary["observed"].get(name))
+    return float("nan") if value is None else float(value)
+
+
+def _remarks(rows: list[Row]) -> list[str]:
+    return [f"{row['case']}: {row['said']}" for row in rows if row.get("said")]
+
+
+BENCHMARK = Benchmark(
+    name="accuracy_asked",
+    help="bundled scenes with a target for all main results beside their own cells",
+    measure=measure,
+    methods=METHODS,
+    cases=SCENES,
+    sizes=(2,),
+    unit="PERCENT",
+    remarks=_remarks,
+    columns=(
+        Column("scene", "case"),
+        Column("hold by the bars", "held"),
+        Column("not held", "missed"),
+        Column("of these true", "true"),
+        Column("largest true error / target", "error", ".2f"),
+        Column("same, cells of the scene", "hand_error", ".2f"),
+        Column("runs", "runs", "d"),
+        Column("time [s]", "took_s", ".1f"),
+        Column("time, cells of the scene [s]", "hand_s", ".1f"),
+    ),
+)
