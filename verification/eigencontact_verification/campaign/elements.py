@@ -163,7 +163,8 @@ def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, cla
     from eigencontact_verification.crosscheck.comparison import Comparison
 
     bars = bars_of(folder)
-    for row in (row for case in compared_numbers(read_step(folder), bars, cases)[0] for row in case.rows if bars):
+    compared, _ = compared_numbers(read_step(folder), bars, cases) if bars else ([], [])
+    for row in (row for case in compared for row in case.rows):
         assert isinstance(row, Comparison)
         scale = abs(row.simulation)
         word, reason = word_of(abs(row.error) / scale, row.u_fe / scale, tolerance)
