@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HEADLINES", "errors", "field_error"]
+__all__ = ["HEADLINES", "bars", "errors", "field_error"]
 
 FloatArray = NDArray[np.float64]
 
@@ -31,6 +31,8 @@ _FIELDS: dict[str, tuple[str, ...]] = {
     "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
     "worn depth": ("worn_depth",),
 }
+#: Error bars below this part of a number are round-off, as those of prescribed loads.
+_ROUND_OFF = 1e-9
 #: The error that stands for all, in the table and in the picture: the first of these that a scene has.
 HEADLINES = ("traction field", "pressure field", "displacement field", "max von Mises")
 
@@ -64,6 +66,23 @@ def errors(
             out[name] = value
     if "shear field" not in out:  # pressure is then all the traction there is
         out.pop("traction field", None)
+    return out
+
+
+def bars(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Error bars of a run by the names of `errors`, relative to the values at the end; empty without bars.
+
+    That of a field is its error away from edges (``field_errors``), where a run estimates it.
+    """
+    numbers = {name: (bar["error"], abs(bar["value"])) for name, bar in summary.get("errors", {}).items()}
+    fields = {name: (bar["error"], bar["largest"]) for name, bar in summary.get("field_errors", {}).items()}
+    out = {}
+    for groups, known in ((_SCALARS, numbers), (_FIELDS, fields)):
+        for name, members in groups.items():
+            pairs = [known[member] for member in members if member in known]
+            error, scale = (max((pair[n] for pair in pairs), default=0.0) for n in (0, 1))
+            if error > _ROUND_OFF * scale > 0.0:
+                out[name] = error / scale
     return out
 
 

@@ -30,8 +30,9 @@ def picture(study: Study) -> Figure:
     rows = [(k, row) for k, row in enumerate(study.rows) if row.error is not None]
     figure = new_figure(9.4, 3.9)
     left, right = figure.subplots(1, 2, sharey=True)
-    _panel(left, rows, "time")
-    _panel(right, rows, "memory")
+    for axes, price in ((left, "time"), (right, "memory")):
+        _panel(axes, rows, price)
+        _draw_bars(axes, study, price)
     left.set_xlabel("computing time [s]")
     right.set_xlabel("peak memory of the process [MB]")
     left.set_ylabel(f"{study.headline}: relative error")
@@ -71,6 +72,20 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
         middle = (low * high) ** 0.5
         axes.set_ylim(middle / 10.0**0.5, middle * 10.0**0.5)
     axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+
+
+def _draw_bars(axes: Any, study: Study, price: str) -> None:
+    """Error of the scene by its error bar, and the errors that the reference cannot tell apart."""
+    for row in study.rows:
+        bar = row.bars.get(study.headline)
+        if bar is None:
+            continue
+        if row is study.rows[0]:
+            axes.axhspan(_LEAST, max(bar, _LEAST), color="0.92", zorder=0, label="below the bar of the reference")
+        else:
+            place, error = _place(row, price)
+            axes.plot([place, place], [error, max(bar, _LEAST)], color="black", linewidth=0.8, zorder=2)
+            axes.plot(place, max(bar, _LEAST), "_", color="black", markersize=10, label="error bar of the scene")
 
 
 def _scale_prices(axes: Any, prices: list[float]) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.reporting.process import answer_of
+from eigencontact_verification.tradeoff.errors import bars
 
 __all__ = ["FIELDS", "Solved", "main", "solve", "solve_fresh"]
 
@@ -73,6 +74,7 @@ def solve(tables: dict[str, Any], fields: Path) -> dict[str, Any]:
         "whole_seconds": whole,
         "peak_bytes": summary["peak_memory_bytes"],
         "history": summary["history"],
+        "bars": bars(summary),
     }
 
 

@@ -266,8 +266,7 @@ class Coupled:
 def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> list[FloatArray]:
     """Largest unknown of each interior and of all others in its body, where they may be of different onset."""
     largest = [
-        (interior.body, max(values.max(), -values.min()))
-        for interior, values in zip(interiors, unknowns, strict=True)
+        (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
     return [np.max([size for body, size in largest if body == own]) for own, _ in largest]
 
