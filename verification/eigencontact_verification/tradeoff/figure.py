@@ -76,16 +76,16 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
 
 def _draw_bars(axes: Any, study: Study, price: str) -> None:
     """Error of the scene by its error bar, and the errors that the reference cannot tell apart."""
-    for row in study.rows:
-        bar = row.bars.get(study.headline)
-        if bar is None:
-            continue
-        if row is study.rows[0]:
-            axes.axhspan(_LEAST, max(bar, _LEAST), color="0.92", zorder=0, label="below the bar of the reference")
-        else:
+    reference, *others = study.rows
+    for row in others:
+        if (bar := row.bars.get(study.headline)) is not None:
             place, error = _place(row, price)
             axes.plot([place, place], [error, max(bar, _LEAST)], color="black", linewidth=0.8, zorder=2)
             axes.plot(place, max(bar, _LEAST), "_", color="black", markersize=10, label="error bar of the scene")
+    if (bar := reference.bars.get(study.headline)) is not None:
+        limits = axes.get_ylim()
+        axes.axhspan(min(limits[0], bar), bar, color="0.92", zorder=0, label="below the bar of the reference")
+        axes.set_ylim(*limits)
 
 
 def _scale_prices(axes: Any, prices: list[float]) -> None:
