@@ -71,7 +71,7 @@ def validated(error: float, uncertainty: float) -> tuple[str, str]:
     >>> validated(0.03, 0.01)
     ('disagrees', 'model or implementation error E ± u_val = 3 % ± 1 %')
     >>> validated(0.03, 0.2)
-    ('inconclusive', 'u_val = 20 % is more than 5 % of the value')
+    ('inconclusive', 'inconclusive: u_val = 20 % is more than 5 % of the value')
     """
     if not (math.isfinite(error) and math.isfinite(uncertainty)):
         return "failed", "a value is not finite"
@@ -79,7 +79,7 @@ def validated(error: float, uncertainty: float) -> tuple[str, str]:
     if abs(error) > uncertainty:
         return "disagrees", f"model or implementation error E ± {width.replace('=', f'= {100 * error:.2g} % ±')}"
     if uncertainty > _COARSE:
-        return "inconclusive", f"{width} is more than {100 * _COARSE:.2g} % of the value"
+        return "inconclusive", f"inconclusive: {width} is more than {100 * _COARSE:.2g} % of the value"
     return "agrees", f"agrees within {width}"
 
 
