@@ -47,9 +47,9 @@ def error_of(formula: str, context: Context, errors: Errors) -> NDArray[np.float
 
     Examples
     --------
-    >>> context = Context({"radius": 2.0, "p": 5.0, "E": 7.0})
+    >>> context = Context({"radius": 2.0, "p": 5.0, "E": 9.0})
     >>> float(error_of("radius ** 2 / E", context, {"radius": 0.5, "p": None})), error_of("p / E", context, {"p": None})
-    (0.32142857142857145, None)
+    (0.25, None)
     """
     if not errors:
         return None
