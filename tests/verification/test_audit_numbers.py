@@ -147,6 +147,18 @@ def test_the_error_of_a_line_is_the_bar_of_its_number(run):
     assert widest * lines["radius"].own[-1, 0] == close(bars["contact_radius"].error)
 
 
+def test_the_error_of_load_steps_is_that_of_both_sides(run, tmp_path):
+    other = shutil.copytree(run, tmp_path / "steps")
+    summary = json.loads((other / "summary.json").read_text(encoding="utf-8"))
+    bar = summary["errors"]["approach"]
+    cells, value = bar["error"], bar["value"]
+    bar |= {"error": cells + 0.3 * value, "source": "load steps", "parts": {"cells": cells, "load steps": 0.3 * value}}
+    (other / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    rows, _, _ = audited(other)
+    assert rows["approach"].u_sa == close(cells)
+    assert rows["approach"].word == "agrees"
+
+
 def test_errors_that_a_run_stores_are_those_of_its_lines(run, tmp_path):
     other = shutil.copytree(run, tmp_path / "stored")
     with h5netcdf.File(other / "results.nc", "r+") as file:

@@ -34,6 +34,8 @@ _PLACE = 0.01
 #: Kinds of lines of a whole contact, with their numbers.
 _OF_LINES = {"approach": "approach", "radius": "contact_radius", "pressure": "max_pressure", "print": "print_depth"}
 _COMPARED = (*_OF_LINES.values(), "contact_area", "max_von_mises")
+#: Sources of error that are the same on both sides: the elements take the load steps of the run, or its state after them.
+_SHARED = ("load steps",)
 _SHEAR_TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
 
@@ -96,11 +98,21 @@ def _gap(stored: StoredStep, name: str, reason: str) -> Gap:
 
 
 def _compared(one: JudgedCase, number: Number, bar: ErrorBar, reading: _Reading) -> Comparison:
+    u_sa, source = _of_run(bar)
     return compared(
         one.case.subject, f"{one.case.name}-numbers", number.name, number.words, simulation=bar.value,
-        reference=bar.value - (reading.stored - reading.reference), u_sa=bar.error, u_fe=reading.uncertainty,
-        unit=number.unit, source=bar.source, remedy=one.case.remedy("discretisation", 1.0) or "repeat on finer meshes",
+        reference=bar.value - (reading.stored - reading.reference), u_sa=u_sa, u_fe=reading.uncertainty,
+        unit=number.unit, source=source, remedy=one.case.remedy("discretisation", 1.0) or "repeat on finer meshes",
     )  # fmt: skip
+
+
+def _of_run(bar: ErrorBar) -> tuple[float, str]:
+    """Error of a run that the elements do not share, and its main source."""
+    own = {source: part for source, part in bar.parts.items() if source not in _SHARED}
+    if len(own) in (0, len(bar.parts)):
+        return bar.error, bar.source
+    source = max(own, key=lambda name: own[name])
+    return max(own[source], bar.error - sum(bar.parts[name] for name in _SHARED)), source
 
 
 def _case(one: JudgedCase, rows: Sequence[Comparison]) -> JudgedCase:
