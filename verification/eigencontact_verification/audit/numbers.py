@@ -34,7 +34,7 @@ _PLACE = 0.01
 #: Kinds of lines of a whole contact, with their numbers.
 _OF_LINES = {"approach": "approach", "radius": "contact_radius", "pressure": "max_pressure", "print": "print_depth"}
 _COMPARED = (*_OF_LINES.values(), "contact_area", "max_von_mises")
-#: Sources of error that are the same on both sides: the elements take the load steps of the run, or its state after them.
+#: Sources of error of both sides alike: the elements take the load steps of the run, or its state after them.
 _SHARED = ("load steps",)
 _SHEAR_TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
