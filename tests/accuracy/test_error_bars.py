@@ -158,10 +158,3 @@ def test_the_console_and_the_report_show_errors(tmp_path):
     assert "±" in result._repr_html_()
     page = ec.report(tmp_path / "run").read_text(encoding="utf-8")
     assert page.count("<small>±") >= 3
-
-
-def test_a_region_without_a_name_has_bars():
-    region = {"shape": "points", "points": [[0.0, 0.0, 3e-6]]}
-    result = ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}, "stress": [region]}, errors=True).summary
-    assert result["errors_left_out"] == {}
-    assert result["errors"]["max_von_mises"]["error"] > 0.0

@@ -180,7 +180,7 @@ def test_the_command_tells_a_fault_of_stress_with_its_size(command, tmp_path, mo
     def faulty(direction, quantity, *given):
         return (1.02 if quantity == "stress" else 1.0) * field(direction, quantity, *given)
 
-    axis = [{"shape": "line", "start": [0, 0, 1e-6], "end": [0, 0, 9e-6], "count": 33}]
+    axis = [{"name": "axis", "shape": "line", "start": [0, 0, 1e-6], "end": [0, 0, 9e-6], "count": 33}]
     true = solved(tmp_path / "true", name="true", stress=axis)
     monkeypatch.setenv("EIGENCONTACT_CACHE", "off")
     monkeypatch.setattr(surface_loads, "corner_field", faulty)

@@ -65,7 +65,7 @@ class StressRequest(Table):
         What is read off the stress and stored beside it.
     """
 
-    name: Annotated[str, Field(pattern=r"^([A-Za-z][A-Za-z0-9_]*)?$")] = ""
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
     shape: Literal["plane", "volume", "line", "points"]
     body: Literal[1, 2] = 1
     normal: Literal["x", "y", "z"] = "y"
