@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HEADLINES", "bars", "errors", "field_error"]
+__all__ = ["FIELDS", "HEADLINES", "bars", "errors", "field_error"]
 
 FloatArray = NDArray[np.float64]
 
@@ -31,6 +31,8 @@ _FIELDS: dict[str, tuple[str, ...]] = {
     "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
     "worn depth": ("worn_depth",),
 }
+#: Fields of the surface that are compared.
+FIELDS = tuple(dict.fromkeys(name for components in _FIELDS.values() for name in components))
 #: Error bars below this part of a number are round-off, as those of prescribed loads.
 _ROUND_OFF = 1e-9
 #: The error that stands for all, in the table and in the picture: the first of these that a scene has.
