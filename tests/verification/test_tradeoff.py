@@ -428,12 +428,18 @@ def test_a_bar_that_is_too_small_is_said_and_drawn():
         assert span.get_y() + span.get_height() == close(1e-3)
 
 
-def test_bars_of_a_run_by_the_names_of_the_errors():
-    pulled = {"shear_x": {"error": 1.0, "largest": 4.0}, "shear_y": {"error": 2.0, "largest": 1.0}}
+def test_bars_of_a_run_are_in_the_measure_of_the_errors():
+    """The error of a field that is off by its stored errors is the bar."""
     numbers = {"max_pressure": {"error": 2.0, "value": -50.0}, "shift_x": {"error": 1.0, "value": 0.0}}
-    summary = {"errors": numbers, "field_errors": pulled}
-    assert bars(summary) == {"max pressure": 0.04, "shear field": 0.5, "traction field": 0.5}
-    assert bars({}) == {}
+    field, rng = plane(6), np.random.default_rng(3)
+    off = 0.1 * rng.uniform(size=field["pressure"].shape)
+    found = bars({"errors": numbers}, {**field, "pressure_error": off})
+    assert found == close({"max pressure": 0.04, "pressure field": field_error(
+        {**field, "pressure": field["pressure"] + off}, field, ["pressure"])})  # fmt: skip
+    sheared = {**field, "pressure_error": off, "shear_x": 3.0 * off, "shear_x_error": off}
+    assert bars({}, sheared)["shear field"] == close(1.0 / 3.0)
+    assert "traction field" in bars({}, sheared)
+    assert bars({}, field) == {}
 
 
 def test_the_plan_solves_nothing(tradeoff, tmp_path):

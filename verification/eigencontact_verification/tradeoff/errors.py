@@ -71,21 +71,25 @@ def errors(
     return out
 
 
-def bars(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Error bars of a run by the names of `errors`, relative to the values at the end; empty without bars.
+def bars(summary: Mapping[str, Any], fields: Mapping[Any, Any]) -> dict[str, float]:
+    """Error bars of a run by the names of `errors`, in their measure; empty without bars.
 
-    That of a field is its error away from edges (``field_errors``), where a run estimates it.
+    That of a number is relative to its value at the end, that of a field the norm of its stored errors over its own.
     """
-    numbers = {name: (bar["error"], abs(bar["value"])) for name, bar in summary.get("errors", {}).items()}
-    fields = {name: (bar["error"], bar["largest"]) for name, bar in summary.get("field_errors", {}).items()}
+    numbers = summary.get("errors", {})
     out = {}
-    for groups, known in ((_SCALARS, numbers), (_FIELDS, fields)):
-        for name, members in groups.items():
-            pairs = [known[member] for member in members if member in known]
-            error, scale = (max((pair[n] for pair in pairs), default=0.0) for n in (0, 1))
-            if error > _ROUND_OFF * scale > 0.0:
-                out[name] = error / scale
-    return out
+    for name, members in _SCALARS.items():
+        pairs = [(numbers[member]["error"], abs(numbers[member]["value"])) for member in members if member in numbers]
+        out[name] = tuple(max((pair[n] for pair in pairs), default=0.0) for n in (0, 1))
+    for name, members in _FIELDS.items():
+        known = [member for member in members if f"{member}_error" in fields]
+        out[name] = tuple(
+            float(np.sqrt(sum(np.nansum(np.square(fields[f"{member}{kind}"], dtype=float)) for member in known)))
+            for kind in ("_error", "")
+        )
+    if not out["shear field"][1]:  # pressure is then all the traction there is
+        del out["traction field"]
+    return {name: error / scale for name, (error, scale) in out.items() if error > _ROUND_OFF * scale > 0.0}
 
 
 def field_error(

@@ -68,7 +68,7 @@ def solve(tables: dict[str, Any], fields: Path) -> dict[str, Any]:
         "whole_seconds": whole,
         "peak_bytes": summary["peak_memory_bytes"],
         "history": summary["history"],
-        "bars": bars(summary),
+        "bars": bars(summary, dataset),
     }
 
 
