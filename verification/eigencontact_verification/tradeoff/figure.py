@@ -33,15 +33,14 @@ def picture(study: Study) -> Figure:
     for axes, price in ((left, "time"), (right, "memory")):
         _panel(axes, rows, price)
         _draw_bars(axes, study, price)
-    left.set_xlabel("computing time [s]")
-    right.set_xlabel("peak memory of the process [MB]")
+    left.set_xlabel("time [s]")
+    right.set_xlabel("peak memory [MB]")
     left.set_ylabel(f"{study.headline}: relative error")
     handles, labels = left.get_legend_handles_labels()
     compared = "\n".join(["compared with", *(f"  {words}" for words in study.rows[0].variant.words.split(", "))])
     legend = figure.legend(handles, labels, loc="outside right upper", title=compared, alignment="left")
     legend.get_title().set_fontsize(8)
-    left.set_title(f"{study.name}: error and time", loc="left")
-    right.set_title("error and memory", loc="left")
+    left.set_title(study.name, loc="left")
     figure.draw_without_rendering()  # the layout is settled before numbers find their places
     for axes, price in ((left, "time"), (right, "memory")):
         number_marks(axes, [(k, *_place(row, price)) for k, row in rows])
