@@ -116,6 +116,36 @@ def test_a_model_agrees_where_it_is_right_and_is_caught_where_it_is_not(found):
     assert found.exit_code == 0  # what disagrees is outside of the claim
 
 
+def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
+    copytree(done[0] / "toy", tmp_path / "toy")  # the runs of the reference are read again
+    item = read_campaign(toy).with_errors()
+    assert not any(study.changes for model in item.models for study in model.reference)
+    report = perform(item, tmp_path / "toy", coarse=True)
+    for one, judged in zip(
+        report.found, (one for one in done[1].found if one.point.values["load"] == 0.4), strict=True
+    ):
+        findings = {finding.quantity: finding for finding in one.findings}
+        bar = one.point.model.summary["errors"]["approach"]
+        approach = findings["approach"]
+        assert approach.own == close(bar["error"] / approach.scale)
+        assert findings["pressure"].own is None
+        soft = one.point.values["softer"] > 0
+        assert approach.word == ("disagrees" if soft else "agrees")
+        assert ("model error " if soft else "not told from the numerical error of both") in approach.words
+        before = {finding.quantity: finding for finding in judged.findings}
+        assert before["approach"].own is None
+        assert before["approach"].words == before["approach"].reason
+    files = write_map(report, tmp_path / "report")
+    assert "| u_SA |" in files["markdown"].read_text(encoding="utf-8")
+    assert "| u_SA |" not in write_map(done[1], tmp_path / "before")["markdown"].read_text(encoding="utf-8")
+    axes = next(axes for axes in draw_map(report.campaign, report.found).axes if axes.get_title() == "approach")
+    (container,) = axes.containers
+    (bars,) = container[2]
+    spans = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
+    found = sorted(report.found, key=lambda one: one.point.values["softer"])
+    assert spans == close([200 * one.findings[0].own for one in found])
+
+
 def test_disagreement_inside_the_claim_fails(found):
     claim = replace(found.campaign, expect="")
     judged = tuple(replace(one, findings=tuple(replace(f, claimed=True) for f in one.findings)) for one in found.found)
@@ -431,6 +461,21 @@ def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
     assert "Agreement is claimed where cells >= 16: 4 verdicts, of which 4 agree" in totals(
         report.campaign, report.found
     )
+
+
+def test_numbers_of_a_contact_have_their_bars(tmp_path):
+    """A coarse contact is off by more than the tolerance, and not by more than its bar."""
+    text = CELLS.replace("[3, 16]", "[8]").replace("output = {", "output = { errors = true,")
+    (tmp_path / "cells.toml").write_text(text, encoding="utf-8")
+    report = perform(read_campaign(tmp_path / "cells.toml"), tmp_path / "cells")
+    findings = {finding.quantity: finding for finding in report.found[0].findings}
+    summary = report.found[0].point.model.summary
+    for quantity, name in {"contact area": "contact_area", "approach": "approach"}.items():
+        bar = summary["errors"][name]
+        assert findings[quantity].own == close(bar["relative"])
+        assert findings[quantity].value == close(bar["value"])
+        assert findings[quantity].error < findings[quantity].own + findings[quantity].uncertainty
+    assert len({finding.quantity for finding in report.found[0].findings}) == len(report.found[0].findings)
 
 
 #: Asks for the geometry of a plugin file, where it is solved; a module that processes import.

@@ -14,6 +14,8 @@ from close import close
 from eigencontact.errors import SceneError
 from eigencontact_verification.studies.catalogue import STUDIES
 from eigencontact_verification.studies.checks import verdicts
+from eigencontact_verification.studies.errors import error_of, errors_at_end, with_errors
+from eigencontact_verification.studies.figure import draw_study
 from eigencontact_verification.studies.form import FORM
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import Failed, run_study, source_in_words, variants_of_study, write_study
@@ -155,6 +157,65 @@ def test_a_study_of_a_user(own, tmp_path, command, monkeypatch):
     assert rows[1e-4, 0.8] / rows[1e-4, 0.1] == close(2.0, rel=0.05)  # P^(1/3)
     assert rows[5e-5, 0.8] / rows[1e-4, 0.8] == close(2.0 ** (2 / 3), rel=0.05)  # R^(-2/3)
     assert (tmp_path / "own.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_errors_of_readings_are_those_of_the_numbers_that_they_read(own, tmp_path, command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "300")
+    text = OWN.replace('"0.1 N", "0.8 N", "600 N"', '"0.4 N", "0.8 N"').replace('"50 um", "100 um"', '"100 um"')
+    more = """
+"exact [m]" = { is = "(3 * load * sqrt(R) / (4 * E * R)) ** (2 / 3)", as = "exact" }
+"relative approach" = { is = "approach / exact", as = "relative" }
+"rise" = { is = "relative * p", as = "rise" }
+"pressure of a cell" = { is = "max(pressure)", as = "cell" }
+[constants]
+R = 100e-6
+E = 2.3e11
+[[check]]"""
+    own.write_text(text.replace("\n[[check]]", more, 1), encoding="utf-8")
+    done = command("study", own, "--errors", "-o", tmp_path / "out")
+    assert done.code == 0, done.err
+    content = json.loads((tmp_path / "out" / "own.json").read_text(encoding="utf-8"))
+    for row, folder in zip(content["variants"], sorted((tmp_path / "out" / "own").iterdir()), strict=True):
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        bars = {name: bar["error"] for name, bar in summary["errors"].items()}
+        assert row["largest pressure [Pa] error"] == close(bars["max_pressure"])
+        assert row["relative approach error"] == close(bars["approach"] / row["exact [m]"])
+        relative = bars["approach"] / summary["approach"] + bars["max_pressure"] / summary["max_pressure"]
+        assert row["rise error"] == close(relative * row["rise"], rel=1e-6)
+        assert {"exact [m] error", "pressure of a cell error"}.isdisjoint(row)
+        assert f"{row['rise']:.4g} ± {row['rise error']:.2g}" in " ".join(done.out.split())
+
+
+def test_only_what_has_a_bar_has_an_error():
+    """At the end and at the moment that is the end; not of fields, of other moments, of readings without a bar."""
+    data = xr.Dataset({"depth": ("step", [1.0, 4.0, 2.0]), "normal_load": ("step", [1.0, 2.0, 3.0]),
+                       "field": (("step", "x"), np.ones((3, 2)))})  # fmt: skip
+    bars = {"depth": {"error": 0.5, "value": 2.0}, "normal_load": {"error": 0.0, "value": 3.0},
+            "field": {"error": 0.1, "value": 9.0}}  # fmt: skip
+    errors = errors_at_end({"errors": bars}, data)
+    assert errors == {"depth": 0.5, "normal_load": 0.0}
+    context = Context({"a": 3.0, "read": 1.0}, data)
+    known = {"a * depth": 1.5, "depth ** 2": 2.25, "peak(depth)": 0.5, "a": 0.0, "depth / normal_load": 0.5 / 3}
+    assert {text: float(error_of(text, context, errors)) for text in known} == close(known)
+    for text in ("first(depth)", "max(all(depth))", "sum(field)", "depth * sum(field)"):
+        assert error_of(text, context, errors) is None
+    assert error_of("read + depth", context, {**errors, "read": None}) is None
+    assert error_of("depth", context, {}) is None
+    assert errors_at_end({}, data) == {}
+
+
+def test_bars_are_drawn_where_there_are_errors(own, tmp_path):
+    text = OWN.replace('"0.1 N", "0.8 N", "600 N"', '"0.4 N", "0.8 N"').replace('"50 um", "100 um"', '"100 um"')
+    own.write_text(text, encoding="utf-8")
+    study = read_study(own)
+    for item, expected in ((study, 0), (with_errors(study), 1)):
+        done = list(run_study(item, tmp_path / str(expected)))
+        (axes,) = draw_study(item, done).axes
+        assert len(axes.containers) == expected
+        for container in axes.containers:
+            (bars,) = container[2]
+            spans = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
+            assert spans == close([2e-9 * one.errors["p"] for one in done])
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,15 @@ import pytest
 import eigencontact.cli
 from close import close
 from eigencontact import app
+from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.settings import FIDELITIES
 from eigencontact.results.ownership import is_ours
-from eigencontact_verification.tradeoff.errors import errors, field_error
+from eigencontact_verification.tradeoff.errors import bars, errors, field_error
 from eigencontact_verification.tradeoff.figure import picture
 from eigencontact_verification.tradeoff.process import Solved, solve, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown
 from eigencontact_verification.tradeoff.study import Prediction, Row, Study, fronts, predict, standing, study
-from eigencontact_verification.tradeoff.variant import KEYS, Fidelities, Variant, keys_of, tables_of, variants
+from eigencontact_verification.tradeoff.variant import KEYS, Fidelities, Variant, keys_of, variants
 
 SMALL = ["stress=[]", "grid.cells-per-contact-radius=8", "numerics.threads=1"]
 COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pitch=4 um", "observers=[]"]
@@ -59,7 +60,7 @@ def test_what_is_varied_follows_from_the_scene(scene, changes, keys):
 def test_changes_reach_the_scene():
     plan = app.plan(app.load_scene("hertz", SMALL))
     reference, scene, *others = variants(plan, Fidelities())
-    planned = [app.plan(tables_of(plan.scene.resolved(), variant)) for variant in (reference, scene, *others)]
+    planned = [app.plan(changed(plan.scene.resolved(), variant.changes)) for variant in (reference, scene, *others)]
     assert planned[1].grid == plan.grid
     cells = [one.scene.grid.cells_per_contact_radius for one in planned]
     assert cells == [16, 8, 2, 4, 8, 8, 8, 8]
@@ -97,7 +98,7 @@ def test_each_fidelity_is_there_where_a_scene_has_what_it_is_about(scene, change
     found = [variant for variant in variants(plan, Fidelities(), [key] if expected else []) if variant.key == key]
     assert [variant.words for variant in found] == expected
     for variant in found:  # and every one is a scene
-        app.load_scene(tables_of(plan.scene.resolved(), variant))
+        app.load_scene(changed(plan.scene.resolved(), variant.changes))
 
 
 def test_the_tolerance_of_clouds_is_varied_where_there_are_many_regions():
@@ -112,7 +113,7 @@ def test_the_tolerance_of_clouds_is_varied_where_there_are_many_regions():
     reference, _, *found = variants(plan, Fidelities(), ["cloud-tolerance"])
     assert reference.changes["numerics"]["cloud-tolerance"] == 1e-9
     assert [variant.changes["numerics"]["cloud-tolerance"] for variant in found] == [0.0, 1e-4, 1e-2]
-    app.load_scene(tables_of(plan.scene.resolved(), found[0]))
+    app.load_scene(changed(plan.scene.resolved(), found[0].changes))
 
 
 def test_cells_of_the_box_are_varied_by_their_height():
@@ -120,7 +121,7 @@ def test_cells_of_the_box_are_varied_by_their_height():
     reference, scene, coarse = variants(plan, Fidelities(), ["inclusion-pitch"])
     heights = []
     for variant in (reference, scene, coarse):
-        planned = app.plan(tables_of(plan.scene.resolved(), variant))
+        planned = app.plan(changed(plan.scene.resolved(), variant.changes))
         heights.append(planned.model.cells.inhomogeneities[0].lattice.edges[0])
     assert heights == close([0.5 * heights[1], heights[1], 2.0 * heights[1]])
 
@@ -129,7 +130,7 @@ def test_layers_become_cells_that_fill_the_window():
     scene = app.load_scene("coated-sphere", ["grid.cells-per-contact-radius=8", "stress=[]"])
     plan = app.plan(scene)
     *_, cells = variants(plan, Fidelities(), ["layers"])
-    planned = app.plan(tables_of(scene.resolved(), cells))
+    planned = app.plan(changed(scene.resolved(), cells.changes))
     assert planned.grid.shape == plan.grid.shape
     assert [planned.grid.dx, planned.grid.dy] == close([plan.grid.dx, plan.grid.dy])
     (layer,) = planned.model.cells.inhomogeneities
@@ -387,6 +388,58 @@ def test_the_command(tradeoff, tmp_path, monkeypatch):
     assert 0.0 < scene["error"] < coarse["error"] < 0.5
     assert scene["seconds"] > 0.0
     assert (tmp_path / "hertz-tradeoff" / "tradeoff.png").stat().st_size > 10_000
+
+
+def test_error_bars_of_scene_and_reference_stand_beside_the_errors(tradeoff, tmp_path, monkeypatch):
+    """The true difference is within the bars; the rows are those without bars."""
+    monkeypatch.setattr("eigencontact_verification.tradeoff.study.solve_fresh", in_process)
+    options = ("hertz", "--quick", "--only", "grid", *(part for one in SMALL for part in ("--set", one)))
+    rows = []
+    for more in ((), ("--errors",)):
+        outcome = tradeoff(*options, *more)
+        assert outcome.code == 0, outcome.err
+        rows.append(json.loads((tmp_path / "hertz-tradeoff" / "tradeoff.json").read_text())["rows"])
+    plain, barred = rows
+    assert not any("error_bars" in one for one in plain)
+    assert [one["errors"] for one in barred] == [one["errors"] for one in plain]
+    reference, scene, coarse = barred
+    assert "error_bars" not in coarse
+    assert "loads" not in scene["error_bars"]  # prescribed
+    for name in ("max pressure", "contact radius", "approach"):
+        assert scene["errors"][name] <= scene["error_bars"][name] + reference["error_bars"][name]
+    lines = [line for line in outcome.out.splitlines() if line.startswith("error bars of the ")]
+    assert lines[0].startswith("error bars of the reference, below which the table tells nothing apart: max pressure ")
+    assert (
+        f"approach {scene['error_bars']['approach']:.1e} (holds the error {scene['errors']['approach']:.1e})"
+        in lines[1]
+    )
+
+
+def test_a_bar_that_is_too_small_is_said_and_drawn():
+    reference, scene, other = studied(("scene", 1e-2, 2.0, 5e6), ("grid", 0.1, 1.0, 4e6)).rows
+    rows = (replace(reference, bars={"pressure field": 1e-3}),
+            replace(scene, bars={"pressure field": 2e-3}, errors={"pressure field": 1e-2}), other)  # fmt: skip
+    found = Study(name="s", headline="pressure field", rows=rows)
+    assert "error bars of the scene: pressure field 2.0e-03 (does not hold the error 1.0e-02)" in as_markdown(found)
+    for axes in picture(found).axes:
+        (bar,) = [line for line in axes.lines if line.get_label() == "error bar of the scene"]
+        assert list(bar.get_ydata()) == [2e-3]
+        (span,) = axes.patches
+        assert span.get_y() + span.get_height() == close(1e-3)
+
+
+def test_bars_of_a_run_are_in_the_measure_of_the_errors():
+    """The error of a field that is off by its stored errors is the bar."""
+    numbers = {"max_pressure": {"error": 2.0, "value": -50.0}, "shift_x": {"error": 1.0, "value": 0.0}}
+    field, rng = plane(6), np.random.default_rng(3)
+    off = 0.1 * rng.uniform(size=field["pressure"].shape)
+    found = bars({"errors": numbers}, {**field, "pressure_error": off})
+    assert found == close({"max pressure": 0.04, "pressure field": field_error(
+        {**field, "pressure": field["pressure"] + off}, field, ["pressure"])})  # fmt: skip
+    sheared = {**field, "pressure_error": off, "shear_x": 3.0 * off, "shear_x_error": off}
+    assert bars({}, sheared)["shear field"] == close(1.0 / 3.0)
+    assert "traction field" in bars({}, sheared)
+    assert bars({}, field) == {}
 
 
 def test_the_plan_solves_nothing(tradeoff, tmp_path):

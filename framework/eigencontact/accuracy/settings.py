@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.changes import Changes
+from eigencontact.accuracy.changes import Changes, refined_grid
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["FIDELITIES", "Fidelity"]
+__all__ = ["FIDELITIES", "Fidelity", "finest"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -260,3 +260,17 @@ FIDELITIES: tuple[Fidelity, ...] = (
         finest=lambda plan: 0.2 * plan.scene.wear.layer_error if plan.scene.wear else None,
     ),
 )
+
+
+def finest(plan: Plan, factor: float) -> tuple[dict[str, Any], list[str]]:
+    """Changes that give a scene the finest of every setting and `factor` times the cells each way, and their words."""
+    grid, resolution = refined_grid(plan, factor)
+    changes: dict[str, Any] = {}
+    words = [resolution]
+    for one in FIDELITIES:
+        value = one.finest(plan) if one.has(plan) else None
+        if value is not None:
+            words.append(one.words(value))
+            for name, table in one.of(plan, value).items():
+                changes[name] = {**changes.get(name, {}), **table}
+    return {**changes, "grid": grid}, words

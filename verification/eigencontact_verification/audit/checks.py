@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.audit.stored import StoredStep
 
-__all__ = ["checked", "gap_in_words"]
+__all__ = ["WithoutElements", "checked", "gap_in_words"]
 
 #: A run promises its residuals to its tolerance; what follows from them may be so many times it.
 _MARGIN = 10.0
@@ -28,8 +28,8 @@ _ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Checks(Case):
-    """Case of the checks in a report; nothing is solved."""
+class WithoutElements(Case):
+    """Case of rows in a report that need no solution of their own."""
 
     def __post_init__(self) -> None:
         """Without profiles."""
@@ -54,7 +54,7 @@ def checked(stored: StoredStep) -> JudgedCase:
         )
         for profile, component, value, allowed in _checks(stored)
     )  # fmt: skip
-    case = _Checks(subject=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
+    case = WithoutElements(subject=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
     return JudgedCase(case=case, rows=rows, outcomes=(), judged={}, estimates={})
 
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eigencontact_verification.crosscheck.case import Case, Gap
+    from eigencontact_verification.crosscheck.judge import JudgedCase
     from eigencontact_verification.crosscheck.report import Report
     from eigencontact_verification.crosscheck.run import Executor
 
@@ -25,7 +26,15 @@ _METHOD = (
     "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
     "largest value there; it disagrees if the difference exceeds u_FE anywhere; otherwise it is inconclusive, which is "
     "no agreement. Checks need no elements: their difference is what was found, their u_FE what is allowed, both "
-    "relative. Differences and uncertainties below are parts of the field's largest value."
+    "relative. Differences and uncertainties below are parts of the field's largest value. "
+    "Numbers with error bars are compared after ASME V&V 20-2009: E = S − D, u_val² = u_SA² + u_FE², where u_SA is the "
+    "error bar of the run. Where |E| ≤ u_val the number agrees within u_val; else E ± u_val is the error of model or "
+    "implementation; with u_val above 5 % of the number, agreement is inconclusive."
+)
+#: Note on a run without error bars.
+_WITHOUT = (
+    "{name} has no error bars: its own error is estimated by rules on its cells, and its numbers have no comparison "
+    "error; `eigencontact run SCENE --errors` gives them."
 )
 
 
@@ -63,7 +72,8 @@ def audit_results(
     from eigencontact_verification.audit.cases import cases_of_step
     from eigencontact_verification.audit.checks import checked, gap_in_words
     from eigencontact_verification.audit.contact_cases import contact_cases_of
-    from eigencontact_verification.audit.stored import read_step
+    from eigencontact_verification.audit.numbers import compared_numbers
+    from eigencontact_verification.audit.stored import bars_of, read_step
     from eigencontact_verification.crosscheck.whole import crosscheck
     from eigencontact_verification.reporting.files import open_folder
 
@@ -75,9 +85,22 @@ def audit_results(
     open_folder(output, ())  # references take seconds: a folder that cannot be written is refused before
     answers: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
     answers += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
+    bars = {run.name: bars_of(path) for run, path in zip(runs, paths, strict=True)}
+    without = {name: () if own else (_WITHOUT.format(name=name),) for name, own in bars.items()}
+
+    def beside(judged: Sequence[JudgedCase]) -> tuple[list[JudgedCase], list[Gap]]:
+        """Checks of all runs, and numbers of those with error bars."""
+        more = [checks for checks in map(checked, runs) if checks.rows]
+        lost: list[Gap] = []
+        for run in runs:
+            cases, gaps = compared_numbers(run, bars[run.name], judged)
+            more += cases
+            lost += gaps
+        return more, lost
+
     return crosscheck(
         [case for cases, _ in answers for case in cases], [gap for _, gaps in answers for gap in gaps], output,
         executor=executor, limit=limit, quick=quick, pictures=pictures, show=show,
-        beside=tuple(checks for checks in map(checked, runs) if checks.rows), method=_METHOD,
-        remarks=lambda judged: [words for run in runs for words in gap_in_words(run, judged)],
+        beside=beside, method=_METHOD,
+        remarks=lambda judged: [words for run in runs for words in (*gap_in_words(run, judged), *without[run.name])],
     )  # fmt: skip

@@ -14,7 +14,8 @@ from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
-from eigencontact_verification.audit.two_grids import with_two_grids
+from eigencontact_verification.audit.stored import bars_of
+from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
 
@@ -143,6 +144,7 @@ def contact_cases_of(
             lines = with_two_grids(lines, stored, others, second, regions=bool(scene.regions))
         except NotJudged as problem:
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
+    lines = with_bars(lines, stored, bars_of(folder), a)
     if scene.cells and not any(line.kind == "stress" for line in lines):
         none = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
         gaps.append(Gap(subject=name, what="whole contact: stress", reason=none))

@@ -30,7 +30,7 @@ the first.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -117,6 +117,8 @@ class StoredContact:
         Pressure, gap, displacement by eigenstrain, pressure of a homogeneous body.
     cell, pitch : float
         Edge of a cell of the surface, and the longest of a cell inside a body; 0 without.
+    errors : dict of str to array
+        Stored errors of scalars and fields over the steps, by name; empty for a run without ``--errors``.
     """
 
     name: str
@@ -135,6 +137,7 @@ class StoredContact:
     cell: float
     pitch: float
     middles: FloatArray
+    errors: dict[str, FloatArray] = field(default_factory=dict)
 
     @property
     def peak(self) -> int:
@@ -156,6 +159,11 @@ def read_contact(path: str | Path) -> StoredContact:
         if "pressure" not in arrays:
             raise NotJudged("it has no contact")
         x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
+        errors = {
+            str(field.attrs["estimates"]): np.asarray(field.values, dtype=float)
+            for field in data.variables.values()
+            if field.attrs.get("role") == "error"
+        }
         size = np.asarray(data.attrs["cell_size"], dtype=float)
         pitch, middles = 0.0, np.zeros(0)
         for body in (1, 2):
@@ -190,6 +198,7 @@ def read_contact(path: str | Path) -> StoredContact:
         cell=float(size.max()),
         pitch=pitch,
         middles=middles,
+        errors=errors,
     )
 
 

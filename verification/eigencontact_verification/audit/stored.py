@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from eigencontact.core.numbers import ErrorBar, Number
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Place", "StoredRegion", "StoredStep", "plugin_files", "read_step"]
+__all__ = ["Place", "StoredRegion", "StoredStep", "bars_of", "plugin_files", "read_step"]
 
 FloatArray = NDArray[np.float64]
 
@@ -192,6 +193,17 @@ def plugin_files(path: str | Path) -> tuple[str, ...]:
 
     with open_results(path) as data:
         return tuple(tomllib.loads(str(data.attrs["scene"])).get("plugins", ()))
+
+
+def bars_of(path: str | Path) -> dict[str, tuple[Number, ErrorBar]]:
+    """Declarations and error bars of the numbers of a run, by name; empty for a run without ``--errors``."""
+    from eigencontact.core.numbers import ErrorBar, Number
+    from eigencontact.results.reader import results_file
+
+    file = results_file(path).parent / "summary.json"
+    summary = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    bars = {name: ErrorBar.of_dict(table) for name, table in summary.get("errors", {}).items()}
+    return {name: (Number(**summary["numbers"][name]), bar) for name, bar in bars.items()}
 
 
 def _regions(data: Any, at: int) -> list[StoredRegion]:

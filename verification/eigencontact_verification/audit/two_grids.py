@@ -1,9 +1,11 @@
-"""Error of the cells of a run from a second run of the same scene with coarser ones."""
+"""Error of a run: from a second run of the same scene with coarser cells, or from its own error bars."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import isclose
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,10 @@ from scipy.interpolate import Akima1DInterpolator
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact
 
-__all__ = ["with_two_grids"]
+if TYPE_CHECKING:
+    from eigencontact.core.numbers import ErrorBar, Number
+
+__all__ = ["with_bars", "with_two_grids"]
 
 FloatArray = NDArray[np.float64]
 
@@ -24,6 +29,10 @@ _RATIO = 1.2
 #: Lines that are compared. Counts of cells jump with their places: two of them say nothing about a third. Stress has a
 #: kink at every boundary, which no interpolation meets.
 _SMOOTH, _WITHOUT_REGIONS = ("approach", "print", "pressure"), ("stress",)
+#: Number or field of a line that may have error bars.
+_NUMBERS = {
+    "approach": "approach", "radius": "contact_radius", "pressure": "pressure", "print": "residual_displacement_z",
+}  # fmt: skip
 #: Fewest points of a line that is interpolated.
 _FEWEST = 4
 
@@ -67,6 +76,41 @@ def with_two_grids(
         else _estimated(line, named[line.profile.name], ratio)
         for line in lines
     )  # fmt: skip
+
+
+def with_bars(
+    lines: Sequence[ContactLine], stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
+) -> tuple[ContactLine, ...]:
+    """Lines of numbers and fields with error bars, which are their error; errors of other lines stay.
+
+    A run that stores its errors has them in every step, another at the last step only, and only of numbers.
+
+    Parameters
+    ----------
+    stored : StoredContact
+        The run.
+    bars : mapping
+        Declarations and error bars by number; a bar of another value than that of the line does not count.
+    widest : float
+        Unit of the contact radius on its line [m].
+    """
+    return tuple(replace(line, own=_own(line, stored, bars, widest)) for line in lines)
+
+
+def _own(
+    line: ContactLine, stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
+) -> FloatArray:
+    name, own, unit = _NUMBERS.get(line.kind, ""), line.own.copy(), widest if line.kind == "radius" else 1.0
+    errors = stored.errors.get(name)
+    if errors is not None and errors.ndim == 1:
+        return np.asarray(errors[list(line.moments), None] / unit)
+    if errors is not None:
+        x, y, _ = line.profile.points.T
+        row, columns = np.abs(stored.y - y[0]).argmin(), np.abs(stored.x[:, None] - x).argmin(axis=0)
+        return np.asarray(errors[line.moments[0], row, columns, None])
+    if name in bars and isclose(unit * line.values[-1, 0], bars[name][1].value):
+        own[-1] = bars[name][1].error / unit
+    return own
 
 
 def _estimated(line: ContactLine, other: ContactLine, ratio: float) -> ContactLine:

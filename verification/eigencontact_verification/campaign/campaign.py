@@ -8,7 +8,7 @@ is refined.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isclose
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from eigencontact.errors import SceneError, shown
 from eigencontact_verification.campaign.form import FORM, JUDGES, SHARED
 from eigencontact_verification.reporting.bundled import read_toml
 from eigencontact_verification.studies.catalogue import Catalogue
+from eigencontact_verification.studies.errors import with_errors
 from eigencontact_verification.studies.form import as_tables, checked, one_of
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.study import Study, study_of
@@ -70,6 +71,14 @@ class Campaign:
     coarse_ratio: float = 2.0  #: the same in a first look
     drawn: Mapping[str, Any] = field(default_factory=dict)  #: table ``map``
     sources: Sequence[Mapping[str, Any]] = ()  #: earlier work on the question
+
+    def with_errors(self) -> Campaign:
+        """Campaign whose models, not their references, estimate the errors of their numbers."""
+        models, coarse = (
+            tuple(replace(model, study=with_errors(model.study)) for model in several)
+            for several in (self.models, self.coarse_models)
+        )
+        return replace(self, models=models, coarse_models=coarse)
 
     def claimed(self, names: Mapping[str, Any], quantity: Quantity | None = None) -> bool:
         """Whether agreement is claimed for a variant of these constants and parameters."""

@@ -1,12 +1,13 @@
 """Judge of a campaign: finite elements, under the tractions of each run, or with a contact of their own.
 
 The verdict of a map asks how far the run is from the truth, its cells included. What the run says of its own error (see
-`campaign.case.own_error`) is therefore no part of the uncertainty here, as it is where a code is verified.
+`campaign.case.own_error`) is therefore no part of the uncertainty here, as it is where a code is verified. Runs with
+error bars have their numbers compared too, with the bar beside the error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -69,6 +70,7 @@ class _Asked:
     cases: list[Case] = field(default_factory=list)
     gaps: list[str] = field(default_factory=list)
     failed: str = ""
+    folder: Path = Path()
 
 
 def judge_by_elements(
@@ -98,7 +100,7 @@ def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
     reasons = [f"{gap.what}: {gap.reason}" for gap in gaps]
     failed = "" if made else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
     cases = [replace(case, name=f"{label}_{case.name}") for case in made]
-    return _Asked(point=point, cases=cases, gaps=reasons, failed=failed)
+    return _Asked(point=point, cases=cases, gaps=reasons, failed=failed, folder=runs / label)
 
 
 def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:
@@ -111,7 +113,16 @@ def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> J
         for profile in case.case.profiles:
             name = profile.name if campaign.judge == "contact" else profile.quantity
             groups.setdefault(name, []).append((case, profile))
-    findings = tuple(_found(name, group, tolerance, claimed=claimed) for name, group in groups.items())
+    numbers = {one.quantity: one for one in _numbers(asked.folder, cases, tolerance, claimed=claimed)}
+    of_steps = {name for name, group in groups.items() if any(profile.along.size > 1 for _, profile in group)}
+    findings = tuple(
+        _found(name, group, tolerance, claimed=claimed)
+        for name, group in groups.items()
+        if name in of_steps or name not in numbers
+    )
+    findings += tuple(
+        replace(one, quantity=f"{name} at the end") if name in of_steps else one for name, one in numbers.items()
+    )
     solves = [(task, outcome) for case in cases for task, outcome in case.outcomes if task.level is not None]
     finest = _sum(outcome.seconds for task, outcome in solves if task.level == 2 and task.outer == "fixed")
     return Judged(
@@ -143,6 +154,25 @@ def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: fl
         quantity=name, word=word, reason=reason, tolerance=tolerance, claimed=claimed, error=error,
         uncertainty=uncertainty, scale=scale,
     )  # fmt: skip
+
+
+def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, claimed: bool) -> Iterator[MapFinding]:
+    """Numbers of a run with error bars."""
+    from eigencontact_verification.audit.numbers import compared_numbers
+    from eigencontact_verification.audit.stored import bars_of, read_step
+    from eigencontact_verification.crosscheck.comparison import Comparison
+
+    bars = bars_of(folder)
+    compared, _ = compared_numbers(read_step(folder), bars, cases) if bars else ([], [])
+    for row in (row for case in compared for row in case.rows):
+        assert isinstance(row, Comparison)
+        scale = abs(row.simulation)
+        word, reason = word_of(abs(row.error) / scale, row.u_fe / scale, tolerance)
+        yield MapFinding(
+            quantity=row.profile, word=word, reason=reason, tolerance=tolerance, claimed=claimed,
+            error=abs(row.error) / scale, uncertainty=row.u_fe / scale, value=row.simulation, reference=row.reference,
+            scale=scale, own=row.u_sa / scale,
+        )  # fmt: skip
 
 
 def _larger(one: float, other: float) -> float:

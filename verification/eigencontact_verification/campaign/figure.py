@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["axes_of_map", "draw_map", "label_in", "levels_in", "quantities_of"]
 
 #: Light tints that differ in brightness as well: blue, yellow, vermilion, grey.
+_BARS = COLOURS[1]
 _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
 
 
@@ -137,11 +138,14 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
         else:
             axes.errorbar(across, error, yerr=own, fmt="none", color=COLOURS[0], capsize=3)
         axes.plot(across, error, style, color=COLOURS[0])
+        bars = np.array([100 * one.own if one.own is not None else np.nan for *_, one in points])
+        if np.isfinite(bars).any():
+            axes.errorbar(across, error, yerr=bars, fmt="none", ecolor=_BARS, capsize=4, linewidth=0.9)
         for at, height, _, finding in points:
             axes.annotate(f"{MARKS[finding.word]} {finding.word}", (at, height), xytext=(0, 5),
                           textcoords="offset points", ha="center", fontsize=6.5)  # fmt: skip
         axes.axhline(100 * points[0][3].tolerance, color="black", linestyle="--", linewidth=0.9)
-        top = max(float((error + own).max()), 100 * points[0][3].tolerance)
+        top = max(float((error + np.fmax(own, bars)).max()), 100 * points[0][3].tolerance)
         axes.set_ylim(0.0, 1.18 * top)
         if numbers:
             axes.margins(x=0.14)  # room for the words of the outermost points
@@ -171,6 +175,8 @@ def _key(figure: Figure, found: Sequence[Judged], *, cells: bool) -> None:
         band = Patch(color=COLOURS[0], alpha=0.25)
         entries = [(band, "own error of the reference"),
                    (Line2D([], [], color="black", linestyle="--", linewidth=0.9), "tolerance")]  # fmt: skip
+        if any(finding.own is not None for one in found for finding in one.findings):
+            entries.append((Line2D([], [], color=_BARS, marker="|", linestyle="-"), "error bar of the model"))
         if some:
             entries.append((Line2D([], [], color="black", marker="^", linestyle="none"), "agreement is claimed"))
     handles, words = zip(*entries, strict=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 
 from eigencontact_verification.campaign.runs import Point
 from eigencontact_verification.reporting.verdict import Finding, largest, percent, worst
@@ -19,11 +20,22 @@ class MapFinding(Finding):
     error: float | None = None  #: largest |model - reference|, as `uncertainty` a part of the scale
     value: float | None = None  #: number of the model, where the quantity is a single number
     reference: float | None = None  #: number of the reference likewise
+    own: float | None = None  #: numerical error of the model by its error bars, u_SA; a part of the scale
 
     @property
     def numbers(self) -> str:
         """Error and uncertainty in per cent."""
         return f"{percent(self.error)} ± {percent(self.uncertainty)}"
+
+    @property
+    def words(self) -> str:
+        """Reason, and what the error bars of the model make of its error."""
+        if self.own is None or self.error is None or self.uncertainty is None:
+            return self.reason
+        u_val = hypot(self.own, self.uncertainty)
+        if self.error <= u_val:
+            return f"{self.reason}; not told from the numerical error of both, u_val = {percent(u_val)}"
+        return f"{self.reason}; model error {percent(self.error)} ± {percent(u_val)} beside the numerical error of both"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

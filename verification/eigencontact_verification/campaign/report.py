@@ -87,18 +87,23 @@ class MapReport:
 
 # --- tables -----------------------------------------------------------------------------------------------------------
 
-_HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "tolerance", "why")
+_HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "u_SA", "tolerance", "why")
 _TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
 
 
-def _rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
-    for one in found:
-        for finding in one.findings:
-            yield (
-                one.point.label, "yes" if finding.claimed else "no", finding.quantity,
-                f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
-                percent(finding.tolerance), finding.reason,
-            )  # fmt: skip
+def _rows(found: Sequence[Judged]) -> list[tuple[str, ...]]:
+    """Head and rows of the verdicts; u_SA has a column where any model has error bars."""
+    rows = [
+        (
+            one.point.label, "yes" if finding.claimed else "no", finding.quantity,
+            f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
+            percent(finding.own), percent(finding.tolerance), finding.words,
+        )
+        for one in found
+        for finding in one.findings
+    ]  # fmt: skip
+    barred = any(finding.own is not None for one in found for finding in one.findings)
+    return [row if barred else (*row[:6], *row[7:]) for row in (_HEAD, *rows)]
 
 
 def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
@@ -161,7 +166,7 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
     if trade:
         parts += [markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
     else:
-        parts += _maps(report) or [markdown_table(_HEAD[:-1], (row[:-1] for row in _rows(report.found)))]
+        parts += _maps(report) or [_verdicts(report, words=False)]
     return "\n\n".join([*parts, measured("Computed")]) + "\n"
 
 
@@ -170,7 +175,7 @@ def _markdown(report: MapReport) -> str:
     said = answers(report.campaign, report.found)
     if said:
         parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
-    parts += ["## Verdicts", markdown_table(_HEAD, _rows(report.found))]
+    parts += ["## Verdicts", _verdicts(report)]
     if gaps := _gaps(report):
         parts += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
     parts += ["## What both cost", markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
@@ -178,13 +183,19 @@ def _markdown(report: MapReport) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def _verdicts(report: MapReport, *, words: bool = True) -> str:
+    head, *rows = (row if words else row[:-1] for row in _rows(report.found))
+    return markdown_table(head, rows)
+
+
 def _html(report: MapReport, picture: Path) -> str:
+    head, *rows = _rows(report.found)
     parts = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
     parts.append(html_picture(picture, f"map of {report.campaign.title}"))
     said = answers(report.campaign, report.found)
     if said:
         parts.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
-    parts.append(f"<h2>Verdicts</h2>{html_table(_HEAD, _rows(report.found))}")
+    parts.append(f"<h2>Verdicts</h2>{html_table(head, rows)}")
     if gaps := _gaps(report):
         parts.append(f"<h2>Not judged</h2>{html_items(gaps)}")
     parts.append(f"<h2>What both cost</h2>{html_table(_TRADE, _trade_rows(report.found))}")

@@ -13,6 +13,7 @@ from eigencontact.errors import SceneError
 from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.fem.uncertainty import estimate
 from eigencontact_verification.reporting.verdict import largest, word_of
+from eigencontact_verification.studies.errors import Errors, error_of, errors_at_end
 from eigencontact_verification.studies.formula import Context, evaluate
 
 if TYPE_CHECKING:
@@ -32,12 +33,14 @@ def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: flo
     with ExitStack() as opened:
         # each file is opened once: opening takes longer than reading
         contexts = [] if missing else [Context(run.names, opened.enter_context(run.results(folder))) for run in runs]
+        dataset = contexts[0].dataset if contexts else None
+        bars = errors_at_end(point.model.summary, dataset) if dataset is not None else {}
         names = Context(point.model.names)
         for quantity in campaign.quantities:
             if quantity.condition and not evaluate(quantity.condition, names, f"{quantity.name}: if"):
                 continue
             try:
-                finding = _failed(quantity, missing) if missing else _found(quantity, contexts, ratio)
+                finding = _failed(quantity, missing) if missing else _found(quantity, contexts, ratio, bars)
             except SceneError as problem:
                 finding = _failed(quantity, str(problem))
             findings.append(replace(finding, claimed=campaign.claimed(names.names, quantity)))
@@ -58,7 +61,7 @@ def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
     return np.asarray(found, dtype=float).reshape(-1, 1)
 
 
-def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> MapFinding:
+def _found(quantity: Quantity, contexts: list[Context], ratio: float, bars: Errors) -> MapFinding:
     model, coarse, medium, fine = values = [_values(quantity, context) for context in contexts]
     sizes = [len(one) for one in values]
     if len(set(sizes)) > 1:
@@ -73,11 +76,13 @@ def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> MapFind
     error = float(np.abs(model - found.value).max()) / scale
     uncertainty = float(found.uncertainty.max()) / scale
     word, reason = word_of(error, uncertainty, quantity.tolerance)
+    own = error_of(quantity.formula, contexts[0], bars)
     single = len(model) == 1
     return MapFinding(
         quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
         uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
         reference=float(found.value[0, 0]) if single else None, scale=scale,
+        own=None if own is None else float(own.max()) / scale,
     )  # fmt: skip
 
 

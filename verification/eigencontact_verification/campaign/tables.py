@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 __all__ = ["csv_table", "latex_table"]
 
-#: Columns after the parameters; errors, uncertainties and tolerances are fractions, times seconds.
+#: Columns after the parameters; errors, uncertainties and tolerances are fractions, times seconds; the own error is
+#: that of the model by its error bars.
 _COLUMNS = (
-    "quantity", "claimed", "verdict", "error", "uncertainty", "tolerance", "value", "reference", "scale",
+    "quantity", "claimed", "verdict", "error", "uncertainty", "own_error", "tolerance", "value", "reference", "scale",
     "model_seconds", "reference_seconds", "reason",
 )  # fmt: skip
 _ESCAPED = {
@@ -40,7 +41,7 @@ def csv_table(points: Sequence[Judged]) -> str:
         values = [point.point.values.get(name) for name in parameters]
         times = [point.point.model.seconds, point.reference_seconds]
         for finding in point.findings:
-            numbers = [finding.error, finding.uncertainty, finding.tolerance]
+            numbers = [finding.error, finding.uncertainty, finding.own, finding.tolerance]
             numbers += [finding.value, finding.reference, finding.scale]
             head = [point.point.label, *values, finding.quantity, "yes" if finding.claimed else "no", finding.word]
             writer.writerow([*head, *numbers, *times, finding.reason])

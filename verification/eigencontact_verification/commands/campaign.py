@@ -11,6 +11,7 @@ from eigencontact.engines.options import ClusterAddress, TaskThreads
 from eigencontact_verification.commands.options import (
     AsJson,
     Coarse,
+    Errors,
     Form,
     Name,
     Output,
@@ -34,6 +35,7 @@ def campaign(
     *,
     output: Output = Path("campaigns"),
     coarse: Coarse = False,
+    errors: Errors = False,
     workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: Annotated[
@@ -79,6 +81,7 @@ def campaign(
         item = chosen_file(CAMPAIGNS, name, show=show, columns=columns)
         if item is None:
             return
+        item = item.with_errors() if errors else item
         engine = cluster_or_none(workers, cluster, None if cluster is None else memory, threads)
         report, files = _computed(
             item, output / item.name, markdown, trade=trade, coarse=coarse, workers=workers or 1, cluster=engine,

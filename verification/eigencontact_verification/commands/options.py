@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from eigencontact_verification.studies.catalogue import Catalogue
 
 __all__ = [
-    "AsJson", "Coarse", "Form", "Name", "Output", "Quiet", "Show", "Workers", "chosen_file", "cluster_or_none", "leave",
-    "print_keys", "with_clear_errors",
+    "AsJson", "Coarse", "Errors", "Form", "Name", "Output", "Quiet", "Show", "Workers", "chosen_file",
+    "cluster_or_none", "leave", "print_keys", "with_clear_errors",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -28,6 +28,9 @@ Output = Annotated[
 ]
 Workers = Annotated[int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time.")]
 Coarse = Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")]
+Errors = Annotated[
+    bool, typer.Option("--errors", help="Estimate the errors of the numbers of every run from coarser runs.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 Form = Annotated[bool, typer.Option("--form", help="Print the keys of such a file.")]

@@ -11,6 +11,7 @@ from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
 from eigencontact_verification.commands.options import (
     AsJson,
     Coarse,
+    Errors,
     Form,
     Name,
     Output,
@@ -37,6 +38,7 @@ def study(
     *,
     output: Output = Path("studies"),
     coarse: Coarse = False,
+    errors: Errors = False,
     workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: TaskMemory = None,
@@ -61,6 +63,9 @@ def study(
         columns = {"study": lambda item: item.name, "what": lambda item: item.title, "after": _sources}
         item = chosen_file(STUDIES, name, show=show, columns=columns)
         if item is not None:
+            from eigencontact_verification.studies.errors import with_errors
+
+            item = with_errors(item) if errors else item
             engine = cluster_or_none(workers, cluster, memory, threads)
             _run(item, output, coarse=coarse, workers=workers or 1, cluster=engine, as_json=as_json)
 
@@ -129,7 +134,9 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     typer.echo(item.title)
     table = Table("variant", *columns, box=None, pad_edge=False)
     for one in done:
-        table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
+        cells = {name: f"{value:.4g}" for name, value in one.row.items()}
+        cells |= {name: f"{cells[name]} ± {error:.2g}" for name, error in item.row_errors(one).items()}
+        table.add_row(one.label, *(cells.get(name, "") for name in columns))
     print_table(table)
     for line in warnings_in_words({one.label: one.warnings for one in done}, len(found)):
         typer.echo(line)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from eigencontact_verification.commands.options import AsJson, Quiet, leave
+from eigencontact_verification.commands.options import AsJson, Errors, Quiet, leave
 
 if TYPE_CHECKING:
     from eigencontact_verification.tradeoff.study import Study
@@ -47,6 +47,7 @@ def tradeoff(
     repeat: Annotated[
         int, typer.Option("--repeat", metavar="N", min=1, help="Processes for each variant; the median time counts.")
     ] = 1,
+    errors: Errors = False,
     plan: Annotated[bool, typer.Option("--plan", help="List the variants with predicted time and memory.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown instead of a table.")] = False,
     as_json: AsJson = False,
@@ -57,7 +58,8 @@ def tradeoff(
     The scene decides the variants: grid, precision and tolerance of a contact, coupling with friction, treatment
     of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
     layers that are exact or cells, sums over many inclusions. Each is solved in a process of its own, one after the
-    other, and compared with a reference that has the finest of everything, whose own error is unknown.
+    other, and compared with a reference that has the finest of everything. With --errors, scene and reference also
+    estimate their own errors.
 
     Exit codes: 0 done (read what failed), 1 nothing to compare, 2 wrong input, 130 interrupted.
 
@@ -99,7 +101,8 @@ def tradeoff(
     try:
         open_folder(folder, ("tradeoff.json", "tradeoff.md", "tradeoff.png"))
         found = study(
-            planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told
+            planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told,
+            with_bars=errors or planned.scene.output.errors,
         )  # fmt: skip
         files = _write(found, folder)
     except (EigencontactError, ValueError, OSError) as problem:

@@ -58,18 +58,24 @@ def print_report(report: Report, files: dict[str, Path]) -> None:
 
     from eigencontact.core.text_table import print_table
     from eigencontact_verification.crosscheck.brief import totals
+    from eigencontact_verification.crosscheck.comparison import Comparison, line
     from eigencontact_verification.crosscheck.judge import coverage
 
     console = Console(highlight=False)
     head = ("subject", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|")
     table = Table(*head, box=None, pad_edge=False)
-    for entry in coverage(report.rows):
+    numbers_of_run = [row for row in report.rows if isinstance(row, Comparison)]
+    for entry in coverage(row for row in report.rows if not isinstance(row, Comparison)):
         numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (entry.uncertainty, entry.difference))
         agreed = f"{entry.counts['agrees']}/{sum(entry.counts.values())}"
         table.add_row(entry.subject, entry.quantity, entry.component, entry.word, agreed, *numbers)
     print_table(table, console)
+    for case in dict.fromkeys(f"{row.subject}/{row.case}" for row in numbers_of_run):
+        console.print(f"\n{case}, after ASME V&V 20, in parts of S:", markup=False)
+        lines = (line(row) for row in numbers_of_run if f"{row.subject}/{row.case}" == case)
+        console.print("\n".join(lines), markup=False, soft_wrap=True)
     for row in report.rows:
-        if row.word != "agrees":
+        if row.word != "agrees" and row not in numbers_of_run:
             words = f"{row.word}: {row.subject}/{row.case}, {row.profile}, {row.component}: {row.reason}"
             console.print(words, markup=False, soft_wrap=True)
     console.print(f"\n{totals(report)} {len(report.gaps)} known gaps.", markup=False, soft_wrap=True)

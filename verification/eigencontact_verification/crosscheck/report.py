@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from eigencontact_verification.crosscheck import comparison
 from eigencontact_verification.crosscheck.brief import totals
 from eigencontact_verification.crosscheck.case import Gap
+from eigencontact_verification.crosscheck.comparison import Comparison
 from eigencontact_verification.crosscheck.figures import draw
 from eigencontact_verification.crosscheck.judge import Coverage, JudgedCase, Row, coverage
 from eigencontact_verification.reporting.files import report_names, write_json, write_report_files
@@ -211,6 +213,14 @@ def _row_cells(row: Row) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+def _table_of_rows(judged: JudgedCase) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Head and cells of the verdicts of a case."""
+    numbers = [row for row in judged.rows if isinstance(row, Comparison)]
+    if numbers:
+        return comparison.HEAD, list(map(comparison.cells, numbers))
+    return _ROW_HEAD, list(map(_row_cells, judged.rows))
+
+
 _TASK_HEAD = ("solution", "status", "time", "peak memory")
 
 
@@ -246,8 +256,9 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
             lines += [f"![{judged.case.key}]({pictures[judged.case.key]})", ""]
         for file in report.pictures.get(judged.case.key, ()):
             lines += [f"![{judged.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
-        lines += [markdown_table(_ROW_HEAD, map(_row_cells, judged.rows)), ""]
-        lines += [markdown_table(_TASK_HEAD, _task_cells(judged)), ""]
+        lines += [markdown_table(*_table_of_rows(judged)), ""]
+        if judged.outcomes:
+            lines += [markdown_table(_TASK_HEAD, _task_cells(judged)), ""]
     return "\n".join(lines)
 
 
@@ -271,8 +282,9 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
             parts.append(html_picture(folder / pictures[judged.case.key], f"profiles of {judged.case.key}"))
         drawn = report.pictures.get(judged.case.key, ())
         parts += [html_picture(file, f"{file.stem} of {judged.case.key}") for file in drawn]
-        parts.append(html_table(_ROW_HEAD, map(_row_cells, judged.rows)))
-        parts.append(html_table(_TASK_HEAD, _task_cells(judged)))
+        parts.append(html_table(*_table_of_rows(judged)))
+        if judged.outcomes:
+            parts.append(html_table(_TASK_HEAD, _task_cells(judged)))
         parts.append("</details>\n")
     return html_page("Finite-element cross-check", parts)
 
@@ -306,9 +318,11 @@ def write_report(report: Report, folder: Path) -> dict[str, Path]:
     pictures = {}
     for judged in report.cases:
         name = _stem(judged.case.key)
+        if not judged.case.profiles:
+            continue
+        write_json(figures / f"{name}.json", _curves(judged))
         if judged.judged or judged.estimates:
             pictures[judged.case.key] = draw(judged, figures / f"{name}.png").relative_to(folder).as_posix()
-        write_json(figures / f"{name}.json", _curves(judged))
     files = write_report_files(
         folder, report.to_dict(), markdown=_markdown(report, folder, pictures), html=_html(report, folder, pictures)
     )

@@ -27,7 +27,7 @@ def crosscheck(
     quick: bool = False,
     pictures: bool = False,
     show: bool = False,
-    beside: Sequence[JudgedCase] = (),
+    beside: Callable[[Sequence[JudgedCase]], tuple[Sequence[JudgedCase], Sequence[Gap]]] | None = None,
     method: str = "",
     remarks: Callable[[Sequence[JudgedCase]], Sequence[str]] | None = None,
 ) -> tuple[Report, dict[str, Path]]:
@@ -51,8 +51,8 @@ def crosscheck(
         Also write mesh and field of the first case of each kernel.
     show : bool
         Draw a bar with the remaining time, where there is a terminal; else write a line now and then.
-    beside : sequence of JudgedCase
-        Cases that are judged already, for the report.
+    beside : callable, optional
+        Gives more cases for the report, and gaps, from what was judged.
     method : str
         What the report says of the method, in place of the words for kernels.
     remarks : callable, optional
@@ -75,16 +75,17 @@ def crosscheck(
     from eigencontact_verification.crosscheck.store import Store
     from eigencontact_verification.reporting.files import open_folder
 
-    open_folder(folder, names_of([*(case.key for case in cases), *(judged.case.key for judged in beside)]))
+    open_folder(folder, names_of([case.key for case in cases]))
     start = time.perf_counter()
     with Bar(show=show) as bar:
         solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=bar)
     judged = tuple(judge(solution, limit=limit) for solution in solved)
+    more, lost = beside(judged) if beside is not None else ((), ())
     notes = tuple(remarks(judged)) if remarks is not None else ()
     notes += tuple(_pictures(judged, folder / "fields")) if pictures else ()
     report = Report(
-        cases=(*judged, *beside),
-        gaps=tuple(gaps),
+        cases=(*judged, *more),
+        gaps=(*gaps, *lost),
         limit=limit,
         quick=quick,
         seconds=time.perf_counter() - start,

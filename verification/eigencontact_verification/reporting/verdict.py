@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-__all__ = ["MARKS", "WORDS", "Finding", "largest", "percent", "word_of", "worst"]
+__all__ = ["MARKS", "WORDS", "Finding", "largest", "percent", "validated", "word_of", "worst"]
 
 #: Verdicts from worst to best; only the last is agreement. "failed": a solution is missing.
 WORDS = ("disagrees", "failed", "inconclusive", "agrees")
 MARKS = {"agrees": "✓", "inconclusive": "?", "failed": "!", "disagrees": "✗"}
+#: Largest u_val of a comparison that agrees, as a part of the value: agreement within more says little.
+_COARSE = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +55,32 @@ def word_of(error: float, uncertainty: float, tolerance: float) -> tuple[str, st
     if error - uncertainty > tolerance:
         return "disagrees", "the error exceeds the tolerance by more than the uncertainty"
     return "inconclusive", "the uncertainty of the reference reaches across the tolerance"
+
+
+def validated(error: float, uncertainty: float) -> tuple[str, str]:
+    """Verdict on a comparison error E with its uncertainty u_val, both parts of the value, and its reason.
+
+    References
+    ----------
+    ASME V&V 20-2009, section 1-5: the error of the model lies in the interval E ± u_val.
+
+    Examples
+    --------
+    >>> validated(-0.002, 0.01)
+    ('agrees', 'agrees within u_val = 1 %')
+    >>> validated(0.03, 0.01)
+    ('disagrees', 'model or implementation error E ± u_val = 3 % ± 1 %')
+    >>> validated(0.03, 0.2)
+    ('inconclusive', 'inconclusive: u_val = 20 % is more than 5 % of the value')
+    """
+    if not (math.isfinite(error) and math.isfinite(uncertainty)):
+        return "failed", "a value is not finite"
+    width = f"u_val = {100 * uncertainty:.2g} %"
+    if abs(error) > uncertainty:
+        return "disagrees", f"model or implementation error E ± {width.replace('=', f'= {100 * error:.2g} % ±')}"
+    if uncertainty > _COARSE:
+        return "inconclusive", f"inconclusive: {width} is more than {100 * _COARSE:.2g} % of the value"
+    return "agrees", f"agrees within {width}"
 
 
 def worst(words: Iterable[str]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from eigencontact.errors import SceneError
 from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.reporting.typeset import subscripts
+from eigencontact_verification.studies.errors import error_of
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import source_in_words
 from eigencontact_verification.studies.study import Finished, Study, formatted, label_of, levels_of, plain
@@ -118,7 +119,12 @@ def _draw_curve(
         words = f"{label_of(study.parameters, by)} = {plain(group[0][2].values[by])}" if by else ""
         label = _filled(str(curve["label"]), group[0][2]) if "label" in curve else words
         across, up = [one[0] for one in group], [one[1] for one in group]
-        axes.plot(across, up, _style(curve, dash_at, "o-"), color=_colour(curve, colour_at, n), label=label or None)
+        colour = _colour(curve, colour_at, n)
+        axes.plot(across, up, _style(curve, dash_at, "o-"), color=colour, label=label or None)
+        bars = [error_of(str(curve["y"]), one.context, one.errors) for *_, one in group]
+        if any(bar for bar in bars if bar is not None):
+            sizes = [float(bar) if bar is not None else np.nan for bar in bars]
+            axes.errorbar(across, up, yerr=sizes, fmt="none", ecolor=colour, capsize=2.5, linewidth=0.9)
 
 
 def _of(one: Finished, formula: str, study: Study) -> Any:

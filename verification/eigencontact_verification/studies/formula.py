@@ -9,7 +9,7 @@ import ast
 import math
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -140,6 +140,8 @@ class Context:
     names: Mapping[str, Value]  #: constants, parameters and readings
     dataset: xr.Dataset | None = None  #: results of a variant; a bare name is the value at the end
     at: Any = field(default=-1)
+    #: Added to numbers at the end and to readings; then nothing else of the results may be read, nor what has None.
+    shifts: Mapping[str, float | None] | None = None
 
 
 def evaluate(text: str, context: Context, told: str = "formula") -> Value:
@@ -226,8 +228,8 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
         if context.dataset is None:
             raise SceneError(f"{name}() is of results, of which there are none here")
         *told, inner = arguments
-        places = [_value(one, Context(context.names, context.dataset, slice(None))) for one in told]
-        return _value(inner, Context(context.names, context.dataset, MOMENTS[name][0](context.dataset, *places)))
+        places = [_value(one, replace(context, at=slice(None), shifts=None)) for one in told]
+        return _value(inner, replace(context, at=MOMENTS[name][0](context.dataset, *places)))
     if name == "if_else":  # only what is chosen must have a value
         condition, one, other = arguments
         return _value(one if bool(_value(condition, context)) else other, context)
@@ -239,6 +241,8 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
 def _of_name(name: str, context: Context) -> Value:
     if name == "pi":
         return math.pi
+    if context.shifts is not None and (name in context.shifts or name not in context.names):
+        return _shifted(name, context, context.shifts.get(name))
     if name in context.names:
         return context.names[name]
     dataset = context.dataset
@@ -255,3 +259,11 @@ def _of_name(name: str, context: Context) -> Value:
             raise SceneError(f"{name} is not stored for the step asked for")
         return found.isel(history_step=int(held[-1]))
     return found
+
+
+def _shifted(name: str, context: Context, shift: float | None) -> Value:
+    """Value of a reading, or of a number at the end, with its shift."""
+    steps = 0 if context.dataset is None else context.dataset.sizes.get("step", 0)
+    if shift is None or (name not in context.names and context.at not in (-1, steps - 1)):
+        raise SceneError(f"{name} has no error bar there")
+    return _of_name(name, replace(context, shifts=None)) + shift

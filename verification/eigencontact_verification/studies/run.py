@@ -15,6 +15,7 @@ from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.sweeps.variants import Variant
 from eigencontact_verification.reporting.files import write_json
 from eigencontact_verification.studies.checks import verdicts
+from eigencontact_verification.studies.errors import errors_at_end
 from eigencontact_verification.studies.study import Finished, Study
 
 __all__ = ["Failed", "folder_name", "in_si", "run_study", "source_in_words", "variants_of_study", "write_study"]
@@ -87,8 +88,9 @@ def run_study(
         row = study.read(numbers, dataset, coarse=coarse)
         symbols = {symbol: row[name] for name, (symbol, *_) in study.readings.items() if name in row}
         names = {**study.names(numbers, coarse=coarse), **symbols}
-        warnings = outcome.summary.get("warnings", ())
-        yield Finished(variant.label, numbers, dataset, row, names, outcome.place[0], warnings)
+        warnings, bars = outcome.summary.get("warnings", ()), errors_at_end(outcome.summary, dataset)
+        errors = study.errors_of(numbers, dataset, row, bars, coarse=coarse)
+        yield Finished(variant.label, numbers, dataset, row, names, outcome.place[0], warnings, errors)
 
 
 def in_si(study: Study, variant: Variant) -> dict[str, Any]:
@@ -124,7 +126,8 @@ def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) 
     labels = {one.name: one.label for one in study.parameters}
     rows: list[dict[str, Any]] = [
         {"variant": item.label, **{labels[k]: v for k, v in item.values.items()},
-         **{name: value if math.isfinite(value) else None for name, value in item.row.items()}}
+         **{name: value if math.isfinite(value) else None for name, value in item.row.items()},
+         **{f"{name} error": error for name, error in study.row_errors(item).items()}}
         for item in done
     ]  # fmt: skip
     content = {

@@ -13,6 +13,7 @@ import numpy as np
 from eigencontact.core.units import NUMBER
 from eigencontact.errors import SceneError, shown
 from eigencontact_verification.reporting.bundled import read_toml
+from eigencontact_verification.studies.errors import Errors, error_of
 from eigencontact_verification.studies.form import as_tables, checked, one_of
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.template import changed, filled
@@ -109,6 +110,22 @@ class Study:
             found[label] = names[symbol] = number
         return found
 
+    def errors_of(
+        self, values: Values, dataset: xr.Dataset, row: Mapping[str, float], bars: Errors, *, coarse: bool = False
+    ) -> dict[str, float | None]:
+        """Errors of the numbers of results and of the readings in a row, by their names in formulas."""
+        names, errors = self.names(values, coarse=coarse), dict(bars)
+        for label, (symbol, formula, _) in self.readings.items() if bars else ():
+            if label in row:
+                error = error_of(formula, Context(names, dataset), errors)
+                names[symbol], errors[symbol] = row[label], None if error is None else float(error)
+        return errors
+
+    def row_errors(self, one: Finished) -> dict[str, float]:
+        """Errors of the numbers in the row of a variant; those that are exact or not known are left out."""
+        symbols = {name: symbol for name, (symbol, *_) in self.readings.items() if name in one.row}
+        return {name: error for name, symbol in symbols.items() if (error := one.errors.get(symbol))}
+
 
 @dataclass(frozen=True)
 class Finished:
@@ -121,6 +138,8 @@ class Finished:
     names: Mapping[str, Any]  #: names of formulas: constants, parameters, numbers
     place: int = 0  #: its number in the order of the study
     warnings: Sequence[Mapping[str, Any]] = ()  #: warnings of the run, as in ``summary.json``
+    #: Errors of numbers and readings by their names in formulas; empty for a run without error bars.
+    errors: Errors = field(default_factory=dict)
 
     @property
     def context(self) -> Context:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HEADLINES", "errors", "field_error"]
+__all__ = ["FIELDS", "HEADLINES", "bars", "errors", "field_error"]
 
 FloatArray = NDArray[np.float64]
 
@@ -31,6 +31,10 @@ _FIELDS: dict[str, tuple[str, ...]] = {
     "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
     "worn depth": ("worn_depth",),
 }
+#: Fields of the surface that are compared.
+FIELDS = tuple(dict.fromkeys(name for components in _FIELDS.values() for name in components))
+#: Error bars below this part of a number are round-off, as those of prescribed loads.
+_ROUND_OFF = 1e-9
 #: The error that stands for all, in the table and in the picture: the first of these that a scene has.
 HEADLINES = ("traction field", "pressure field", "displacement field", "max von Mises")
 
@@ -65,6 +69,27 @@ def errors(
     if "shear field" not in out:  # pressure is then all the traction there is
         out.pop("traction field", None)
     return out
+
+
+def bars(summary: Mapping[str, Any], fields: Mapping[Any, Any]) -> dict[str, float]:
+    """Error bars of a run by the names of `errors`, in their measure; empty without bars.
+
+    That of a number is relative to its value at the end, that of a field the norm of its stored errors over its own.
+    """
+    numbers = summary.get("errors", {})
+    out = {}
+    for name, members in _SCALARS.items():
+        pairs = [(numbers[member]["error"], abs(numbers[member]["value"])) for member in members if member in numbers]
+        out[name] = tuple(max((pair[n] for pair in pairs), default=0.0) for n in (0, 1))
+    for name, members in _FIELDS.items():
+        known = [member for member in members if f"{member}_error" in fields]
+        out[name] = tuple(
+            float(np.sqrt(sum(np.nansum(np.square(fields[f"{member}{kind}"], dtype=float)) for member in known)))
+            for kind in ("_error", "")
+        )
+    if not out["shear field"][1]:  # pressure is then all the traction there is
+        del out["traction field"]
+    return {name: error / scale for name, (error, scale) in out.items() if error > _ROUND_OFF * scale > 0.0}
 
 
 def field_error(

@@ -30,17 +30,17 @@ def picture(study: Study) -> Figure:
     rows = [(k, row) for k, row in enumerate(study.rows) if row.error is not None]
     figure = new_figure(9.4, 3.9)
     left, right = figure.subplots(1, 2, sharey=True)
-    _panel(left, rows, "time")
-    _panel(right, rows, "memory")
-    left.set_xlabel("computing time [s]")
-    right.set_xlabel("peak memory of the process [MB]")
+    for axes, price in ((left, "time"), (right, "memory")):
+        _panel(axes, rows, price)
+        _draw_bars(axes, study, price)
+    left.set_xlabel("time [s]")
+    right.set_xlabel("peak memory [MB]")
     left.set_ylabel(f"{study.headline}: relative error")
     handles, labels = left.get_legend_handles_labels()
     compared = "\n".join(["compared with", *(f"  {words}" for words in study.rows[0].variant.words.split(", "))])
     legend = figure.legend(handles, labels, loc="outside right upper", title=compared, alignment="left")
     legend.get_title().set_fontsize(8)
-    left.set_title(f"{study.name}: error and time", loc="left")
-    right.set_title("error and memory", loc="left")
+    left.set_title(study.name, loc="left")
     figure.draw_without_rendering()  # the layout is settled before numbers find their places
     for axes, price in ((left, "time"), (right, "memory")):
         number_marks(axes, [(k, *_place(row, price)) for k, row in rows])
@@ -71,6 +71,20 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
         middle = (low * high) ** 0.5
         axes.set_ylim(middle / 10.0**0.5, middle * 10.0**0.5)
     axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+
+
+def _draw_bars(axes: Any, study: Study, price: str) -> None:
+    """Error of the scene by its error bar, and the errors that the reference cannot tell apart."""
+    reference, *others = study.rows
+    for row in others:
+        if (bar := row.bars.get(study.headline)) is not None:
+            place, error = _place(row, price)
+            axes.plot([place, place], [error, max(bar, _LEAST)], color="black", linewidth=0.8, zorder=2)
+            axes.plot(place, max(bar, _LEAST), "_", color="black", markersize=10, label="error bar of the scene")
+    if (bar := reference.bars.get(study.headline)) is not None:
+        limits = axes.get_ylim()
+        axes.axhspan(min(limits[0], bar), bar, color="0.92", zorder=0, label="below the bar of the reference")
+        axes.set_ylim(*limits)
 
 
 def _scale_prices(axes: Any, prices: list[float]) -> None:

@@ -16,14 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.reporting.process import answer_of
+from eigencontact_verification.tradeoff.errors import FIELDS, bars
 
-__all__ = ["FIELDS", "Solved", "main", "solve", "solve_fresh"]
-
-#: Fields of the surface that are compared.
-FIELDS = (
-    "pressure", "shear_x", "shear_y", "residual_displacement_x", "residual_displacement_y", "residual_displacement_z",
-    "worn_depth",
-)  # fmt: skip
+__all__ = ["Solved", "main", "solve", "solve_fresh"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +68,7 @@ def solve(tables: dict[str, Any], fields: Path) -> dict[str, Any]:
         "whole_seconds": whole,
         "peak_bytes": summary["peak_memory_bytes"],
         "history": summary["history"],
+        "bars": bars(summary, dataset),
     }
 
 

@@ -83,6 +83,7 @@ def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:
                 "error": row.error,
                 "errors": dict(row.errors),
                 "fronts": list(row.fronts),
+                **({"error_bars": dict(row.bars)} if row.bars else {}),
             }
             for row in study.rows
         ],
@@ -121,7 +122,22 @@ def remarks(study: Study) -> list[str]:
     """Where the scene stands, what was not solved and why, and whether the reference is another."""
     unsolved = [(k, row) for k, row in enumerate(study.rows) if row.status != "ok"]
     lines = [f"{k} ({row.variant.words}) {row.status}: {row.reason}" for k, row in unsolved]
-    return [*([study.note] if study.note else []), *standing(study), *lines]
+    barred = [_bars(row, study.rows[0]) for row in study.rows if row.bars]
+    return [*([study.note] if study.note else []), *standing(study), *barred, *lines]
+
+
+def _bars(row: Row, reference: Row) -> str:
+    """Error bars of a row; of the scene beside its errors, which they should hold but for the bars of the reference."""
+    if row is reference:
+        told = ", ".join(f"{name} {bar:.1e}" for name, bar in row.bars.items())
+        return f"error bars of the reference, below which the table tells nothing apart: {told}"
+    parts = []
+    for name, bar in row.bars.items():
+        error = row.errors.get(name)
+        holds = error is None or error <= bar + reference.bars.get(name, 0.0)
+        beside = "" if error is None else f" ({'holds' if holds else 'does not hold'} the error {error:.1e})"
+        parts.append(f"{name} {bar:.1e}{beside}")
+    return f"error bars of the {row.variant.key}: {', '.join(parts)}"
 
 
 def _lines(study: Study, *, brief: bool = False) -> tuple[list[str], list[list[str]]]:

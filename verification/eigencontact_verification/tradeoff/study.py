@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import Any
 
+from eigencontact.accuracy.changes import changed
 from eigencontact_verification.tradeoff.errors import HEADLINES, errors
 from eigencontact_verification.tradeoff.process import Solved, solve_fresh
-from eigencontact_verification.tradeoff.variant import Variant, tables_of
+from eigencontact_verification.tradeoff.variant import Variant
 
 __all__ = ["Prediction", "Row", "Study", "fronts", "predict", "standing", "study"]
 
@@ -46,6 +47,7 @@ class Row:
     errors: Mapping[str, float] = field(default_factory=dict)
     error: float | None = None
     fronts: tuple[str, ...] = ()
+    bars: Mapping[str, float] = field(default_factory=dict)  #: error bars of scene and reference, named as `errors`
 
     @property
     def variant(self) -> Variant:
@@ -73,7 +75,7 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
     scene = None
     for variant in variants:
         try:
-            plan = app.plan(tables_of(resolved, variant))
+            plan = app.plan(changed(resolved, variant.changes))
         except EigencontactError as problem:
             found.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
             continue
@@ -96,6 +98,7 @@ def study(
     limit: float,
     memory: float,
     repeat: int = 1,
+    with_bars: bool = False,
     solve: Callable[[Mapping[str, Any], float], Solved] | None = None,
     told: Callable[[str], None] = lambda _: None,
 ) -> Study:
@@ -111,6 +114,8 @@ def study(
         Time [s] and memory [byte] of one variant; one that the planner predicts above them does not start.
     repeat : int
         Processes for each variant: the median of their times, the largest of their peaks.
+    with_bars : bool
+        Whether scene and reference estimate their own errors, each in one more process.
     solve : callable
         Tables and limit to `Solved`; by default in a fresh process.
     told : callable
@@ -129,10 +134,14 @@ def study(
             laps = [Solved(status="refused", reason=reason)]
         else:
             told(f"{prediction.variant.key}: {prediction.variant.words}")
-            tables = tables_of(resolved, prediction.variant)
+            tables = changed(resolved, prediction.variant.changes)
             laps = [solve(tables, limit) for _ in range(repeat)]
         solved.append(next((lap for lap in laps if lap.status != "ok"), laps[0]))
         rows.append(_row(prediction, solved[-1], laps))
+        if with_bars and rows[-1].status == "ok" and prediction.variant.key in ("scene", "reference"):
+            told(f"{prediction.variant.key}: error bars")
+            barred = solve({**tables, "output": {**tables["output"], "errors": True}}, limit)
+            rows[-1] = replace(rows[-1], bars=barred.numbers.get("bars", {}))
     best, note = _reference(rows)
     reference = solved[best]
     for k, answer in enumerate(solved):

@@ -5,17 +5,17 @@ One setting is changed at a time against the scene as it stands; the reference h
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from eigencontact.accuracy.changes import Changes, changed, refined_grid, refined_window
-from eigencontact.accuracy.settings import FIDELITIES, Fidelity
+from eigencontact.accuracy.changes import Changes, refined_grid, refined_window
+from eigencontact.accuracy.settings import FIDELITIES, Fidelity, finest
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "tables_of", "variants"]
+__all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "variants"]
 
 #: Keys of all variations, in the order of the table.
 KEYS = ("grid", *(one.key for one in FIDELITIES))
@@ -41,11 +41,6 @@ class Variant:
     fidelity: Fidelity | None = None  #: changed setting, where it is not the grid
 
 
-def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
-    """Tables of the scene with the changes of a variant; pictures are left out."""
-    return changed(resolved, variant.changes)
-
-
 def keys_of(plan: Plan) -> tuple[str, ...]:
     """Keys that can vary in a scene."""
     return ("grid", *(one.key for one in FIDELITIES if one.has(plan)))
@@ -54,26 +49,17 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
     """Reference, scene as it stands (at the factor `base`), then one change at a time, of all keys or only of some."""
     base_grid, base_words = refined_grid(plan, fidelities.base)
-    fine_grid, fine_words = refined_grid(plan, fidelities.reference)
     found = _grids(plan, fidelities) if not only or "grid" in only else []
-    finest: dict[str, Any] = {}
-    words = [fine_words]
     for one in FIDELITIES:
-        if not one.has(plan):
-            continue
-        value = one.finest(plan)
-        if value is not None:
-            words.append(one.words(value))
-            for name, changes in one.of(plan, value).items():
-                finest[name] = {**finest.get(name, {}), **changes}
-        if only and one.key not in only:
+        if not one.has(plan) or (only and one.key not in only):
             continue
         grid = refined_window(plan, fidelities.base)[0] if one.keeps_window else base_grid
         found += [
             Variant(key=one.key, words=one.words(other), changes={**one.of(plan, other), "grid": grid}, fidelity=one)
             for other in one.others(plan)
         ]
-    reference = Variant(key="reference", words=", ".join(words), changes={**finest, "grid": fine_grid})
+    changes, words = finest(plan, fidelities.reference)
+    reference = Variant(key="reference", words=", ".join(words), changes=changes)
     return (reference, Variant(key="scene", words=base_words, changes={"grid": base_grid}), *found)
 
 
