@@ -104,7 +104,9 @@ def verdict_of(claim: Claim, found: float) -> tuple[str, str]:
         return "erratum", claim.erratum
     if claim.differs:
         return "differs", claim.differs
-    return "disagrees", claim.erratum and "neither the text nor what the index calls right: " + claim.erratum
+    if claim.erratum:
+        return "disagrees", f"neither the text's number nor the right one: {claim.erratum}"
+    return "disagrees", claim.lacks and f"to tell who is right it lacks: {claim.lacks}"
 
 
 def _judged(name: str, claim: Claim, rows: Mapping[str, Sequence[Row]], failures: Mapping[str, str]) -> Judged:

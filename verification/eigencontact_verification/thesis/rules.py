@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -83,4 +82,4 @@ def _matches(value: Any, wanted: Any) -> bool:
         return any(_matches(value, one) for one in wanted)
     if isinstance(value, str) or isinstance(wanted, str):
         return bool(value == wanted)
-    return math.isclose(value, wanted, rel_tol=NEAR, abs_tol=1e-12)
+    return bool(abs(value - wanted) <= NEAR * abs(wanted))
