@@ -71,6 +71,8 @@ def _source(entry: Entry) -> str:
         return f"scene [{entry.scene}](../gallery/{entry.scene}.md)"
     if entry.study:
         return f"study `{entry.study}`"
+    if entry.state == "no result":
+        return "arithmetic"
     return "a test" if entry.test else f"not computed; lacks {entry.lacks}"
 
 
