@@ -14,6 +14,7 @@ from gallery import write, write_gallery
 from scene_uses import plugin_target, scenes_by_plugin
 from sphinx.application import Sphinx
 from sphinx.config import Config
+from thesis_page import thesis_tables
 from typer.main import get_command
 
 from eigencontact.cli import app as command_line
@@ -135,6 +136,7 @@ def _generate(app: Sphinx, config: Config) -> None:
     _bibliography_page(docs)
     _number_page(docs)
     _command_page(docs)
+    write(docs / "reference" / "thesis.txt", thesis_tables(docs / "measured" / "thesis.json"))  # included by a page
     for name, text in api_pages():
         write(docs / "api" / "generated" / f"{name}.md", text)
     write_gallery(docs, chosen)

@@ -215,7 +215,7 @@ def test_a_depth_of_second_order_is_reached_in_few_runs():
     cells = answer.last.run.plan.grid.nx / answer.rungs[0].run.plan.grid.nx
     assert 2.0 < cells < 3.0  # sqrt(5 * 1.25 / 0.85) = 2.7
     assert len(solved) == answer.runs.solved
-    assert answer.runs.reused == 2
+    assert answer.runs.reused >= 1  # the pilot is a coarser run of the answer
     assert len({(plan.grid.nx, plan.numerics.tolerance) for plan in solved}) == len(solved)  # nothing twice
 
 

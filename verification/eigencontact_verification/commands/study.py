@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
 from eigencontact_verification.commands.options import (
     AsJson,
-    Coarse,
     Errors,
     Form,
     Name,
@@ -32,13 +31,25 @@ if TYPE_CHECKING:
 
 __all__ = ["study"]
 
+Quick = Annotated[bool, typer.Option("--coarse", "--quick", help="Fewer variants and cells, for a first look.")]
+Chapter = Annotated[int | None, typer.Option("--chapter", metavar="N", help="With `thesis`: this chapter alone.")]
+Figure = Annotated[
+    str | None, typer.Option("--figure", metavar="N.M", help="With `thesis`: this figure alone, or `table N.M`.")
+]
+
+
+#: Name in place of a study.
+THESIS = "thesis"
+
 
 def study(
     name: Name = None,
     *,
     output: Output = Path("studies"),
-    coarse: Coarse = False,
+    coarse: Quick = False,
     errors: Errors = False,
+    chapter: Chapter = None,
+    figure: Figure = None,
     workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: TaskMemory = None,
@@ -53,13 +64,35 @@ def study(
 
     A study is a TOML file: a scene, varying parameters, numbers and panels, and the publication of the trend. `--form`
     lists its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
+
+    `eigencontact study thesis --quick` judges every claim of the thesis on its figures that a study can judge.
     """
     with with_clear_errors():
+        from eigencontact.errors import SceneError
+        from eigencontact_verification.commands.thesis import report_thesis
         from eigencontact_verification.studies.catalogue import STUDIES
+        from eigencontact_verification.thesis.reading import thesis_index
 
         if form:
             _print_form()
             return
+        if name == THESIS:
+            if errors:
+                raise SceneError(
+                    f"--errors must stand with a study (got {name!r}); verdicts of the thesis take none yet"
+                )
+            engine = cluster_or_none(workers, cluster, memory, threads)
+            report_thesis(
+                output,
+                entries=thesis_index().entries(chapter, figure),
+                coarse=coarse,
+                workers=workers or 1,
+                cluster=engine,
+                as_json=as_json,
+            )
+            return
+        if chapter is not None or figure is not None:
+            raise SceneError(f"--chapter and --figure must stand with the name {THESIS} (got {name!r})")
         columns = {"study": lambda item: item.name, "what": lambda item: item.title, "after": _sources}
         item = chosen_file(STUDIES, name, show=show, columns=columns)
         if item is not None:

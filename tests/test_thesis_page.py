@@ -1,0 +1,39 @@
+"""The page of the thesis: stored verdicts are those of the index, and its tables hold every figure and claim."""
+
+import json
+import sys
+from pathlib import Path
+
+from eigencontact_verification.thesis.judge import VERDICTS
+from eigencontact_verification.thesis.reading import thesis_index
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+
+from thesis_page import thesis_tables  # noqa: E402 - lies with the site
+
+STORED = ROOT / "docs" / "measured" / "thesis.json"
+
+
+def test_stored_verdicts_are_on_the_claims_of_the_index():
+    """Claims that were added or reworded since: `eigencontact study thesis --quick` writes the file anew."""
+    found = json.loads(STORED.read_text("utf-8"))["claims"]
+    known = [(one.name, claim.says) for one in thesis_index().entries() for claim in one.claim]
+    assert [(one["name"], one["says"]) for one in found] == known
+    assert {one["verdict"] for one in found} <= set(VERDICTS)
+
+
+def test_tables_hold_every_figure_and_every_claim():
+    text = thesis_tables(STORED)
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    for entry in thesis_index().entries():
+        assert entry.name in text
+        for claim in entry.claim:
+            assert any(claim.says.replace("*", "\\*").replace("_", "\\_") in row for row in rows), claim.says
+    assert {line.count(" | ") for line in rows} <= {6, 10, 2}
+
+
+def test_counts_are_those_of_the_verdicts():
+    found = json.loads(STORED.read_text("utf-8"))
+    for name, count in found["counts"]["claims"].items():
+        assert sum(one["verdict"] == name for one in found["claims"]) == count

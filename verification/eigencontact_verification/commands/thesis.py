@@ -1,0 +1,74 @@
+"""The thesis, figure by figure: counts and verdicts of `eigencontact study thesis`."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from eigencontact.engines.cluster import Cluster
+    from eigencontact_verification.thesis.entries import Entry
+    from eigencontact_verification.thesis.judge import Judged
+
+__all__ = ["report_thesis"]
+
+
+def report_thesis(
+    output: Path,
+    *,
+    entries: Sequence[Entry],
+    coarse: bool,
+    workers: int,
+    cluster: Cluster | None,
+    as_json: bool,
+) -> None:
+    """Judge the claims of some figures, print their verdicts, and write them to ``thesis.json``."""
+    from eigencontact_verification.reporting.files import open_folder, write_json
+    from eigencontact_verification.thesis.judge import judged
+
+    open_folder(output, ("thesis.json",))
+    runs = output / ("quick" if coarse else "full")
+    found = list(judged(
+        entries, runs, coarse=coarse, workers=workers, cluster=cluster,
+        tell=lambda name: typer.echo(f"study {name}", err=True),
+    ))  # fmt: skip
+    content: dict[str, Any] = {
+        "quick": coarse, "counts": _counts(entries, found), "claims": [vars(one) for one in found],
+    }  # fmt: skip
+    write_json(output / "thesis.json", content)
+    if as_json:
+        typer.echo(json.dumps(content, ensure_ascii=False, indent=1))
+        return
+    _print(entries, found, content["counts"])
+    typer.echo(f"written: {output / 'thesis.json'}")
+
+
+def _counts(entries: Sequence[Entry], found: Sequence[Judged]) -> dict[str, dict[str, int]]:
+    from eigencontact_verification.thesis.judge import VERDICTS
+
+    states, verdicts = Counter(one.state for one in entries), Counter(one.verdict for one in found)
+    return {
+        "figures and tables": {name: states[name] for name in ("computed", "open", "no result")},
+        "claims": {name: verdicts[name] for name in VERDICTS},
+    }
+
+
+def _print(entries: Sequence[Entry], found: Sequence[Judged], counts: dict[str, dict[str, int]]) -> None:
+    for name, numbers in counts.items():
+        parts = ", ".join(f"{count} {word}" for word, count in numbers.items())
+        typer.echo(f"{sum(numbers.values())} {name}: {parts}")
+    for entry in entries:
+        by = entry.study or entry.scene or entry.test
+        typer.echo(f"\n{entry.name}: {entry.shows} ({entry.kind}, section {entry.place}{', ' + by if by else ''})")
+        if entry.lacks:
+            typer.echo(f"  not computed, it lacks: {entry.lacks}")
+        for one in (one for one in found if one.name == entry.name):
+            both = "; ".join(f"{who} {what}" for who, what in (("here", one.found), ("text", one.text)) if what)
+            typer.echo(f"  {one.verdict}: {one.says}{f' ({both})' if both else ''}")
+            if one.why:
+                typer.echo(f"    {one.why}")

@@ -1,0 +1,143 @@
+"""Verdicts on the claims of the thesis: the studies behind them are run, and the rules read their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from eigencontact.engines.cluster import Cluster
+from eigencontact.errors import EigencontactError
+from eigencontact_verification.studies.catalogue import STUDIES
+from eigencontact_verification.studies.formula import Context, evaluate
+from eigencontact_verification.studies.run import Failed, run_study
+from eigencontact_verification.studies.study import Study
+from eigencontact_verification.thesis.entries import Claim, Entry, Rule
+from eigencontact_verification.thesis.rules import Row, number_of, selected
+
+__all__ = ["VERDICTS", "Judged", "judged", "verdict_of", "wanted_rows"]
+
+#: Verdicts on a claim; the last but one: the program ought to agree and does not.
+VERDICTS = ("agrees", "erratum", "differs", "not comparable", "disagrees", "open")
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim of a figure and its verdict."""
+
+    name: str  #: of the figure or table
+    says: str
+    verdict: str  #: one of `VERDICTS`
+    found: str  #: number of this program in words
+    text: str  #: number of the text in words
+    why: str  #: reason of the verdict
+    source: str  #: study, scene or formula behind it
+
+
+def judged(
+    entries: Sequence[Entry],
+    folder: Path,
+    *,
+    coarse: bool,
+    workers: int = 1,
+    cluster: Cluster | None = None,
+    tell: Callable[[str], None],
+) -> Iterator[Judged]:
+    """Verdicts on the claims of some figures; each study runs once, with the variants that the claims need.
+
+    Parameters
+    ----------
+    folder : Path
+        Results of the variants; finished ones are read again.
+    coarse : bool
+        Cells, steps and layers of a first look.
+    workers, cluster : int, Cluster
+        Processes at a time, or the cluster that runs the variants instead.
+    tell : callable
+        Told of each study before it runs.
+    """
+    rules = [claim.rule for one in entries for claim in one.claim if claim.rule is not None]
+    rows: dict[str, list[Row]] = {}
+    failures: dict[str, str] = {}
+    for name in dict.fromkeys(rule.study for rule in rules if rule.study):
+        tell(name)
+        rows[name] = []
+        study = STUDIES.find(name)
+        chosen = wanted_rows(study, [rule for rule in rules if rule.study == name], coarse=coarse)
+        part = replace(study, coarse_rows=chosen) if coarse else replace(study, rows=chosen)
+        for item in run_study(part, folder, coarse=coarse, workers=workers, cluster=cluster):
+            if isinstance(item, Failed):
+                failures[name] = f"{item.label}: {item.reason}"
+                continue
+            item.dataset.close()
+            rows[name].append((chosen[item.place], item.row))
+    for one in entries:
+        for claim in one.claim:
+            yield _judged(one.name, claim, rows, failures)
+
+
+def wanted_rows(study: Study, rules: Sequence[Rule], *, coarse: bool) -> list[Mapping[str, Any]]:
+    """Variants of a study that some rules need, each once, in the order of the study."""
+    known = [*study.rows, *(row for row in study.coarse_rows if coarse)]
+    wanted = [selected(known, part) for rule in rules for part in (rule.at, rule.over) if part or part is rule.at]
+    found = [row for row in known if any(row in rows for rows in wanted)]
+    return [row for n, row in enumerate(found) if not any(_same(row, other) for other in found[:n])]
+
+
+def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    return set(one) == set(other) and bool(selected([one], other))
+
+
+def verdict_of(claim: Claim, found: float) -> tuple[str, str]:
+    """Verdict on a claim whose rule has given a number or a yes or no, and its reason."""
+    if isinstance(found, bool):
+        agrees, right = found, True
+    else:
+        low, high = claim.bounds
+        strict = claim.side != "about"  # above 1 means more than 1
+        agrees = low < found < high if strict else low <= found <= high
+        right = not claim.right or claim.right[0] <= found <= claim.right[1]
+    if agrees:
+        return "agrees", ""
+    if claim.erratum and right:
+        return "erratum", claim.erratum
+    if claim.differs:
+        return "differs", claim.differs
+    if claim.erratum:
+        return "disagrees", f"neither the text's number nor the right one: {claim.erratum}"
+    return "disagrees", claim.lacks and f"to tell who is right it lacks: {claim.lacks}"
+
+
+def _judged(name: str, claim: Claim, rows: Mapping[str, Sequence[Row]], failures: Mapping[str, str]) -> Judged:
+    text, source = _text(claim), ""
+    if claim.rule is None:
+        why = claim.incomparable or claim.lacks
+        return Judged(name, claim.says, "not comparable" if claim.incomparable else "open", "", text, why, "")
+    rule = claim.rule
+    source = rule.study or rule.scene or rule.formula
+    try:
+        found, behind = number_of(rule, rows[rule.study]) if rule.study else (_computed(rule), "")
+    except EigencontactError as problem:
+        why = failures.get(rule.study, str(problem))
+        return Judged(name, claim.says, "open", "", text, f"not computed: {why}", source)
+    verdict, why = verdict_of(claim, found)
+    words = behind if isinstance(found, bool) else f"{found:.4g}" + (f" ({behind})" if behind else "")
+    return Judged(name, claim.says, verdict, words, text, why, source)
+
+
+def _computed(rule: Rule) -> float:
+    if not rule.scene:
+        return float(evaluate(rule.formula, Context(rule.constants), "rule.formula"))
+    from eigencontact.app import load_scene, run
+
+    scene = load_scene(rule.scene)
+    return float(evaluate(rule.formula, Context(rule.constants, run(scene).dataset), "rule.formula"))
+
+
+def _text(claim: Claim) -> str:
+    if claim.value is None:
+        return claim.rule.take if claim.rule is not None else ""
+    unit = "" if claim.unit == "1" else f" {claim.unit}"
+    within = f" within {100 * claim.tolerance:g} %" if claim.tolerance else ""
+    return f"{'' if claim.side == 'about' else claim.side + ' '}{claim.value:g}{unit}{within}"
