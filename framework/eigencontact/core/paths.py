@@ -164,8 +164,8 @@ def half_sphere(angle: float) -> FloatArray:
     normals = [np.array([[0.0, 0.0, 1.0]])]
     for polar in 0.5 * np.pi * np.arange(1, rings + 1) / rings:
         turn = np.pi if polar > 0.5 * np.pi - 1e-9 else 2.0 * np.pi  # the last ring holds each plane twice
-        azimuth = turn * np.arange(max(3, round(turn * np.sin(polar) / angle))) / max(
-            3, round(turn * np.sin(polar) / angle)
+        azimuth = (
+            turn * np.arange(max(3, round(turn * np.sin(polar) / angle))) / max(3, round(turn * np.sin(polar) / angle))
         )
         z = np.full_like(azimuth, np.cos(polar))
         normals.append(np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), z], axis=-1))

@@ -8,7 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import DamageParameter, FatigueCriterion, PlanePaths, Stress, StressCycle, hook_for, worst_planes
+from eigencontact.plugin import (
+    DamageParameter,
+    FatigueCriterion,
+    PlanePaths,
+    Stress,
+    StressCycle,
+    hook_for,
+    worst_planes,
+)
 from eigencontact_plugins.fatigue.rules import check_positive, check_slope
 
 __all__ = ["FatemiSocie"]

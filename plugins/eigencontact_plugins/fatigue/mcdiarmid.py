@@ -6,13 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from eigencontact.plugin import DamageParameter, FatigueCriterion, PlanePaths, Stress, StressCycle, hook_for, worst_planes
+from eigencontact.plugin import (
+    DamageParameter,
+    FatigueCriterion,
+    PlanePaths,
+    Stress,
+    StressCycle,
+    hook_for,
+    worst_planes,
+)
 from eigencontact_plugins.fatigue.rules import check_positive
 
 __all__ = ["McDiarmid"]
 
-#: Part of the normal stress in the search for the plane: of planes with the same shear that with more tension.
-_TIE = 1e-6
+#: Part of the normal stress in the search for the plane. Planes at right angles can have the same shear amplitude: this
+#: chooses the one with more tension, by more than the search for planes misses.
+_TIE = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
