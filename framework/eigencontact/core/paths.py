@@ -62,8 +62,9 @@ class PlanePaths:
 
     Notes
     -----
-    Normals are ``(planes, 3)``, or ``(points, planes, 3)`` where each point has its own; answers are
-    ``(points, planes)``, NaN at points whose first normal is NaN: a search leaves out what it has found. Shear of strain is the tensor component, half of the engineering shear.
+    Normals are ``(planes, 3)``, or ``(points, planes, 3)`` where each point has its own. Answers are
+    ``(points, planes)``, NaN at points whose first normal is NaN: a search leaves out what it has found. Shear of
+    strain is the tensor component, half of the engineering shear.
 
     Examples
     --------

@@ -25,8 +25,8 @@ class Papadopoulos(FatigueCriterion):
     """``root of 5 times the mean square resolved shear amplitude + slope max p``, over all planes and directions.
 
     The resolved shear amplitude is half of the range of the shear along one direction of one plane. Of a fully reversed
-    torsion the root is the amplitude of the shear stress. For hard metals (limits of torsion over bending 0.577 to 0.8).
-    No plane.
+    torsion the root is the amplitude of the shear stress. For hard metals, with limits of torsion over bending of 0.577
+    to 0.8. No plane.
 
     Parameters
     ----------
