@@ -59,10 +59,11 @@ class Fatigue:
         value = f"{found['damage']:.6g}" if unit == "1" else readable(found["damage"], unit)
         limit = f"{found['limit']:.6g}" if unit == "1" else readable(found["limit"], unit)
         place = ", ".join(readable(at, "m") for at in found["place"])
-        out = [
+        head = (
             f"{found['criterion']['type']} over steps {found['steps'][0]} to {found['steps'][-1]} in "
             f"{found['region']!r}: {found['utilisation']:.4g} of the limit ({value} of {limit}) at ({place})"
-        ]
+        )
+        out = [head]
         if found["normal"] is not None:
             out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*found["normal"]))
         if found["distance"] is not None:

@@ -106,7 +106,7 @@ def cycle_of_region(
         A region without stress; strain of a body that is not elastic throughout and did not store it.
     """
     steps = cycle_steps(dataset, cycle)
-    if isinstance(region, str) and "=" not in region or region is None:
+    if region is None or (isinstance(region, str) and "=" not in region):
         name = _stored_region(dataset, region)
         parts: Any = {0: dataset}
         rows = [(0, step) for step in steps]

@@ -72,5 +72,5 @@ def _mark_hot_spot(axes: Axes, summary: Mapping[str, Any]) -> None:
             along = np.array([-across[1], across[0]]) / size * 0.5 * _TRACE * min(horizontal, vertical)
             line = [(at[k] - along[k], at[k] + along[k]) for k in (0, 1)]
             for colour, width in (("black", 3.0), ("white", 1.4)):
-                axes.plot(*line, color=colour, linewidth=width, zorder=9, clip_on=False, solid_capstyle="round")
+                axes.plot(*line, color=colour, linewidth=width, zorder=9, solid_capstyle="round")
     draw_cross(axes, (at[0], at[1]), zorder=10, clip_on=False)
