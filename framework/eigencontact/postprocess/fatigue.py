@@ -128,6 +128,7 @@ def fatigue(
     >>> found = ec.fatigue(
     ...     ec.run(ec.load_scene("hertz", changes)),
     ...     {"type": "crossland", "slope": 0.3, "limit-amplitude": "250 MPa"},
+    ...     region="section",
     ...     cycle="all",
     ... )
     >>> sorted(found.dataset)
