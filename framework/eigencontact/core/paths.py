@@ -158,8 +158,8 @@ def half_sphere(angle: float) -> FloatArray:
 
     Examples
     --------
-    >>> half_sphere(np.radians(2.0)).shape[0] // 100
-    52
+    >>> 5000 < len(half_sphere(np.radians(2.0))) < 5300
+    True
     """
     rings = max(2, round(0.5 * np.pi / angle))
     normals = [np.array([[0.0, 0.0, 1.0]])]
