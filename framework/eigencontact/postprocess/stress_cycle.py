@@ -77,7 +77,7 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
                 f"numbers of its first and last step within {numbers[0]} and {numbers[-1]}"
             )
         return list(range(found.first, found.last + 1))
-    ends = cycle if isinstance(cycle, list | tuple) and len(cycle) == 2 else (None, None)
+    ends: Any = cycle if isinstance(cycle, list | tuple) and len(cycle) == 2 else (None, None)
     if not (all(end in numbers for end in ends) and ends[0] <= ends[1]):
         raise SceneError(
             f"cycle must be 'last', 'all', or two numbers of steps, the first before the last, within {numbers[0]} "
@@ -150,7 +150,7 @@ def elastic_strain(stress: FloatArray, young_modulus: float, poisson_ratio: floa
 def _stored_region(dataset: Results, region: str | None) -> str:
     names = [name for name in json.loads(dataset.attrs["regions"]) if f"{name}_stress" in dataset]
     if region is None and len(names) == 1:
-        return names[0]
+        return str(names[0])
     if region not in names:
         listed = ", ".join(map(repr, names)) or "none; give the table of a new one"
         hint = nearest(region, names) if region else ""

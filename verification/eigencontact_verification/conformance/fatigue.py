@@ -31,7 +31,9 @@ def _stress(steps: int, points: int, seed: int = 5) -> FloatArray:
     """Stress ``(steps, 6, points)`` [Pa] out of phase about a mean, another at each point."""
     mean, first, second, third = np.random.default_rng(seed).normal(size=(4, 6, points))
     phase = (2.0 * np.pi * np.arange(steps) / steps)[:, None, None]
-    return _AMPLITUDE * (0.3 * mean + np.cos(phase) * first + np.sin(phase) * second + 0.5 * np.cos(2 * phase) * third)
+    return np.asarray(
+        _AMPLITUDE * (0.3 * mean + np.cos(phase) * first + np.sin(phase) * second + 0.5 * np.cos(2 * phase) * third)
+    )
 
 
 def _named() -> dict[str, FloatArray]:
