@@ -22,6 +22,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
+from eigencontact.core.paths import PlanePaths, smallest_balls, worst_planes
 from eigencontact.core.quantities import (
     Angle,
     DataFile,
@@ -66,6 +67,7 @@ from eigencontact.plugin.constitutive import (
     Variable,
 )
 from eigencontact.plugin.damage import DamageLaw, PlasticDamage, StrainDamage
+from eigencontact.plugin.fatigue import DamageParameter, FatigueCriterion, HasKnownValues, StressCycle
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
@@ -88,9 +90,11 @@ __all__ = [
     "ConstitutiveLaw",
     "CornerInfluence",
     "DamageLaw",
+    "DamageParameter",
     "DataFile",
     "Direction",
     "EigenstrainField",
+    "FatigueCriterion",
     "FileArrays",
     "FloatArray",
     "Force",
@@ -103,6 +107,7 @@ __all__ = [
     "HasCellAnswer",
     "HasCornerPotentials",
     "HasFarField",
+    "HasKnownValues",
     "HasMirrorPotential",
     "HasMomentIntegrals",
     "HasMomentPotentials",
@@ -131,6 +136,7 @@ __all__ = [
     "Observer",
     "Order",
     "Place",
+    "PlanePaths",
     "PlasticDamage",
     "PointKernels",
     "PointSources",
@@ -145,6 +151,7 @@ __all__ = [
     "Strain",
     "StrainDamage",
     "Stress",
+    "StressCycle",
     "SurfaceInfluence",
     "Surroundings",
     "Thinning",
@@ -176,11 +183,13 @@ __all__ = [
     "real_points",
     "require",
     "rotation_matrix",
+    "smallest_balls",
     "to_mandel",
     "turned_derivatives",
     "unit_of",
     "unit_vector",
     "variables",
+    "worst_planes",
 ]
 
 #: Kinds of plugin and their abstract classes: those above that set ``kind``. A new kind is a class exported here.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.chosen import Chosen
 
-__all__ = ["FORMATS", "draw_chosen", "plot"]
+__all__ = ["FORMATS", "draw_chosen", "opened", "plot"]
 
 #: Formats of pictures.
 FORMATS = ("png", "pdf", "svg")
@@ -84,7 +84,7 @@ def plot(
 
     look = look_of(style)
     options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
-    with _opened(results) as dataset, figure_look(look), shown_figures():
+    with opened(results) as dataset, figure_look(look), shown_figures():
         figure = _picture_of(dataset, field, step, options).figure
         finish(figure)
     axes: Axes = figure.axes[0]
@@ -124,7 +124,7 @@ def draw_chosen(
     if region is not None and "=" in region:
         dataset_or_path, region, step = new_region(results, region, step=step), None, None
         region = next(iter(json.loads(dataset_or_path.attrs["regions"])))
-    with _opened(dataset_or_path) as dataset, figure_look(look):
+    with opened(dataset_or_path) as dataset, figure_look(look):
         picture = _picture_of(dataset, field, step, {"region": region, **options})
         number = int(dataset["step"][-1]) if step is None else step
         after = f"-step-{number}" if dataset.sizes["step"] > 1 and step is not None else ""
@@ -167,7 +167,7 @@ def dpi_of(dpi: int | None) -> int | None:
 
 
 @contextmanager
-def _opened(results: Any) -> Iterator[Results]:
+def opened(results: Any) -> Iterator[Results]:
     """Results of a path, a dataset or a run."""
     from eigencontact.results.stored import open_stored
 

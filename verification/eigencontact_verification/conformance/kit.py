@@ -21,6 +21,7 @@ from eigencontact_verification.conformance import (
     common,
     densities,
     eigenstrain,
+    fatigue,
     finite_elements,
     friction,
     geometry,
@@ -76,6 +77,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
     "geometry": _checks(geometry),
     "friction-law": _checks(friction),
     "wear-law": _checks(wear),
+    "fatigue-criterion": _checks(fatigue),
     "constitutive-law": _checks(law_arrays, law_abilities, law_elastic, law_mechanics),
     "layered-medium": _checks(layered),
 }

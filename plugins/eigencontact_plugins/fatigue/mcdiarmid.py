@@ -1,0 +1,77 @@
+"""McDiarmid's criterion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from eigencontact.plugin import (
+    DamageParameter,
+    FatigueCriterion,
+    PlanePaths,
+    Stress,
+    StressCycle,
+    hook_for,
+    worst_planes,
+)
+from eigencontact_plugins.fatigue.rules import check_positive
+
+__all__ = ["McDiarmid"]
+
+#: Part of the normal stress in the search for the plane. Planes at right angles can have the same shear amplitude: this
+#: chooses the one with more tension, by more than the search for planes misses.
+_TIE = 1e-4
+
+
+@dataclass(frozen=True, kw_only=True)
+class McDiarmid(FatigueCriterion):
+    """``shear stress amplitude + t / (2 strength) largest normal stress``, on the plane of the largest shear amplitude.
+
+    Where several planes have the largest shear amplitude, the one with the larger normal stress counts.
+
+    Parameters
+    ----------
+    limit_amplitude : float
+        t: shear stress amplitude [Pa] that the material endures in fully reversed torsion.
+    tensile_strength : float
+        Ultimate tensile strength [Pa].
+    """
+
+    key: ClassVar[str] = "mcdiarmid"
+    example: ClassVar[dict[str, Any]] = {"limit_amplitude": "250 MPa", "tensile_strength": "900 MPa"}
+    references: ClassVar[tuple[str, ...]] = ("D. L. McDiarmid 1994, Fatigue Fract. Eng. Mater. Struct. 17, 1475",)
+
+    limit_amplitude: Stress
+    tensile_strength: Stress
+
+    def __post_init__(self) -> None:
+        check_positive(self.key, "limit_amplitude", self.limit_amplitude)
+        check_positive(self.key, "tensile_strength", self.tensile_strength)
+
+    @property
+    def limit(self) -> float:
+        """The limit of torsion [Pa]."""
+        return self.limit_amplitude
+
+    def damage(self, cycle: StressCycle) -> DamageParameter:
+        """Damage parameter [Pa]; see `FatigueCriterion`."""
+        planes = PlanePaths(cycle.stress)
+        _, normal = worst_planes(lambda at: planes.shear_amplitude(at) + _TIE * planes.normal_maximum(at))
+        at, weight = normal[:, None], self.limit_amplitude / (2.0 * self.tensile_strength)
+        return DamageParameter((planes.shear_amplitude(at) + weight * planes.normal_maximum(at))[:, 0], normal)
+
+    def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
+        """Closed forms; see `HasKnownValues`."""
+        del young_modulus, poisson_ratio
+        weight = self.limit_amplitude / (2.0 * self.tensile_strength)
+        values = {
+            "tension": 0.5 + 0.5 * weight,
+            "pulsating-tension": 0.5 + weight,
+            "torsion": 1.0,
+            "three-shears": 1.0,
+        }
+        return {name: amplitude * value for name, value in values.items()}
+
+
+eigencontact_register = hook_for(McDiarmid)
