@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import tomllib
+from itertools import cycle
 from math import pi
 
 import pytest
@@ -232,8 +233,8 @@ def test_half_an_error_bar_misses_the_target_and_is_seen(monkeypatch):
 
 
 def test_errors_that_do_not_fall_end_it():
-    count = iter(range(1000))
-    answer, _ = known(lambda _: 1.0 + 0.1 * (-1) ** next(count), {"depth": "1 %"})
+    signs = cycle([1, -1, -1])  # the runs of each rung differ alike, however fine the cells are
+    answer, _ = known(lambda _: 1.0 + 0.1 * next(signs), {"depth": "1 %"})
     assert not answer.last.holds
     assert answer.stopped == "the errors no longer fall"
     assert len(answer.rungs) <= 4
@@ -284,6 +285,8 @@ def test_every_source_has_a_finer_variation():
     for tables in (HERTZ, {**HERTZ, **FRICTION}):
         planned = ec.plan({**tables, "numerics": {"tolerance": 1e-4}})
         for source in error_sources(planned):
+            if source.known is not None:  # follows from the plan, no run varies it
+                continue
             finer = source.finer(planned, source.stride)
             coarser = source.variations(planned)[0].changes
             assert finer

@@ -79,7 +79,7 @@ def study(
         if name == THESIS:
             if errors:
                 raise SceneError(
-                    f"--errors must stand with a study (got {name!r}); verdicts of the thesis take none yet"
+                    f"--errors must stand with a study (got {name!r}); verdicts take no errors yet"
                 )
             engine = cluster_or_none(workers, cluster, memory, threads)
             report_thesis(
