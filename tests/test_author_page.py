@@ -68,7 +68,7 @@ def test_every_check_is_explained_and_no_other():
 
 def test_every_command_exists(root):
     known = {command.name or command.callback.__name__ for command in app.registered_commands}
-    known |= {"gallery", "verify", "check", "sweep"}
+    known |= {"gallery", "verify", "check", "sweep", "fatigue"}
     texts = [*(page.read_text(encoding="utf-8") for page in PAGES.glob("*.md"))]
     texts.append((root / "plugins" / "README.md").read_text(encoding="utf-8"))
     asked = {name for text in texts for name in re.findall(r"(?:^!|`|^)eigencontact ([a-z-]+)", text, re.MULTILINE)}

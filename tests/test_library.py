@@ -148,7 +148,7 @@ def test_make_gives_the_component_of_the_scene():
         (
             "sphere",
             {"radius": 1.0, "kind": "shape"},
-            "make.kind must be one of constitutive-law, damage-law, eigenstrain-field, friction-law, geometry",
+            "make.kind must be one of constitutive-law, damage-law, eigenstrain-field, fatigue-criterion, friction-law",
         ),
         ("sphere", {"radus": 1.0}, "unknown key 'radus' in sphere (sphere); known: radius, profile, center; did you"),
         ("sphere", {}, "sphere.radius must be given (sphere needs it)"),

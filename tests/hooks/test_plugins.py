@@ -118,7 +118,7 @@ BROKEN = {
     ),
     "of no kind": (
         HEAD + CLASS.replace("(Geometry)", "") + HOOK,
-        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, DamageLaw, EigenstrainField, FrictionLaw,",
+        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, DamageLaw, EigenstrainField, Fatigue",
     ),
     "of a kind that is none": (
         HEAD + CLASS.replace("    key:", "    kind: ClassVar[str] = 'dish'\n    key:") + HOOK,

@@ -67,6 +67,11 @@ class DamageParameter:
         Damage parameter, in the unit of the criterion.
     normal : (points, 3) float64, or None
         Unit normal of the plane that the criterion chose, z positive; None where it knows no plane.
+
+    Examples
+    --------
+    >>> DamageParameter(np.array([2.5e8])).normal is None
+    True
     """
 
     value: FloatArray

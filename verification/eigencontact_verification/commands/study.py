@@ -78,9 +78,7 @@ def study(
             return
         if name == THESIS:
             if errors:
-                raise SceneError(
-                    f"--errors must stand with a study (got {name!r}); verdicts take no errors yet"
-                )
+                raise SceneError(f"--errors must stand with a study (got {name!r}); verdicts take no errors yet")
             engine = cluster_or_none(workers, cluster, memory, threads)
             report_thesis(
                 output,
