@@ -327,3 +327,17 @@ def test_the_benchmark_counts_targets_that_hold_by_the_bars_and_are_not_true():
     assert row["error"] == close(2.0)
     assert row["hand_error"] == close(1.5)
     assert "true" not in verdict(answer, hand, None)
+
+
+def test_the_depth_of_a_maximum_is_known_to_the_points_of_its_region():
+    """Points every 0.5 um: no cells tell the depth to 1 %; a larger error can be asked for."""
+    line = {"name": "axis", "shape": "line", "start": [0, 0, 1e-6], "end": [0, 0, 6e-6], "count": 11}
+    tables = {**HERTZ, "stress": [line]}
+    found = ec.run(tables, accuracy="2 %").summary["accuracy"]
+    assert found["reached"]
+    assert "the points of its region give it to 250 nm only" in found["left_out"]["max_von_mises_depth"]
+    with pytest.raises(
+        SceneError, match=r"max-von-mises-depth must be an error that the points of \[\[stress\]\]"
+    ):
+        ec.run(tables, accuracy={"max-von-mises-depth": "2 %"})
+    assert ec.run(tables, accuracy={"max-von-mises-depth": "20 %"}).summary["accuracy"]["reached"]

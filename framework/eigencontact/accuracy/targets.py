@@ -6,8 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.accuracy.sources import SOURCES
 from eigencontact.core.numbers import ErrorBar, Number
-from eigencontact.core.units import parse_quantity
+from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import SceneError, nearest
 from eigencontact.scene.accuracy import part_of
 
@@ -122,8 +123,19 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
         if reason or number is None:
             left_out[name] = reason
             continue
-        part = part_of(target)
-        allowed[name] = _in_unit(target, number) if part is None else part * abs(found.bars[name].value)
+        part, bar = part_of(target), found.bars[name]
+        limit = _in_unit(target, number) if part is None else part * abs(bar.value)
+        fixed = sum(error for source, error in bar.parts.items() if source in _FIXED)
+        if fixed > limit:
+            reason = f"the points of its region give it to {readable(fixed, number.unit)} only, on any cells"
+            if name in table.targets:
+                raise SceneError(
+                    f"accuracy.{key} must be an error that the points of [[stress]] allow (got {target!r}: {reason}); "
+                    "give more points there, or allow that error"
+                )
+            left_out[name] = reason
+            continue
+        allowed[name] = limit
         texts[name] = target if isinstance(target, str) else f"{100 * target:g} %"
     if not allowed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
@@ -133,6 +145,8 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
     return Targets(allowed=allowed, texts=texts, left_out=left_out)
 
 
+#: Errors that no setting of the run makes smaller.
+_FIXED = frozenset(source.name for source in SOURCES if source.known is not None and not source.least)
 #: Numbers that are no results.
 _KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated error", "effort": "an effort"}
 _AT_ZERO = "zero by symmetry, and a part of zero is nothing"
