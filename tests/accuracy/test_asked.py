@@ -336,8 +336,6 @@ def test_the_depth_of_a_maximum_is_known_to_the_points_of_its_region():
     found = ec.run(tables, accuracy="2 %").summary["accuracy"]
     assert found["reached"]
     assert "the points of its region give it to 250 nm only" in found["left_out"]["max_von_mises_depth"]
-    with pytest.raises(
-        SceneError, match=r"max-von-mises-depth must be an error that the points of \[\[stress\]\]"
-    ):
+    with pytest.raises(SceneError, match=r"max-von-mises-depth must be an error that the points of \[\[stress\]\]"):
         ec.run(tables, accuracy={"max-von-mises-depth": "2 %"})
     assert ec.run(tables, accuracy={"max-von-mises-depth": "20 %"}).summary["accuracy"]["reached"]

@@ -217,6 +217,9 @@ def _cautions(dataset: Results, found: CycleOfRegion, value: FloatArray) -> list
     x, y, z = (float(at) for at in found.places[:, hot])
     place = ", ".join(readable(at, "m") for at in (x, y, z))
     out = []
+    if len(found.steps) == 1:
+        words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
+        out.append(Caution("fatigue-cycle", words))
     edge = max(float(size) for size in np.atleast_1d(dataset.attrs["cell_size"]))
     if z < edge and _near_edge(dataset, found, x, y):
         words = (
