@@ -8,14 +8,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import DamageParameter, FatigueCriterion, Stress, StressCycle, hook_for, smallest_balls
-from eigencontact_plugins.fatigue.rules import check_positive, check_slope
+from eigencontact.plugin import DamageParameter, StressCycle, hook_for, smallest_balls
+from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Crossland"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Crossland(FatigueCriterion):
+class Crossland(WeightedNormalStress):
     """``sqrt(J2)_amplitude + slope max p``: the amplitude of the deviator and the largest mean normal stress.
 
     The amplitude is the radius of the smallest ball around the path of the deviator, over sqrt 2. Of a fully reversed
@@ -35,18 +35,6 @@ class Crossland(FatigueCriterion):
     references: ClassVar[tuple[str, ...]] = (
         "B. Crossland 1956, Proc. Int. Conf. on Fatigue of Metals, Instn Mech. Engrs, 138",
     )
-
-    slope: float
-    limit_amplitude: Stress
-
-    def __post_init__(self) -> None:
-        check_slope(self.key, "slope", self.slope)
-        check_positive(self.key, "limit_amplitude", self.limit_amplitude)
-
-    @property
-    def limit(self) -> float:
-        """The limit of torsion [Pa]."""
-        return self.limit_amplitude
 
     def damage(self, cycle: StressCycle) -> DamageParameter:
         """Damage parameter [Pa]; see `FatigueCriterion`."""

@@ -11,20 +11,18 @@ import numpy as np
 from eigencontact.plugin import (
     SQRT2,
     DamageParameter,
-    FatigueCriterion,
     FloatArray,
-    Stress,
     StressCycle,
     hook_for,
     smallest_balls,
 )
-from eigencontact_plugins.fatigue.rules import check_positive, check_slope
+from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["DangVan"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class DangVan(FatigueCriterion):
+class DangVan(WeightedNormalStress):
     """``max over time of (Tresca shear of s - s* + slope p)``: the shear of a grain after shakedown, and p beside it.
 
     s is the deviator, s* the centre of the smallest ball around its path: the residual stress to which a grain shakes
@@ -43,18 +41,6 @@ class DangVan(FatigueCriterion):
     references: ClassVar[tuple[str, ...]] = (
         "K. Dang Van, B. Griveau, O. Message 1989, On a new multiaxial fatigue limit criterion, EGF 3, 479",
     )
-
-    slope: float
-    limit_amplitude: Stress
-
-    def __post_init__(self) -> None:
-        check_slope(self.key, "slope", self.slope)
-        check_positive(self.key, "limit_amplitude", self.limit_amplitude)
-
-    @property
-    def limit(self) -> float:
-        """The limit of torsion [Pa]."""
-        return self.limit_amplitude
 
     def damage(self, cycle: StressCycle) -> DamageParameter:
         """Damage parameter [Pa]; see `FatigueCriterion`."""

@@ -10,20 +10,18 @@ import numpy as np
 
 from eigencontact.plugin import (
     DamageParameter,
-    FatigueCriterion,
     PlanePaths,
-    Stress,
     StressCycle,
     hook_for,
     worst_planes,
 )
-from eigencontact_plugins.fatigue.rules import check_positive, check_slope
+from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Findley"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Findley(FatigueCriterion):
+class Findley(WeightedNormalStress):
     """``shear stress amplitude + slope largest normal stress``, on the plane where that is largest.
 
     Parameters
@@ -37,18 +35,6 @@ class Findley(FatigueCriterion):
     key: ClassVar[str] = "findley"
     example: ClassVar[dict[str, Any]] = {"slope": 0.3, "limit_amplitude": "260 MPa"}
     references: ClassVar[tuple[str, ...]] = ("W. N. Findley 1959, J. Eng. Ind. 81, 301",)
-
-    slope: float
-    limit_amplitude: Stress
-
-    def __post_init__(self) -> None:
-        check_slope(self.key, "slope", self.slope)
-        check_positive(self.key, "limit_amplitude", self.limit_amplitude)
-
-    @property
-    def limit(self) -> float:
-        """The limit [Pa]."""
-        return self.limit_amplitude
 
     def damage(self, cycle: StressCycle) -> DamageParameter:
         """Damage parameter [Pa]; see `FatigueCriterion`."""

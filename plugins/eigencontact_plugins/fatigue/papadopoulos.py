@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import SQRT2, DamageParameter, FatigueCriterion, FloatArray, Stress, StressCycle, hook_for
-from eigencontact_plugins.fatigue.rules import check_positive, check_slope
+from eigencontact.plugin import SQRT2, DamageParameter, FloatArray, StressCycle, hook_for
+from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Papadopoulos"]
 
@@ -21,7 +21,7 @@ _PART = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class Papadopoulos(FatigueCriterion):
+class Papadopoulos(WeightedNormalStress):
     """``root of 5 times the mean square resolved shear amplitude + slope max p``, over all planes and directions.
 
     The resolved shear amplitude is half of the range of the shear along one direction of one plane. Of a fully reversed
@@ -42,18 +42,6 @@ class Papadopoulos(FatigueCriterion):
     references: ClassVar[tuple[str, ...]] = (
         "I. V. Papadopoulos, P. Davoli, C. Gorla, M. Filippini, A. Bernasconi 1997, Int. J. Fatigue 19, 219",
     )
-
-    slope: float
-    limit_amplitude: Stress
-
-    def __post_init__(self) -> None:
-        check_slope(self.key, "slope", self.slope)
-        check_positive(self.key, "limit_amplitude", self.limit_amplitude)
-
-    @property
-    def limit(self) -> float:
-        """The limit of torsion [Pa]."""
-        return self.limit_amplitude
 
     def damage(self, cycle: StressCycle) -> DamageParameter:
         """Damage parameter [Pa]; see `FatigueCriterion`."""
