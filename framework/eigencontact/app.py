@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from eigencontact.accuracy.pursuit import Answer
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
-    from eigencontact.results.layout import Variable
-    from eigencontact.results.memory import MemoryStore
+    from eigencontact.results.memory import MemoryResults, MemoryStore
     from eigencontact.results.records import StepRecord
     from eigencontact.results.store import ResultStore
     from eigencontact.scene.schema import Scene
@@ -121,8 +120,9 @@ def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = N
     if accuracy is None and planned.scene.accuracy is None:
         return None
     from eigencontact.accuracy.forecast import forecast
+    from eigencontact.scene.accuracy import with_accuracy
 
-    scene = planned.scene if accuracy is None else _with_accuracy(planned.scene, accuracy)
+    scene = planned.scene if accuracy is None else with_accuracy(planned.scene, accuracy)
     assert scene.accuracy is not None
     return forecast(planned, scene.accuracy, _maker(planned, None))
 
@@ -253,7 +253,9 @@ def run(
     else:
         planned = plan(scene, registry=registry)
     if accuracy is not None:
-        planned = plan(_with_accuracy(planned.scene, accuracy), registry=registry)
+        from eigencontact.scene.accuracy import with_accuracy
+
+        planned = plan(with_accuracy(planned.scene, accuracy), registry=registry)
     if resume and planned.scene.accuracy is not None:
         raise SceneError("resume must be without accuracy (got both); a run to an accuracy stores its answer alone")
     if resume and target is None:
@@ -269,8 +271,10 @@ def run(
     answer = None
     if planned.scene.accuracy is not None:
         if target is not None:
+            from eigencontact.results.ownership import refuse_results
+
             _refuse_folder(planned, target)
-            _refuse_results(target, overwrite=overwrite)
+            refuse_results(target, overwrite=overwrite)
         with stopwatch.on("runs of growing fineness"):
             answer = _pursued(planned, registry, watcher)
         planned = answer.last.run.plan
@@ -390,26 +394,51 @@ class _Kept(NamedTuple):
     solved: _Solved
 
 
+def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
+    """Solve a plan without a folder; what its storing needs, and its summary."""
+    from eigencontact.planning.provenance import run_info
+    from eigencontact.results.memory import MemoryStore
+    from eigencontact.results.summary import summary_of
+
+    store = MemoryStore(run_info(planned))
+    solved = _solve(planned, store, None, Stopwatch(), {})
+    noted = _noted(planned, store, solved.last)
+    return _Kept(store, solved), summary_of(store.info, solved.last, noted["history"], noted)
+
+
 def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) -> Answer:
     """Runs of growing fineness in memory, until the accuracy that the scene asks for is reached."""
     from eigencontact.accuracy.pursuit import pursue
     from eigencontact.accuracy.runs import Run, Runs
-    from eigencontact.planning.provenance import run_info
-    from eigencontact.results.memory import MemoryStore
-    from eigencontact.results.summary import summary_of
 
     announced = getattr(watcher, "announced", None)
 
     def solve(rung: Plan, words: str) -> Run:
         if announced is not None:
             announced(words)
-        store = MemoryStore(run_info(rung))
-        solved = _solve(rung, store, None, Stopwatch(), {})
-        noted = _noted(rung, store, solved.last)
-        return Run(rung, summary_of(store.info, solved.last, noted["history"], noted), _Kept(store, solved))
+        kept, summary = _in_memory(rung)
+        return Run(rung, summary, kept)
 
     assert planned.scene.accuracy is not None
     return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=solve))
+
+
+def _errors(
+    planned: Plan, summary: Mapping[str, Any], store: Store, registry: Registry | None, watcher: Watcher | None
+) -> dict[str, Any]:
+    """Error bars of all numbers and fields, from coarser runs in memory; those of the fields are stored with them."""
+    from eigencontact.accuracy.stored import stored_errors
+
+    announced, make = getattr(watcher, "announced", None), _maker(planned, registry)
+
+    def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any], MemoryResults]:
+        if announced is not None:
+            announced(f"error bars: {words}")
+        coarse = make(tables)
+        kept, found = _in_memory(coarse)
+        return coarse, found, kept.store.results()
+
+    return stored_errors(planned, summary, store, solve)
 
 
 def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:
@@ -429,67 +458,6 @@ def _maker(planned: Plan, registry: Registry | None) -> Callable[[Mapping[str, A
     from eigencontact.scene.schema import Scene
 
     return lambda tables: plan(Scene(**tables).within(planned.scene.folder), registry=registry)
-
-
-def _with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:
-    """Scene that asks for an accuracy; what it asks for itself stays where the call says nothing else."""
-    from eigencontact.scene.accuracy import accuracy_table
-    from eigencontact.scene.schema import Scene
-
-    tables = scene.resolved()
-    table = {**tables.get("accuracy", {}), **accuracy_table(accuracy)}
-    return Scene(**{**tables, "accuracy": table}).within(scene.folder)
-
-
-def _refuse_results(folder: Path, *, overwrite: bool) -> None:
-    """Refuse a folder with results before they are computed anew: their cells are not known yet."""
-    from eigencontact.errors import ResultsError
-    from eigencontact.results.ownership import RESULTS, STEPS
-
-    held = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
-    if held is not None and not overwrite:
-        raise ResultsError(
-            f"{folder} must be without results for a run to an accuracy (got {held}); --overwrite replaces them, "
-            "another -o keeps them"
-        )
-
-
-def _errors(
-    planned: Plan, summary: Mapping[str, Any], store: Store, registry: Registry | None, watcher: Watcher | None
-) -> dict[str, Any]:
-    """Error bars of all numbers and fields, from coarser runs in memory; those of the fields are stored with them."""
-    from contextlib import ExitStack
-
-    from eigencontact.accuracy.bars import error_bars
-    from eigencontact.accuracy.fields import FieldErrors
-    from eigencontact.results.memory import MemoryStore
-
-    announced, make = getattr(watcher, "announced", None), _maker(planned, registry)
-    with ExitStack() as stack:
-        if isinstance(store, MemoryStore):
-            fields = FieldErrors(store.results(), summary)
-        else:
-            from eigencontact.results.stored import open_stored
-
-            fields = FieldErrors(stack.enter_context(open_stored(store.folder)), summary)
-
-        def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
-            if announced is not None:
-                announced(f"error bars: {words}")
-            coarse = make(tables)
-            result = run(coarse)
-            assert isinstance(result._store, MemoryStore)  # noqa: SLF001 - a run without a folder
-            fields.keep(result.summary, result._store.results())  # noqa: SLF001
-            return coarse, result.summary
-
-        found = error_bars(planned, summary, solve, fields)
-
-        def variables() -> Iterator[Variable]:
-            yield from fields.variables(found.bars)
-            stack.close()  # before the file is replaced
-
-        store.append(variables())
-    return found.to_dict() | {"field_errors": {name: error.to_dict() for name, error in fields.fields.items()}}
 
 
 def _summary(

@@ -15,7 +15,10 @@ from eigencontact.core.names import ANIMATION, OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import read_json
 
-__all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
+__all__ = [
+    "REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file",
+    "refuse_results",
+]  # fmt: skip
 
 #: Results of a finished run.
 RESULTS = "results.nc"
@@ -105,3 +108,13 @@ def _holds(path: Path, mark: bytes) -> bool:
                 return True
             tail = block[-len(mark) :]
     return False
+
+
+def refuse_results(folder: Path, *, overwrite: bool) -> None:
+    """Refuse a folder with results before they are computed anew: their cells are not known yet."""
+    held = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
+    if held is not None and not overwrite:
+        raise ResultsError(
+            f"{folder} must be without results for a run to an accuracy (got {held}); --overwrite replaces them, "
+            "another -o keeps them"
+        )

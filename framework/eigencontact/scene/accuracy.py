@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -12,7 +13,10 @@ from eigencontact.errors import SceneError
 from eigencontact.scene.checks import positive
 from eigencontact.scene.table import Table
 
-__all__ = ["Accuracy", "accuracy_table", "part_of"]
+if TYPE_CHECKING:
+    from eigencontact.scene.schema import Scene
+
+__all__ = ["Accuracy", "accuracy_table", "part_of", "with_accuracy"]
 
 _RULE = 'a part of the number, as "1 %" or 0.01, or an error with a unit, as "2 nm"'
 
@@ -94,3 +98,12 @@ def accuracy_table(asked: Any) -> dict[str, Any]:
     if not isinstance(asked, dict):
         raise SceneError(f"accuracy must be {_RULE}, or a table of such targets by name (got {asked!r})")
     return {str(name).replace("_", "-"): target for name, target in asked.items()}
+
+
+def with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:
+    """Scene that asks for an accuracy; what it asks for itself stays where the call says nothing else."""
+    from eigencontact.scene.schema import Scene
+
+    tables = scene.resolved()
+    table = {**tables.get("accuracy", {}), **accuracy_table(accuracy)}
+    return Scene(**{**tables, "accuracy": table}).within(scene.folder)
