@@ -68,6 +68,7 @@ def finished(finished):
     return lambda name, *, coarser=True: finished(name, *(COARSER[name] if coarser else []))
 
 
+@pytest.mark.slow
 def test_the_indentation_leaves_what_the_finite_elements_found(finished):
     """Depth 372.15 nm, print 81.6 nm; the peak of the pressure is 3.1 % high at six cells a radius, 1.6 % at ten."""
     data = finished("plastic-indentation").dataset

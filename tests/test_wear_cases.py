@@ -331,6 +331,7 @@ def test_error_of_jumps_is_seen(jump):
     assert stated < 30.0 * missed + 1e-3
 
 
+@pytest.mark.slow
 def test_the_error_of_moving_the_surface_once_a_cycle_is_stated():
     """Gross slip in six cycles that wear much, compared with surfaces that each increment moves."""
     cycle = [{"shift-x": x, "increments": n} for x, n in ((2.5e-6, 2), (-2.5e-6, 4), (0.0, 2))]

@@ -82,6 +82,7 @@ def test_what_is_prescribed_twice_in_a_ball_is_twice_the_stress_of_eshelby():
     np.testing.assert_allclose(found[:3], expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 @RESOLUTIONS
 def test_what_is_prescribed_in_a_material_is_its_prestrain(resolution):
     """Whichever is written first. Whole balls feel the mean of it, which is exact here; cells that are cut, parts."""
@@ -117,6 +118,7 @@ def test_a_material_written_later_takes_its_part_of_another():
     assert np.abs(cored - plain)[:, 0].max() > 0.1 * np.abs(plain).max()
 
 
+@pytest.mark.slow
 def test_an_inclusion_in_a_coating_of_cells():
     """Written later it counts: of the body's material it has no eigenstrain. Written first it is covered."""
     slab = {**SLAB, "material": SOFT, "eigenstrain": STRAIN}

@@ -57,7 +57,10 @@ ROWS = {
 }
 
 
-@pytest.mark.parametrize(("case", "degree", "bound"), [("void", 6, 1e-3), ("twice", 4, 1e-3), ("half", 4, 1e-3)])
+@pytest.mark.parametrize(
+    ("case", "degree", "bound"),
+    [pytest.param("void", 6, 1e-3, marks=pytest.mark.slow), ("twice", 4, 1e-3), ("half", 4, 1e-3)],
+)
 def test_pressure_above_a_ball(case, degree, bound):
     """On cells of a 32nd of the contact radius."""
     material, radius, depth, expected = ROWS[case]
@@ -97,6 +100,7 @@ def test_stress_is_smooth_and_a_void_bears_none():
     assert found[2] > 0.5 * P0
 
 
+@pytest.mark.slow
 def test_friction_two_bodies_and_a_prestrain_agree_with_cells():
     steps = [{"normal-load": LOAD}, {"tangential-load-x": 0.15 * LOAD}]
     inclusions = [
@@ -174,7 +178,7 @@ def test_nothing_of_it_is_imported_without_it():
     assert found.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.parametrize(("gap", "close_by"), [(0.5, False), (0.05, True)])
+@pytest.mark.parametrize(("gap", "close_by"), [pytest.param(0.5, False, marks=pytest.mark.slow), (0.05, True)])
 def test_the_load_by_prescribed_eigenstrain_is_checked(gap, close_by, monkeypatch):
     """An edge of a hot cube close to a void asks for more points; a rule of six times the points judges."""
     from eigencontact.execution.interiors import checked_work

@@ -53,6 +53,7 @@ def test_a_void_carries_nothing_anywhere():
     assert np.all(np.abs(stress[:, ~inside]).max(axis=0) > 0.0)
 
 
+@pytest.mark.slow
 def test_a_later_ball_in_a_void_carries():
     inner = CENTER + np.array([0.0, 0.0, 0.9 * RADIUS])
     points = through(CENTER, RADIUS)

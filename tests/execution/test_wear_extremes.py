@@ -82,6 +82,7 @@ def test_wear_that_empties_the_stick_zone():
     assert last["wear_error"] < 0.02
 
 
+@pytest.mark.slow
 def test_a_contact_that_is_lifted_in_each_cycle_wears():
     """Pressed, pushed, lifted, pulled back: the load at the end of a cycle is zero, and so is all pressure there."""
     cycle = [
@@ -97,6 +98,7 @@ def test_a_contact_that_is_lifted_in_each_cycle_wears():
     assert strong["max_worn_depth"] < 3e-6  # one deflection of a cell a cycle at most, and not a thousand
 
 
+@pytest.mark.slow
 def test_mirrored_and_turned_scenes_agree():
     change = {"cycles": 4, "numerics": {"coupling": "partial", "tolerance": 1e-10}}
     cycle = [{"shift-x": -5e-7, "increments": 2}, {"shift-x": 5e-7, "increments": 4}, {"shift-x": 0.0, "increments": 2}]

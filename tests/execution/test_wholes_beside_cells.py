@@ -43,6 +43,7 @@ def scene(*inclusions, body=STEEL, resolution=None, cells=27, steps=None):
     }
 
 
+@pytest.mark.slow
 def test_a_law_that_never_yields_changes_nothing():
     """Its cells carry no eigenstrain, not even those that the ball cuts."""
     patch = {"type": "cuboid", "center": [0.0, 0.0, 0.6 * A], "edges": [1.2 * A, 1.2 * A, 1.0 * A]}
@@ -90,6 +91,7 @@ def test_shapes_without_moments_stay_in_cells():
     np.testing.assert_allclose(mixed.dataset[name][-1, 2], cells.dataset[name][-1, 2], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_a_run_continues_from_what_is_stored(tmp_path):
     """Both eigenstrains are stored; a region afterwards sees them as the run did."""
     steps = [{"normal-load": 0.8 * LOAD}]

@@ -82,6 +82,7 @@ def test_what_rises_keeps_its_volume_but_for_what_is_gone():
             np.testing.assert_allclose(after[:, :, j, i].sum(axis=1), left, rtol=1e-12, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_cells_and_layers_wear_alike():
     """The same coating by cells, on a coarse grid, and by layers of their mean thickness: peak and depth to 2 %."""
     layers = [{"thickness": H, "young-modulus": 2 * E, "poisson-ratio": NU}]
@@ -109,6 +110,7 @@ def test_without_wear_cells_stay():
     np.testing.assert_array_equal(none[-1].fields["pressure"], bare[-1].fields["pressure"])
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_from_its_records_to_the_bit():
     whole = records(scene())
     again = list(drive(ec.plan(scene()), done={one.index: lambda one=one: one for one in whole[:3]}))
@@ -134,6 +136,7 @@ def test_a_run_warns_of_what_does_not_rise():
     assert "worn-regions" not in [one.code for one in noticed(plain.model, plain.blocks, list(drive(plain))[-1], [])]
 
 
+@pytest.mark.slow
 def test_a_run_warns_of_slides_on_which_the_coating_answers_too_late():
     """WR-17 at 8 cells: with a lag of 0.05 the peak pressure is 29 % off, with 0.01 it is right to 0.1 %."""
     made = ec.plan(scene((3,), (2,)))

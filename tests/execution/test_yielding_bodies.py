@@ -125,6 +125,7 @@ def grown(tmp_path_factory):
     return every, ec.run(every, folder), folder
 
 
+@pytest.mark.slow
 def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
     """State moves to the larger box; the same run with much room at first."""
     _, found, _ = grown

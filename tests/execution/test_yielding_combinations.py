@@ -102,6 +102,7 @@ def test_only_what_lies_below_a_layer_yields():
     assert_alike(covered, below)
 
 
+@pytest.mark.slow
 def test_a_hard_coating_that_yields_on_a_ground_that_yields():
     """Constants and yield stress of its own: the coating carries more; both flow, each by its own limit."""
     coating = layer(perfect("9 GPa", **HARD), "8 um")
@@ -145,6 +146,7 @@ def test_a_body_that_yields_beside_an_inclusion_alone():
     assert "equivalent_plastic_strain_1" not in run(law)
 
 
+@pytest.mark.slow
 def test_two_like_bodies_with_like_inclusions_that_yield():
     """EP-19 with a hard ball in each: twice the depth of one body under the gap r²/4R, and the same strain."""
     balls = [{**BALL, "body": body, "material": HARD} for body in (1, 2)]

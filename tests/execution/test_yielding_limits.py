@@ -85,6 +85,7 @@ def results():
     return {name: run(material, [LOAD, UNLOAD], body=body) for name, (body, material) in MATERIALS.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MATERIALS)
 def test_softening_perfect_and_nearly_incompressible_bodies_are_ordinary(results, name):
     """One step each way, some sweeps, certificates of contact, cells and their law; flow without volume.

@@ -131,6 +131,7 @@ def exact(centre, quantity, grid, depths, shifts=(0.0,), nu=0.3):
     return field.reshape(len(field), len(depths), grid.ny, len(shifts), grid.nx, len(shifts)).sum(axis=(3, 5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_copies_fade_with_the_third_power_of_the_period(quantity):
     problem = space(16, 16, [1.0, 2.0])
@@ -149,6 +150,7 @@ def test_copies_fade_with_the_third_power_of_the_period(quantity):
     assert errors[-1] < 1e-3
 
 
+@pytest.mark.slow
 def test_sum_over_many_copies():
     """A source and its negative half a period away: their copies add up fast enough to be summed one by one."""
     problem = space(8, 8, [1.0, 2.0], aliases=4)

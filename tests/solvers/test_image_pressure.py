@@ -144,6 +144,7 @@ def test_strain_and_stress_obey_hookes_law_away_from_the_source():
     assert np.abs(elastic - stress).max() <= 1e-13 * np.abs(stress).max()
 
 
+@pytest.mark.slow
 def test_finer_cells_of_the_same_window_come_closer():
     """Slowest for shear at the surface: its doubled traction has a logarithm at the edges of the cube."""
     for refinement, known in ((1, 0.66), (3, 0.27), (9, 0.12)):

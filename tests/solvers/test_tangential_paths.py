@@ -138,6 +138,7 @@ def test_work_is_stored_or_dissipated_to_one_per_cent_of_it(coupling):
     assert dissipated(s) > 0.1 * stored
 
 
+@pytest.mark.slow
 def test_what_steps_of_finite_size_lose_falls_with_their_square():
     lost, parts = [], (4, 8, 16)
     for count in parts:

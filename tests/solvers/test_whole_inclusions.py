@@ -149,7 +149,7 @@ def test_spheroids_have_their_own_tensor(aspect):
     np.testing.assert_allclose(strain, -far, atol=1e-10 * np.abs(far).max())
 
 
-@pytest.mark.parametrize("space", ["half", "full"])
+@pytest.mark.parametrize("space", [pytest.param("half", marks=pytest.mark.slow), "full"])
 def test_the_same_constants_change_nothing(space):
     shapes = [ball(), ball(2.001), Ellipsoid(center=(0.0, 2.5, 2.2), semi_axes=(0.5, 1.0, 2.0), rotation=(0.1, 0, 0.2))]
     answer = WholeInclusions(shapes, STEEL, [times_steel(1.0)] * 3, space=space).solve(columns(LOAD, 3))
@@ -194,6 +194,7 @@ def test_voids_and_rigid_ones_next_to_each_other_and_to_the_surface():
     assert again.report.iterations == 0
 
 
+@pytest.mark.slow
 def test_the_mean_of_a_load_is_that_over_the_volume():
     """x² over a ball is a²/5, over an ellipsoid likewise along its axes, over a cuboid h²/3."""
     flat = Ellipsoid(center=(0.0, 0.0, 3.0), semi_axes=(1.0, 2.0, 0.5))

@@ -28,6 +28,7 @@ def light(monkeypatch):
     monkeypatch.setattr(engines, "_BUDGETS", FEW)
 
 
+@pytest.mark.slow
 def test_a_section_has_what_is_stored_where_it_is_judged(run, light, tmp_path):
     (case,), _ = cases_of(run)
     (section,) = case.sections

@@ -277,6 +277,7 @@ def test_one_process_measures_one_code(fake):
     assert min(sample["first_s"], *sample["again_s"], sample["convolution_1_s"]) > 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(PeakMemory().peak() is None, reason="the system does not tell the memory of a process")
 def test_peak_memory_is_that_of_the_solve_alone(fake):
     ballast = np.ones(40_000_000)  # 320 MB in this process must not count

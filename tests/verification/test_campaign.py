@@ -116,6 +116,7 @@ def test_a_model_agrees_where_it_is_right_and_is_caught_where_it_is_not(found):
     assert found.exit_code == 0  # what disagrees is outside of the claim
 
 
+@pytest.mark.slow
 def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
     copytree(done[0] / "toy", tmp_path / "toy")  # the runs of the reference are read again
     item = read_campaign(toy).with_errors()
@@ -463,6 +464,7 @@ def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_a_contact_have_their_bars(tmp_path):
     """A coarse contact is off by more than the tolerance, and not by more than its bar."""
     text = CELLS.replace("[3, 16]", "[8]").replace("output = {", "output = { errors = true,")

@@ -226,6 +226,7 @@ def test_every_check_is_seen_to_fail():
     assert {check for _, noticed in FAULTS.values() for check in noticed} == set(CHECKS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parameters", [GRAIN, STRAIGHT], ids=["turned", "straight"])
 def test_without_a_fault_all_pass(parameters):
     for check in CHECKS.values():

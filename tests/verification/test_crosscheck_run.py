@@ -82,7 +82,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(tmp_path):
 #: Faults, the limits of their tasks, and how they are reported; those of equal limits are run together.
 FAILURES = [
     ({"raises": "mesh is tangled", "dies": "ended with 3", "shape": "one column a component"}, {}, "failed"),
-    ({"sleeps": "not done within 4 s"}, {"seconds": 4.0}, "time"),
+    pytest.param({"sleeps": "not done within 4 s"}, {"seconds": 4.0}, "time", marks=pytest.mark.slow),
     pytest.param(
         {"eats": "more than 0.30 GB"}, {"memory": 3e8}, "memory",
         marks=pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is read from /proc"),

@@ -168,6 +168,7 @@ def hot_ball(divisions, fitted, outer="fixed", reach=40.0):
     return (solution.displacement(points) - u) / np.abs(u).max(), (solution.stress(points) - s) / np.abs(s).max()
 
 
+@pytest.mark.slow
 def test_dilatational_ball_on_a_fitted_mesh():
     errors = np.array([np.abs(hot_ball(d, fitted=True)[1]).max() for d in (1, 2, 4)])
     assert abs(slope(errors) - 2) < 0.35
@@ -181,6 +182,7 @@ def test_dilatational_ball_on_cut_elements():
     assert np.abs(s[:3]).max() < 0.03
 
 
+@pytest.mark.slow
 def test_fixed_and_free_bracket_the_half_space():
     """Uplift of a hot ball: the two conditions err in opposite senses, and less with reach."""
     parts = {
@@ -268,6 +270,7 @@ def test_hertz_pressure(nu, outer):
     np.testing.assert_allclose(stress[:, 1, 1], sigma_r, atol=3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("far_field", "rate"), [(False, 1.0), (True, 3.0)])
 def test_truncation_under_a_load(far_field, rate):
     """u_z under a uniform disc, 2 (1 - nu^2) p a / E, is wrong like 1 / reach; with the far field like 1 / reach^3."""
@@ -304,6 +307,7 @@ def test_sphere_in_a_remote_field(young):
     np.testing.assert_allclose(far, remote, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_stress_concentration_at_a_void():
     """Goodier 1933: s_zz at the equator of a void under uniaxial tension is 3 (9 - 5 nu) / (2 (7 - 5 nu))."""
     exact = (27 - 15 * NU) / (2 * (7 - 5 * NU))

@@ -93,6 +93,7 @@ def test_what_is_not(change):
         solve_loaded(body, level=0, outer="fixed", watched=[[0.0, 0.0, 1.0]])
 
 
+@pytest.mark.slow
 def test_hertz_pressure_on_cells_gives_the_displacement_and_stress_of_hertz():
     depths = np.linspace(0.15, 3.0, 15)
     points = axis_points(depths)

@@ -231,6 +231,7 @@ def test_quarter_is_the_full_model(case, outer):
     assert quarter.unknowns < full.unknowns / 3
 
 
+@pytest.mark.slow
 def test_preconditioners_agree():
     soft = cuboid(eigenstrain=STRAIN, young_modulus=0.3 * E)
     model = Model(young_modulus=E, poisson_ratio=0.4, reach=5.0, fine=0.5, growth=2.5, regions=(soft,))
@@ -263,6 +264,7 @@ def test_expanding_ball_has_its_closed_form_inside_and_outside(nu):
     assert largest(found.stress(places), exact) < 0.03
 
 
+@pytest.mark.slow
 def test_fixed_and_free_bracket_the_surface():
     depth, radius = 1.5, 0.5
     rest = {"young_modulus": E, "poisson_ratio": NU, "fine": 0.25, "growth": 1.6, "symmetry": EVEN}
@@ -282,7 +284,7 @@ def test_fixed_and_free_bracket_the_surface():
 
 
 @pytest.mark.parametrize(
-    ("load", "traction", "symmetry"), [("p", (0, 0, 1), EVEN), ("q_x", (1, 0, 0), ("odd", "even"))]
+    ("load", "traction", "symmetry"), [("p", (0, 0, 1), EVEN), pytest.param("q_x", (1, 0, 0), ("odd", "even"), marks=pytest.mark.slow)]
 )
 def test_patch_has_the_field_of_boussinesq_and_cerruti(load, traction, symmetry):
     patch = Patch(low=(-1.0, -0.5), high=(1.0, 0.5), traction=traction)

@@ -50,6 +50,7 @@ def test_judge_adds_up_cells():
     assert found[:, 1, 3] == close(np.array(expected), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_command_writes_a_row_for_each_case(tmp_path, capsys):
     page = tmp_path / "page.md"
     page.write_text("<!-- benchmark:fidelity -->\n<!-- /benchmark:fidelity -->\n", encoding="utf-8")

@@ -204,6 +204,7 @@ def test_only_what_has_a_bar_has_an_error():
     assert errors_at_end({}, data) == {}
 
 
+@pytest.mark.slow
 def test_bars_are_drawn_where_there_are_errors(own, tmp_path):
     text = OWN.replace('"0.1 N", "0.8 N", "600 N"', '"0.4 N", "0.8 N"').replace('"50 um", "100 um"', '"100 um"')
     own.write_text(text, encoding="utf-8")

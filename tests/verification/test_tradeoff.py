@@ -101,6 +101,7 @@ def test_each_fidelity_is_there_where_a_scene_has_what_it_is_about(scene, change
         app.load_scene(changed(plan.scene.resolved(), variant.changes))
 
 
+@pytest.mark.slow
 def test_the_tolerance_of_clouds_is_varied_where_there_are_many_regions():
     cubes = [
         {"type": "cuboid", "center": [x, y, 3e-6], "edges": [1e-6] * 3, "eigenstrain": 0.01}
@@ -116,6 +117,7 @@ def test_the_tolerance_of_clouds_is_varied_where_there_are_many_regions():
     app.load_scene(changed(plan.scene.resolved(), found[0].changes))
 
 
+@pytest.mark.slow
 def test_cells_of_the_box_are_varied_by_their_height():
     plan = app.plan(app.load_scene("plastic-hertz", COARSE))
     reference, scene, coarse = variants(plan, Fidelities(), ["inclusion-pitch"])
@@ -390,6 +392,7 @@ def test_the_command(tradeoff, tmp_path, monkeypatch):
     assert (tmp_path / "hertz-tradeoff" / "tradeoff.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_error_bars_of_scene_and_reference_stand_beside_the_errors(tradeoff, tmp_path, monkeypatch):
     """The true difference is within the bars; the rows are those without bars."""
     monkeypatch.setattr("eigencontact_verification.tradeoff.study.solve_fresh", in_process)

@@ -108,6 +108,7 @@ def filmed(stored, tmp_path_factory):
     return path, seen, places
 
 
+@pytest.mark.slow
 def test_all_frames_have_one_window_and_one_scale(stored, filmed):
     """Those of the largest pressure and contact, although the last frame has none."""
     dataset, (_, seen, _) = stored("presses"), filmed

@@ -22,6 +22,7 @@ def pictures(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_pictures(results, tmp_path):
     beside, here = tmp_path / "beside", tmp_path / "here"
     beside.mkdir()
