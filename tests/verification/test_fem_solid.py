@@ -284,7 +284,8 @@ def test_fixed_and_free_bracket_the_surface():
 
 
 @pytest.mark.parametrize(
-    ("load", "traction", "symmetry"), [("p", (0, 0, 1), EVEN), pytest.param("q_x", (1, 0, 0), ("odd", "even"), marks=pytest.mark.slow)]
+    ("load", "traction", "symmetry"),
+    [("p", (0, 0, 1), EVEN), pytest.param("q_x", (1, 0, 0), ("odd", "even"), marks=pytest.mark.slow)],
 )
 def test_patch_has_the_field_of_boussinesq_and_cerruti(load, traction, symmetry):
     patch = Patch(low=(-1.0, -0.5), high=(1.0, 0.5), traction=traction)

@@ -11,7 +11,7 @@ import typer
 from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
 
-__all__ = ["fatigue"]
+__all__ = ["fatigue", "steps_of"]
 
 
 def fatigue(
@@ -68,7 +68,7 @@ def fatigue(
             results,
             {"type": criterion, **_parameters(changes or [])},
             region=region,
-            cycle=_steps(cycle),
+            cycle=steps_of(cycle),
             distance=distance,
             method=method,  # type: ignore[arg-type]
             folder=output or results_file(results).parent,
@@ -95,7 +95,7 @@ def _parameters(changes: list[str]) -> dict[str, Any]:
     return out
 
 
-def _steps(text: str) -> Any:
+def steps_of(text: str) -> Any:
     """A word, or the numbers of two steps; others are refused where the steps are known."""
     first, colon, last = text.partition(":")
     return (int(first), int(last)) if colon and first.strip().isdigit() and last.strip().isdigit() else text
