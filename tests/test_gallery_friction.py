@@ -143,7 +143,7 @@ def test_rough_surface_friction(finished):
 
 
 def test_fretting_fatigue(finished):
-    """Half a cycle later loads and bulk stress have changed sign, and so has the shear; it slips on one side in turn."""
+    """Half a cycle later loads, bulk stress and shear have changed sign; it slips on one side in turn."""
     data = finished("fretting-fatigue").dataset
     shear, bound = data.shear_x.values, data.shear_bound.values
     np.testing.assert_allclose(shear[21], -shear[15], rtol=0.0, atol=1e-3 * bound.max())

@@ -140,7 +140,8 @@ class _Trial:
             It has elastic constants other than the body.
         """
         self._require_constants(np.unique(z))
-        return np.any([self._differs(stress + bulk[:, None], z) for bulk in self.bulk], axis=0)
+        reached = [self._differs(stress + bulk[:, None], z) for bulk in self.bulk]
+        return np.asarray(np.any(reached, axis=0))
 
     def refuse_bulk(self, depths: FloatArray) -> None:
         """Refuse a bulk stress that alone is more than elastic at some of these depths ``(n,)`` [m].

@@ -48,8 +48,8 @@ def bulk_stress_at(stress: FloatArray, body: LoadedBody, points: FloatArray) -> 
     bottoms = np.cumsum([layer.thickness for layer in body.layers])
     place = np.searchsorted(bottoms * (1.0 - 1e-9), points[:, 2], side="right")
     out = np.zeros((len(points), 6))
-    for number, solid in enumerate((*body.layers, body)):
-        E, nu = solid.young_modulus, solid.poisson_ratio
+    constants = [(layer.young_modulus, layer.poisson_ratio) for layer in body.layers]
+    for number, (E, nu) in enumerate([*constants, (body.young_modulus, body.poisson_ratio)]):
         in_plane = E / (1.0 + nu) * (strain[:2, :2] + nu / (1.0 - nu) * np.trace(strain[:2, :2]) * np.eye(2))
         out[place == number] = [in_plane[0, 0], in_plane[1, 1], 0.0, 0.0, 0.0, in_plane[0, 1]]
     return out
