@@ -16,6 +16,7 @@ from eigencontact.execution.run.loading import LoadHistory
 from eigencontact.scene.schema import Step
 from eigencontact_verification.oracles.bulk_slip import cerruti, moved_stick_zone, stretched, swept
 from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, sphere_in_body, stress_about_sphere
+from stopping import Stop, Stopper
 
 E, NU, MU = STEEL["young_modulus"], STEEL["poisson_ratio"], 0.1
 COULOMB = {"type": "coulomb", "coefficient": MU}
@@ -307,6 +308,23 @@ def test_halves_of_an_increment_meet_at_the_mean_bulk_stress():
     assert first.bulk == ({"bulk_stress_xx": 2.0}, {"bulk_stress_xx": 4.0})
     assert second.bulk == ({"bulk_stress_xx": 4.0}, {"bulk_stress_xx": 6.0})
     assert whole.at_start().bulk == ({"bulk_stress_xx": 2.0}, {"bulk_stress_xx": 2.0})
+
+
+def test_a_resumed_run_goes_on_from_the_stored_bulk_stress(tmp_path):
+    steps = [{"normal_load": "5 N"}, {"shift_x": "20 nm", "bulk_stress_xx": "900 MPa", "increments": 3}]
+    planned = ec.plan(
+        ec.Scene(
+            body1={**STEEL, "bulk_stress": {"xx": "300 MPa", "xy": "100 MPa"}}, body2=STEEL, geometry=BALL,
+            friction=COULOMB, grid={"cells": 13, "size": "44 um"}, steps=steps, output={"pictures": False},
+        )
+    )  # fmt: skip
+    whole = ec.run(planned).dataset
+    assert whole.bulk_stress_xx.values == close(np.array([3e8, 5e8, 7e8, 9e8]), rel=1e-12)
+    with pytest.raises(Stop):
+        ec.run(planned, tmp_path, watcher=Stopper(3))
+    with ec.run(planned, tmp_path, resume=True).dataset as resumed:
+        for name in ("shear_x", "shear_y", "slip_distance", "bulk_stress_xx", "bulk_stress_xy"):
+            np.testing.assert_array_equal(resumed[name].values, whole[name].values, err_msg=name)
 
 
 # ---------------------------------------------------------------- refusals
