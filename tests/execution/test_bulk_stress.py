@@ -327,7 +327,14 @@ def test_a_resumed_run_goes_on_from_the_stored_bulk_stress(tmp_path):
             np.testing.assert_array_equal(resumed[name].values, whole[name].values, err_msg=name)
 
 
-# ---------------------------------------------------------------- refusals
+# ---------------------------------------------------------------- warnings and refusals
+
+
+@pytest.mark.parametrize(("stress", "codes"), [("20 GPa", []), ("-22 GPa", ["small-strain"])])
+def test_strains_that_are_not_small_are_told(stress, codes):
+    steps = [{"normal_load": "0.5 N", "body2_bulk_stress_yy": stress}]
+    planned = ec.plan(ec.Scene(body1=STEEL, body2=STEEL, geometry=BALL, steps=steps))
+    assert [caution.code for caution in planned.cautions] == codes
 
 
 @pytest.mark.parametrize(
