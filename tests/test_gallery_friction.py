@@ -12,6 +12,7 @@ from eigencontact_verification.oracles import spence
 COARSER = {
     "cattaneo-mindlin": ["grid.cells-per-contact-radius=24", "steps.1.increments=1", "stress.0.depth-cells=12"],
     "gross-slip": ["grid.cells-per-contact-radius=16", "steps.1.increments=4"],
+    "fretting-fatigue": ["grid.cells-per-contact-radius=10", "stress.0.depth-cells=6"],
     "fretting-mode-1": ["grid.cells-per-contact-radius=20", "steps.1.increments=5"],
     "fretting-mode-2": ["grid.cells-per-contact-radius=20"],
     "fretting-mode-3": ["grid.cells-per-contact-radius=20", *(f"steps.{k}.increments={4 * k}" for k in (1, 2))],
@@ -139,3 +140,19 @@ def test_rough_surface_friction(finished):
     assert float(data.tangential_load_x[2]) == close(0.045, rel=1e-5)
     assert abs(float(data.tangential_load_x[4])) < 1e-6 * 0.09
     assert float(np.abs(data.shear_x[4]).max()) > 0.05 * float(data.pressure[4].max())
+
+
+def test_fretting_fatigue(finished):
+    """Half a cycle later loads, bulk stress and shear have changed sign; it slips on one side in turn."""
+    data = finished("fretting-fatigue").dataset
+    shear, bound = data.shear_x.values, data.shear_bound.values
+    np.testing.assert_allclose(shear[21], -shear[15], rtol=0.0, atol=1e-3 * bound.max())
+    np.testing.assert_allclose(shear[24], -shear[18], rtol=0.0, atol=1e-3 * bound.max())
+    far = data.section_stress.values[:, 0, -1, :]
+    stretched = data.bulk_stress_xx.values
+    assert stretched[[15, 18, 21, 24]].tolist() == [0.0, 4e8, 0.0, -4e8]
+    # The shear of half a cycle is that of the other with its sign: what does not change sign is the pressure's.
+    np.testing.assert_allclose((far[18] - far[24]) / 2, np.full(far.shape[1], 4e8), rtol=0.1)
+    slips = data.contact_zone.values[18] == 1
+    right, left = slips[:, data.x.values > 0].sum(), slips[:, data.x.values < 0].sum()
+    assert right > 2 * left

@@ -45,7 +45,7 @@ REFUSED = {
     "nearest table": (["gird.cells=8"], "did you mean 'grid'?"),
     "unknown key of a table": (
         ["body1.poison-ratio=0.3"],
-        "unknown key 'poison-ratio' in body1; known: rigid, young-modulus, poisson-ratio, medium, law, initial; did",
+        "unknown key 'poison-ratio' in body1; known: rigid, young-modulus, poisson-ratio, medium, law, initial, bulk-s",
     ),
     "unknown key of an array": (
         ["stress.1.cuont=3"],

@@ -371,6 +371,18 @@ def test_the_strip_shows_the_zones_of_one_line_over_the_steps(stored, change, al
     assert len(figure.axes[0].get_lines()) == 2  # tangential load and zero; the constant normal load is left out
 
 
+def test_the_strip_shows_the_course_of_bulk_stress(stored):
+    def stretched(step, info):
+        step.scalars["bulk_stress_xx"] = 1e8 * (step.index - 1)
+        step.scalars["body2_bulk_stress_xy"] = 5e7  # constant: left out
+
+    above = zone_strip(stored(CYCLE, change=stretched)).axes[0]
+    curve = above.get_lines()[1]
+    assert curve.get_label().startswith(r"$\sigma_{xx}$ (largest ")
+    np.testing.assert_allclose(curve.get_ydata(), np.linspace(0.0, 1.0, len(CYCLE)), rtol=1e-12)
+    assert len(above.get_lines()) == 3
+
+
 def test_the_dissipation_is_masked_where_nothing_slipped(stored):
     dataset = stored(**CASES["monotonic"])
     figure = dissipation_map(dataset)

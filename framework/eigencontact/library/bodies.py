@@ -29,6 +29,9 @@ __all__ = ["Body", "HalfSpace", "Layered", "field_under"]
 
 FloatArray = NDArray[np.float64]
 
+#: Keys of the table of a body of elastic constants alone.
+_ELASTIC = {"young-modulus", "poisson-ratio"}
+
 
 class Body(ABC):
     """Base of half-spaces: fields under prescribed tractions."""
@@ -139,6 +142,9 @@ class HalfSpace(Body):
         Regions given by an array of whole numbers, with a material or an eigenstrain for each.
     inclusions : sequence of mappings, optional
         Regions of a shape, as the tables ``[[inclusions]]`` of a scene.
+    bulk_stress : mapping, optional
+        Stress by a load far away, before the first step, as the table of a scene: ``{"xx": "200 MPa"}``. Steps ramp it
+        by their keys ``bulk-stress-xx`` and so on.
 
     Raises
     ------
@@ -163,7 +169,11 @@ class HalfSpace(Body):
         law: Any = None,
         voxels: Voxels | None = None,
         inclusions: Iterable[Mapping[str, Any]] = (),
+        bulk_stress: Mapping[str, Any] | None = None,
     ) -> None:
+        rule = "a table of xx, yy and xy, or None"
+        require(bulk_stress is None or isinstance(bulk_stress, Mapping), "HalfSpace", "bulk_stress", bulk_stress, rule)
+        self._bulk_stress = None if bulk_stress is None else dict(bulk_stress)
         self._material = material_of(young_modulus, poisson_ratio, "HalfSpace")
         require(voxels is None or isinstance(voxels, Voxels), "HalfSpace", "voxels", voxels, "Voxels, or None")
         self._law, self._voxels = law, voxels
@@ -196,8 +206,9 @@ class HalfSpace(Body):
 
     def scene_table(self) -> dict[str, Any]:
         """See `Body`."""
-        table = {"young-modulus": self.young_modulus, "poisson-ratio": self.poisson_ratio}
-        return table if self._law is None else table | {"law": self._law}
+        table: dict[str, Any] = {"young-modulus": self.young_modulus, "poisson-ratio": self.poisson_ratio}
+        parts = {"law": self._law, "bulk-stress": self._bulk_stress}
+        return table | {name: part for name, part in parts.items() if part is not None}
 
     def scene_inclusions(self, number: int) -> list[dict[str, Any]]:
         """See `Body`."""
@@ -208,6 +219,8 @@ class HalfSpace(Body):
         entries = [repr(readable(self.young_modulus, "Pa")), f"{self.poisson_ratio:g}"]
         if self._law is not None:
             entries.append(f"law {_type_of(self._law)!r}")
+        if self._bulk_stress is not None:
+            entries.append(f"bulk stress {self._bulk_stress!r}")
         if self._given:
             entries.append(f"{len(self._given)} inclusion{'s' if len(self._given) > 1 else ''}")
         if self._voxels is not None:
@@ -253,8 +266,9 @@ class Layered(Body):
             require(good, "Layered", f"layers.{number}", layer, rule)
             tables.append(dict(zip(("thickness", "young_modulus", "poisson_ratio"), layer, strict=True)))
         if isinstance(substrate, HalfSpace):
-            plain = "law" not in substrate.scene_table() and not substrate.scene_inclusions(1)
-            require(plain, "Layered", "substrate", substrate, "of one elastic material, without a law or regions")
+            plain = substrate.scene_table().keys() == _ELASTIC and not substrate.scene_inclusions(1)
+            rule = "of one elastic material, without a law, regions or bulk stress"
+            require(plain, "Layered", "substrate", substrate, rule)
             base = substrate.solid
         else:
             good = isinstance(substrate, list | tuple) and len(substrate) == 2
@@ -321,10 +335,10 @@ def field_under(
 
     where = f"{type(body).__name__}.{quantity}"
     table = body.scene_table()
-    if "law" in table or body.scene_inclusions(1):
+    if not table.keys() <= _ELASTIC | {"medium"} or body.scene_inclusions(1):
         raise SceneError(
-            f"{where} must be of a body of elastic constants and layers alone (got {body!r}); regions and laws answer "
-            "to a contact: solve_contact(...)"
+            f"{where} must be of a body of elastic constants and layers alone (got {body!r}); regions, laws and bulk "
+            "stress answer to a contact: solve_contact(...)"
         )
     loads = _loads(pressure, shear, where)
     shape = next(iter(loads.values())).shape

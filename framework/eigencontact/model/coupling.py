@@ -54,14 +54,14 @@ class Coupling:
 def coupling_of(scene: Scene, bodies: Solids, *, dragged: bool = False) -> Coupling:
     """Coupling of a scene with a contact.
 
-    Where eigenstrain drags the surfaces (`dragged`) they move along x and y, whatever is prescribed: eigenstrain is no
-    elastic coupling, so that no level leaves it out.
+    Where eigenstrain (`dragged`) or bulk stress drags the surfaces they move along x and y, whatever is prescribed:
+    neither is an elastic coupling, so that no level leaves it out.
     """
     if scene.friction is None:
         return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
     level = scene.numerics.coupling
     alike = _alike(bodies) and not _grow_apart(scene, bodies)
-    components = _components(scene) if level == "none" and not dragged else "xy"
+    components = _components(scene) if level == "none" and not (dragged or scene.bulk_at_rest) else "xy"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
     if level != "none":
         pairs += [("x", "y"), ("y", "x")]

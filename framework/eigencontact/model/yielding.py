@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import bulk_of, in_plane_strain, plane_stress
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
+from eigencontact.core.tensors import von_mises
 from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, NotUnique, SceneError, require
 from eigencontact.hooks.registry import Registry
@@ -28,7 +30,9 @@ from eigencontact.model.sizes import BYTES_OF_LAW_CELL, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Patch, Source
 from eigencontact.plugin import ConstitutiveLaw, FrictionLaw, FrictionState, InclusionShape, LawStep, SurfaceInfluence
 from eigencontact.scene.components import build_component
+from eigencontact.scene.holding import held_bulk
 from eigencontact.scene.schema import Scene
+from eigencontact.scene.steps import named_ramps
 from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.coarse_contact import coarse_contact
 from eigencontact.solvers.elastic_zone import ACROSS, ElasticStress, Tractions, elastic_zone, overload
@@ -44,6 +48,8 @@ SAFETY = 1.1
 _BESIDE = (1.1, 1.5, 2.0, 3.0)
 #: A law that answers another stress than this close to the elastic one is not elastic there.
 _SAME = 1e-6
+#: Depths at which bulk stress alone must leave a law elastic, in sizes of the window.
+_DEPTHS = np.concatenate([[0.0], np.geomspace(1e-3, 10.0, 64)])
 #: Words in the names of such limits.
 _LIMITS = ("stress", "strength", "threshold")
 #: Stress at which a law must have the constants of its body, in parts of Young's modulus: the second for a law that is
@@ -85,7 +91,9 @@ def yielding_bodies(
         contacts = _coarse_contacts(scene, interface, grid)
         loads = _distinct([(at, load) for at, p in contacts for load in _loads(at, p, influences, interface.friction)])
         shapes = [source.shape for source in sources if source.body == body]
-        patch = _box_where(_Trial(law, bodies.half_space(body), where), loads, influences, shapes, scene, grid)
+        trial = _Trial(law, bodies.half_space(body), where, _bulk_stresses(scene, body, bodies.half_space(body)))
+        trial.refuse_bulk(_DEPTHS * max(grid.size))
+        patch = _box_where(trial, loads, influences, shapes, scene, grid)
         if body in initial:
             patch = _with(patch, initial[body].bounds(grid))
         if patch is not None:
@@ -97,13 +105,31 @@ def yielding_bodies(
     return tuple(boxes)
 
 
+def _bulk_stresses(scene: Scene, body: int, material: Material) -> list[FloatArray]:
+    """Mandel bulk stresses ``(6,)`` [Pa] of a body before the first step and at the end of each, each once."""
+    at_rest = scene.bulk_at_rest
+    history = [at_rest, *held_bulk([ramp for _, ramp in named_ramps(scene.steps, again=True)], at_rest)]
+    distinct = np.unique([bulk_of(values, body) for values in history], axis=0)
+    return [plane_stress(in_plane_strain(stress, material), material) for stress in distinct]
+
+
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """Elastic range of the law of an undeformed body; `where` is the table of the law, for messages."""
+    """Elastic range of the law of an undeformed body.
+
+    Attributes
+    ----------
+    law, material
+    where : str
+        Table of the law, for messages.
+    bulk : sequence of (6,)
+        Bulk stresses [Pa] of the history, each different, that add to those of the contact; one of zeros without.
+    """
 
     law: ConstitutiveLaw
     material: Material
     where: str
+    bulk: Sequence[FloatArray] = (np.zeros(6),)
 
     def yields(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether the stress of the law differs from elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m].
@@ -114,7 +140,28 @@ class _Trial:
             It has elastic constants other than the body.
         """
         self._require_constants(np.unique(z))
-        return self._differs(stress, z)
+        reached = [self._differs(stress + bulk[:, None], z) for bulk in self.bulk]
+        return np.asarray(np.any(reached, axis=0))
+
+    def refuse_bulk(self, depths: FloatArray) -> None:
+        """Refuse a bulk stress that alone is more than elastic at some of these depths ``(n,)`` [m].
+
+        Raises
+        ------
+        SceneError
+            Names the stress and the depth.
+        """
+        for bulk in self.bulk:
+            if not bulk.any():
+                continue
+            reached = self._differs(np.repeat(bulk[:, None], depths.size, axis=1), depths)
+            if reached.any():
+                mises = readable(float(von_mises(bulk)), "Pa")
+                raise SceneError(
+                    f"body{self.where[4]}.bulk-stress, also of steps, must leave the law of the body elastic (got a "
+                    f"von Mises stress of {mises}, which {self.law.key!r} does not bear elastically at a depth of "
+                    f"{depths[np.argmax(reached)]:g} m): the body outside the cells is elastic; lower it"
+                )
 
     def _require_constants(self, depths: FloatArray) -> None:
         stress = self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))

@@ -51,6 +51,10 @@ def _planned(scene: Scene, registry: Registry) -> Plan:
 def _blocks(model: Model) -> list[Block]:
     """Blocks that a scene may need: before the contact, the contact, wear, regions, observers."""
     blocks: list[Block] = []
+    if model.scene.bulk_at_rest:
+        from eigencontact.execution.blocks.bulk import BulkStress
+
+        blocks.append(BulkStress(model))
     mechanics = mechanics_of(model)
     surface_blocks: list[Block] = [] if mechanics is None else [mechanics]
     if model.interface is not None:

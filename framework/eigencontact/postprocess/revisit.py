@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from eigencontact.core.bulk import recorded_bulk
 from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.execution.blocks.block import Run
 from eigencontact.execution.blocks.step import Step
@@ -110,9 +111,11 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
             "; it is kept after the last step alone, unless output.history = 'all'"
         )  # fmt: skip
         raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){remedy}")
+    bulk = recorded_bulk(record.scalars)
     evaluated_step = Step(
-        index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history)
-    )
+        index=record.index, time=record.time, bulk=(bulk, bulk), fields=dict(record.fields),
+        history=dict(record.history),
+    )  # fmt: skip
     Run().started(block.start).advance(evaluated_step)
     scalars = {**record.scalars, **evaluated_step.scalars}
     return replace(record, scalars=scalars, fields={}, regions=evaluated_step.regions, observed={}, history={})

@@ -8,10 +8,12 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from eigencontact.core.quantities import FileMark, Stress
 from eigencontact.scene.as_tables import table_of
-from eigencontact.scene.checks import at_least, in_range, positive
+from eigencontact.scene.checks import at_least, finite, in_range, positive
 from eigencontact.scene.table import OfKind, Table
 
-__all__ = ["Body", "InitialTable"]
+__all__ = ["Body", "BulkStress", "FiniteStress", "InitialTable"]
+
+FiniteStress = Annotated[Stress, AfterValidator(finite("Pa"))]
 
 
 class InitialTable(Table):
@@ -32,6 +34,22 @@ class InitialTable(Table):
     step: Annotated[int, AfterValidator(at_least(1))] | None = None
 
 
+class BulkStress(Table):
+    """Uniform stress that a load far away puts on a body, from the start on; steps ramp it.
+
+    The surface is free: zz, xz and yz are zero.
+
+    Parameters
+    ----------
+    xx, yy, xy : float
+        Components in the plane of the surface [Pa], tension positive, in the axes of the window for both bodies.
+    """
+
+    xx: FiniteStress = 0.0
+    yy: FiniteStress = 0.0
+    xy: FiniteStress = 0.0
+
+
 class Body(Table):
     """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
 
@@ -49,6 +67,8 @@ class Body(Table):
         Constitutive law that an elastic body obeys under the contact; its constants are those of the body.
     initial : InitialTable, optional
         State of an earlier run that the laws in the body begin with.
+    bulk_stress : BulkStress, optional
+        Stress by a load far away; of a layered medium that of the substrate, whose strain the layers share.
     """
 
     rigid: bool = False
@@ -57,11 +77,14 @@ class Body(Table):
     medium: Annotated[dict[str, Any] | None, BeforeValidator(table_of), OfKind("layered-medium")] = None
     law: Annotated[dict[str, Any] | None, BeforeValidator(table_of), OfKind("constitutive-law")] = None
     initial: InitialTable | None = None
+    bulk_stress: BulkStress | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:
         if self.rigid and self.law is not None:
             raise ValueError("rigid without a law, or elastic: leave out rigid or law")
+        if self.rigid and self.bulk_stress is not None:
+            raise ValueError("rigid without bulk stress, or elastic: leave out rigid or bulk-stress")
         if self.medium is not None:
             alternatives = ("rigid", "young_modulus", "poisson_ratio", "law")
             beside = [name for name in alternatives if getattr(self, name) not in (None, False)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.core.bulk import BULK_NAMES
 from eigencontact.core.names import clashes
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
@@ -30,6 +31,7 @@ def check_contents(scene: Scene) -> None:
             "contact, [[inclusions]] or [[eigenstrain]] for the field of a prescribed eigenstrain"
         )
     _check_steps(scene)
+    _check_bulk(scene)
     for name in type(scene).model_fields:
         value = getattr(scene, name)
         for table in value if isinstance(value, list) else [value]:
@@ -102,6 +104,24 @@ def _check_steps(scene: Scene) -> None:
         if step.sliding_distance is not None:
             _check_sliding(scene, where, step)
     _check_spacing(scene)
+
+
+def _check_bulk(scene: Scene) -> None:
+    """Require elastic bodies under bulk stress, and no strain along the axes of a periodic contact with friction."""
+    for where, step in named_ramps(scene.steps):
+        for body, names in BULK_NAMES.items():
+            name = next((name.replace("_", "-") for name in names if name in step.bulk), None)
+            if name is not None and scene.bodies[body - 1].rigid:
+                raise ValueError(
+                    f"!{where}.{name} must be of an elastic body (body{body} is rigid); leave it out, or give "
+                    f"body{body} young-modulus and poisson-ratio"
+                )
+    if scene.bulk_at_rest and scene.friction is not None and scene.numerics.boundary == "periodic":
+        name = next(iter(scene.bulk_at_rest)).replace("_", "-")
+        raise ValueError(
+            f"!numerics.boundary must be 'non-periodic' with bulk stress in a contact with friction (got 'periodic', "
+            f"and {name}): a mean strain moves the surfaces apart from period to period; leave out one of them"
+        )
 
 
 def _check_spacing(scene: Scene) -> None:

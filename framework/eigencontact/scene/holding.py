@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from eigencontact.core.bulk import NO_BULK
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Step
 
-__all__ = ["TRAVEL", "held_steps", "held_travel"]
+__all__ = ["TRAVEL", "held_bulk", "held_steps", "held_travel"]
 
 #: Place of the geometry along x and y.
 TRAVEL = ("travel_x", "travel_y")
@@ -55,3 +56,19 @@ def held_travel(steps: Sequence[Step]) -> list[tuple[float, float]]:
         x, y = (old if new is None else new for old, new in zip(places[-1], target, strict=True))
         places.append((x, y))
     return places[1:]
+
+
+def held_bulk(steps: Sequence[Step], start: Mapping[str, float] = NO_BULK) -> list[dict[str, float]]:
+    """Bulk stress [Pa] at the end of each step, by name; where a step does not mention it, it stays.
+
+    Examples
+    --------
+    >>> from eigencontact.scene.schema import Step
+    >>> stretched = held_bulk([Step(normal_load=1.0), Step(bulk_stress_xx=1e8)], {"bulk_stress_yy": 2e7})
+    >>> stretched[0], stretched[1]
+    ({'bulk_stress_yy': 20000000.0}, {'bulk_stress_yy': 20000000.0, 'bulk_stress_xx': 100000000.0})
+    """
+    values = [dict(start)]
+    for step in steps:
+        values.append({**values[-1], **step.bulk})
+    return values[1:]

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
+from eigencontact.core.bulk import BULK_NAMES, IN_PLANE
 from eigencontact.core.quantities import DataFile
 from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError
@@ -307,6 +308,19 @@ class Scene(Table):
     def ramps(self) -> list[Step]:
         """Plain steps of the load history in order, those of each cycle once."""
         return ramps_of(self.steps)
+
+    @property
+    def bulk_at_rest(self) -> dict[str, float]:
+        """Bulk stress [Pa] before the first step, by name, zero of components that steps alone give; empty without."""
+        tables = {
+            name: getattr(table, component)
+            for body, names in BULK_NAMES.items()
+            if (table := self.bodies[body - 1].bulk_stress) is not None
+            for name, component in zip(names, IN_PLANE, strict=True)
+        }
+        ramped = {name for ramp in self.ramps for name in ramp.bulk}
+        every = [name for names in BULK_NAMES.values() for name in names]
+        return {name: tables.get(name, 0.0) for name in every if name in ramped or tables.get(name, 0.0)}
 
     @property
     def losses(self) -> dict[int, float]:

@@ -9,10 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
+from eigencontact.core.bulk import BULK_NAMES
 from eigencontact.core.quantities import Angle, Force, Moment
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES, RigidMode
+from eigencontact.scene.body import FiniteStress
 from eigencontact.scene.checks import at_least, both_alike, finite, in_range, non_negative, one_or_many
-from eigencontact.scene.holding import TRAVEL, held_steps, held_travel
+from eigencontact.scene.holding import TRAVEL, held_bulk, held_steps, held_travel
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 
 __all__ = [
@@ -123,6 +125,11 @@ class Step(Table):
         Path that the surfaces slide all over the contact in this step [m].
     sliding_direction : {"x", "y", "circular"}, optional
         Along which they do; x by default.
+    bulk_stress_xx, bulk_stress_yy, bulk_stress_xy : float, optional
+        Bulk stress of body 1 at the end of the step [Pa]; see `eigencontact.scene.body.BulkStress`. It acts with and
+        without friction and contact, and stays where a step does not mention it.
+    body2_bulk_stress_xx, body2_bulk_stress_yy, body2_bulk_stress_xy : float, optional
+        Bulk stress of body 2 [Pa].
     increments : int
         Parts in which the ramp is done.
     spacing : {"radius", "even"}, optional
@@ -154,6 +161,12 @@ class Step(Table):
     travel_y: FiniteLength | None = None
     sliding_distance: PositiveLength | None = None
     sliding_direction: Literal["x", "y", "circular"] | None = None
+    bulk_stress_xx: FiniteStress | None = None
+    bulk_stress_yy: FiniteStress | None = None
+    bulk_stress_xy: FiniteStress | None = None
+    body2_bulk_stress_xx: FiniteStress | None = None
+    body2_bulk_stress_yy: FiniteStress | None = None
+    body2_bulk_stress_xy: FiniteStress | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
     spacing: Literal["radius", "even"] | None = None
     impacts: Impacts | None = None
@@ -190,7 +203,7 @@ class Step(Table):
             raise ValueError("given a cycle beside repeat: cycle = [{ ... }], or leave repeat out")
         if self.sliding_direction is not None and self.sliding_distance is None:
             raise ValueError("given a sliding-distance beside sliding-direction")
-        if self.impacts is not None and (self.normal_load is None or len(self.prescribed) > 1):
+        if self.impacts is not None and (self.normal_load is None or len(self.prescribed) > 1 or self.bulk):
             raise ValueError("given impacts and normal-load, and nothing else that loads or moves")
         for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
             if getattr(self, mode.force) is not None and getattr(self, mode.displacement) is not None:
@@ -206,6 +219,12 @@ class Step(Table):
     def slides(self) -> bool:
         """Whether the surfaces slide all over the contact: by a distance, or as the geometry moves."""
         return self.sliding_distance is not None or self.travels
+
+    @property
+    def bulk(self) -> dict[str, float]:
+        """Bulk stress that is given at the end of the step [Pa], by name."""
+        names = (name for names in BULK_NAMES.values() for name in names)
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     @property
     def prescribed(self) -> list[str]:
@@ -316,6 +335,7 @@ def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozense
 
 def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
     held_ramps, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
+    bulk = [{}, *held_bulk(ramps)]
     return {
         number
         for number, ramp in enumerate(ramps)
@@ -327,6 +347,7 @@ def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
                 friction
                 and ramp.sliding_distance is None
                 and places[number] == places[number + 1]
+                and bulk[number] == bulk[number + 1]
                 and _grows_alone(held_ramps[number - 1] if number else None, held_ramps[number])
             )
         )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.bulk import BULK_NAMES, IN_PLANE
 from eigencontact.core.grid import Box
 from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
@@ -36,6 +37,8 @@ MARKERS = 60
 LOOP_STEPS = 3
 #: With more steps than this the last cycle alone is dark.
 MANY = 250
+#: Entries of a legend that fit in one row.
+_ENTRIES = 5
 #: Area of the polygon through the increments less the work of friction, relative, above which it is said: loops of 24
 #: increments and more in partial slip stay below it.
 _COARSE = 0.02
@@ -138,7 +141,8 @@ def zone_strip(dataset: Results) -> Figure:
     """Stick and slip on one line through the contact, step by step, under the course of the loads.
 
     Below the zones on the line along x through the middle of the contact, or through most of it where it is in patches
-    (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
+    (along y where only that direction is loaded or has cells); above it the loads and bulk stresses, each relative to
+    its largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.ticker import MaxNLocator
@@ -160,7 +164,9 @@ def zone_strip(dataset: Results) -> Figure:
         present = [value for value in (2, 1, 0) if np.any(strip == value)]
         patches = class_patches((ZONE_COLOURS[value], ZONES[value]) for value in present)
         handles, _ = above.get_legend_handles_labels()
-        figure.legend(handles=[*handles, *patches], loc="outside lower center", ncols=len(patches) + len(handles))
+        entries = [*handles, *patches]
+        columns = len(entries) if len(entries) <= _ENTRIES else -(-len(entries) // 2)
+        figure.legend(handles=entries, loc="outside lower center", ncols=columns)
     return figure
 
 
@@ -178,11 +184,17 @@ def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], SurfaceLine]:
 
 
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
-    """Draw the loads that change over the steps, relative to their largest size in the legend."""
+    """Draw the loads and bulk stresses that change over the steps, relative to their largest size in the legend."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
     curves = [("normal_load", "$P$", "N", "0.35", ":")]
     curves += [
         (MODES[mode][0], symbols[mode], MODES[mode][2][0], COLOURS[n], "-") for n, mode in enumerate(driven(dataset))
+    ]
+    curves += [
+        (name, f"$\\sigma_{{{component}{body if body > 1 else ''}}}$", "Pa", COLOURS[body + 2], style)
+        for body, names in BULK_NAMES.items()
+        for name, component, style in zip(names, IN_PLANE, ("--", "-.", ":"), strict=True)
+        if name in dataset
     ]
     for name, symbol, unit, colour, style in curves:
         values = np.asarray(dataset[name].values, dtype=float)

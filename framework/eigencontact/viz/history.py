@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.core.bulk import BULK_NAMES
 from eigencontact.viz.errors import draw_band, history_errors
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
@@ -48,6 +49,8 @@ CONSTANT = 1e-6
 LOW = 0.5
 #: Largest pressures and areas that differ by no more than this part of the largest are noise of the cells.
 NOISE = 0.03
+#: Loads that move the surfaces.
+_LOADS = ("normal_load", "tangential_load_x", "tangential_load_y", "torsion_moment")
 #: Colours of the numbers.
 COLOUR_MAP = "viridis"
 #: End of the colour map in use: white paper swallows the yellow beyond it.
@@ -244,7 +247,7 @@ def zones_change(dataset: Results, zones: NDArray[np.intp]) -> bool:
     zones : (steps, ...) int
         2 where the surfaces stick, 1 where they slip; in a step without motion all sticks, which tells nothing.
     """
-    loads = ("normal_load", "tangential_load_x", "tangential_load_y", "torsion_moment")
+    loads = (*_LOADS, *(name for names in BULK_NAMES.values() for name in names))
     histories = [np.asarray(dataset[name].values, dtype=float) for name in loads if name in dataset]
     moved = np.zeros(len(zones), dtype=bool)
     for values in histories:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.audit.bulk import bulk_stress_of, eigenstrain_by_bulk, strain_of
 from eigencontact_verification.audit.shares import mean_of_parts
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
@@ -111,6 +112,8 @@ class AuditedBody:
     stress_errors : tuple of (x, y, z, size)
         Edges of cells, and the stress [Pa] ``(nz, ny, nx)`` by which blocks of the strain at their centres and blocks
         that act as the smooth field differ in each: the run takes the former for stress, the latter for displacement.
+    bulk : (3, 3)
+        Bulk stress [Pa], which adds to that of the elements; regions of `loaded` answer it.
     """
 
     number: int
@@ -121,6 +124,7 @@ class AuditedBody:
     damaged: bool = False
     means: tuple[str, ...] = ()
     stress_errors: tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], ...] = ()
+    bulk: FloatArray = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 def moduli_of(law: Any, body: Material) -> tuple[float, float]:
@@ -211,6 +215,7 @@ def _body(
     stress_errors = tuple(_difference(block, other, material) for block, other in zip(cells, smooth, strict=True))
     cells = smooth
     risen = _worn(stored, number) if inhomogeneities else None
+    bulk, around = bulk_stress_of(stored, number), (material.young_modulus, material.poisson_ratio)
     parts: list[Part] = []
     regions: list[Region] = []
     for source in (one for one in prescribed if one.body == number):
@@ -229,7 +234,8 @@ def _body(
         young, nu = moduli_of(inhomogeneity.law, material)
         if not inhomogeneity.field.uniform:
             raise NotJudged(f"inclusion '{inhomogeneity.name}' has a prestrain that is not uniform")
-        region = _region(part, _strain(inhomogeneity, stored.time))
+        strain = _strain(inhomogeneity, stored.time) + eigenstrain_by_bulk(bulk, (young, nu), around)
+        region = _region(part, strain)
         same = np.isclose(young, material.young_modulus, rtol=1e-9, atol=0) and np.isclose(
             nu, material.poisson_ratio, atol=0
         )
@@ -237,6 +243,10 @@ def _body(
             regions.append(replace(region, young_modulus=young, poisson_ratio=nu))
         if not same:
             parts.append(part)
+    if damaged and np.any(bulk):
+        if parts:
+            raise NotJudged("bulk stress acts on cells that have lost stiffness beside regions of other constants")
+        cells = tuple(_under_bulk(block, strain_of(bulk, *around)) for block in cells)
     loaded = LoadedBody(
         young_modulus=material.young_modulus, poisson_ratio=material.poisson_ratio,
         layers=_layers(stored, number, solid), regions=tuple(regions), cells=cells,
@@ -246,7 +256,7 @@ def _body(
     along = ("u_x", "u_y", "u_z") if stored.scene.friction is not None else ("u_z",)
     return AuditedBody(
         number=number, loaded=loaded, different=tuple(parts), cell=cell, box=box, damaged=damaged,
-        means=along if box is not None and stored.scene.geometry else (), stress_errors=stress_errors,
+        means=along if box is not None and stored.scene.geometry else (), stress_errors=stress_errors, bulk=bulk,
     )  # fmt: skip
 
 
@@ -330,6 +340,14 @@ def _difference(block: Cells, smooth: Cells, material: Any) -> tuple[FloatArray,
     """Edges of cells, and the size of the stress of the difference of two strains in each, if it could not relax."""
     size = np.sqrt(((block.eigenstrain - smooth.eigenstrain) ** 2).sum(axis=(0, 1)))
     return block.x, block.y, block.z, material.young_modulus / (1.0 + material.poisson_ratio) * size
+
+
+def _under_bulk(block: Cells, strain: FloatArray) -> Cells:
+    """Cells with what damage adds to the strain (3, 3) of the bulk stress; see `bulk`."""
+    if block.kept is None:
+        return block
+    added = strain[:, :, None, None, None] * (1.0 / block.kept - 1.0)
+    return replace(block, eigenstrain=block.eigenstrain + added)
 
 
 def _edges(middles: FloatArray) -> FloatArray:

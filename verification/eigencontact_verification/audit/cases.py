@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
+from eigencontact_verification.audit.bulk import bulk_stress_at
 from eigencontact_verification.audit.engines import CAUSES, alone, effects
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
@@ -77,7 +78,7 @@ class AuditCase(RunCase):
     #: hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
-        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
+        *(f"eigencontact_verification.audit.{name}" for name in ("bulk", "engines", "homogeneous")),
         *(
             f"{__name__}:{name}"
             for name in ("AuditCase.reference", "_asked", "_read", "_read_at", "_as_stored", "_known", "_watched")
@@ -150,6 +151,7 @@ class AuditCase(RunCase):
         points, stress = section.points[judged], np.full(section.values.shape, np.nan)
         total = np.zeros((len(points), len(STRESSES)))
         total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
+        total += bulk_stress_at(body.bulk, body.loaded, points)
         for sign, loaded in engines.asked(body.loaded):
             solved = engines.solve_body(
                 self.engine, loaded, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
@@ -218,9 +220,9 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
 
 
 def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
-    """Field of a homogeneous body along the lines under the tractions that the elements do not carry."""
+    """Field of the body along the lines under bulk stress, and the tractions that the elements do not carry."""
     carried = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
-    if carried.tractions is None:
+    if carried.tractions is None and not np.any(body.bulk):
         return {}
     fields = {}
     young, nu = engines.base_of(carried)
@@ -228,6 +230,7 @@ def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) ->
         points = line.profile.points
         if line.body:
             values = homogeneous_stress(carried.tractions, points, nu)
+            values += bulk_stress_at(body.bulk, body.loaded, points)
         else:
             values = np.zeros(line.values.shape)
             for kinds, moved in effects(causes):
@@ -330,6 +333,7 @@ def _case(
             "means": [list(body.means) for body in loaded],
             "causes": list(causes),
             "bodies": [digest(body.loaded) for body in loaded],
+            "bulk": [body.bulk.tolist() for body in loaded],
         },
         quick=quick,
         profiles=tuple(line.profile for line in lines),

@@ -139,6 +139,7 @@ def _refuse(scene: Any) -> None:
         "it has no contact": not scene.geometry,
         "its contact has friction": scene.friction is not None,
         "its surface wears": scene.wear is not None,
+        "its bodies are under bulk stress": bool(scene.bulk_at_rest),
         f'numerics.half-space = "{scene.numerics.half_space}" is another body': scene.numerics.half_space != "exact",
         'numerics.boundary = "periodic" is a body that repeats': scene.numerics.boundary != "non-periodic",
     }

@@ -81,10 +81,11 @@ class Contact(Part):
         """Build the solver."""
 
     @abstractmethod
-    def recall(self, last: StepRecord | None, offset: Fields) -> Any:
+    def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> Any:
         """Memory of the last accepted step, from its stored record alone; of rest, under an offset, before the first.
 
-        `offset` holds what displaced the surfaces besides the tractions at that time, by direction.
+        `offset` holds what displaced the surfaces besides the tractions at that time, by direction, and `bulk` the
+        bulk stress of the bodies [Pa], by name.
         """
 
     @abstractmethod

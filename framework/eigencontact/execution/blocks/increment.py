@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+from eigencontact.core.bulk import NO_BULK
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.solvers.control import MODES as NORMAL_MODES
@@ -34,6 +35,8 @@ class Increment:
         The surfaces that the contact meets.
     progress : callable or None
         Told the residual of each iteration.
+    bulk : two mappings of str to float
+        Bulk stress of the bodies at the start and at the end [Pa], by name.
     """
 
     times: tuple[float, float]
@@ -42,6 +45,7 @@ class Increment:
     tangential: TangentialControl | None
     surface: Surface
     progress: Progress | None
+    bulk: tuple[Mapping[str, float], Mapping[str, float]] = (NO_BULK, NO_BULK)
 
     @classmethod
     def of(cls, step: Step) -> Increment:
@@ -54,11 +58,12 @@ class Increment:
             tangential=step.tangential,
             surface=step.surface,
             progress=step.progress,
+            bulk=step.bulk,
         )
 
     def at_start(self) -> Increment:
         """Nothing but the start."""
-        return replace(self, times=(self.times[0], self.times[0]))
+        return replace(self, times=(self.times[0], self.times[0]), bulk=(self.bulk[0], self.bulk[0]))
 
     def halves(self) -> tuple[Increment, Increment]:
         """Split the increment at its middle into two increments."""
@@ -67,10 +72,15 @@ class Increment:
         control, normal_values = _middle(self.control, NORMAL_MODES, self.begin)
         tangential, tangential_values = _middle(self.tangential, MODES, self.begin)
         early, late = self.surface.halves()
-        first = replace(self, times=(start, middle), control=control, tangential=tangential, surface=early)
-        return first, replace(
-            self, times=(middle, end), begin={**self.begin, **normal_values, **tangential_values}, surface=late
+        before, after = self.bulk
+        between = {name: 0.5 * (before[name] + value) for name, value in after.items()}
+        first = replace(
+            self, times=(start, middle), control=control, tangential=tangential, surface=early, bulk=(before, between)
         )
+        return first, replace(
+            self, times=(middle, end), begin={**self.begin, **normal_values, **tangential_values}, surface=late,
+            bulk=(between, after),
+        )  # fmt: skip
 
 
 def _middle(

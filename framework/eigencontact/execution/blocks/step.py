@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import NO_BULK
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.results.records import HistoryRecord, RegionRecord, StepRecord
 from eigencontact.solvers.control import Control
@@ -54,6 +56,8 @@ class Step:
         What is prescribed along the surface; None without friction.
     travel : (float, float)
         Place (x, y) of the geometry [m].
+    bulk : two mappings of str to float
+        Bulk stress of the bodies before the step and at its end [Pa], by name.
     cycle : CyclePlace or None
         Where in a cycle it lies; None outside of cycles.
     surface : Surface
@@ -73,6 +77,7 @@ class Step:
     control: Control | None = None
     tangential: TangentialControl | None = None
     travel: tuple[float, float] = (0.0, 0.0)
+    bulk: tuple[Mapping[str, float], Mapping[str, float]] = (NO_BULK, NO_BULK)
     cycle: CyclePlace | None = None
     surface: Surface = field(default_factory=Surface)
     previous: StepRecord | None = None

@@ -1,4 +1,4 @@
-"""Fields at the points of a region, by tractions and by eigenstrain, and the numbers that follow from them."""
+"""Fields at the points of a region, by tractions, eigenstrain and bulk stress, and the numbers that follow."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import BULK_NAMES
 from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
@@ -138,6 +139,12 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
 
             moving = moves(model.scene.ramps)
             yield TractionField(interface, model.window, model.numerics, request, lattice, moves=moving)
+        if any(name in model.scene.bulk_at_rest for name in BULK_NAMES[request.body]):
+            from eigencontact.execution.fields.bulk_field import BulkField
+
+            solid = (model.bodies.solids if interface is None else interface.solids)[request.body - 1]
+            assert solid is not None
+            yield BulkField(request, lattice, solid, model.grid.center)
         if any(source.body == request.body for source in model.sources):
             from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
             from eigencontact.execution.routes.subsurface import subsurfaces_of

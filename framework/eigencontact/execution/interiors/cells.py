@@ -234,6 +234,8 @@ class Cells(Responding):
             total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:
             total += self._prescribed.at(self._time)
+        if self._bulk is not None:
+            total += self._bulk.reshape(6, 1, 1, 1)
         if self.beside is not None:
             total += self.beside.stress()
         return total

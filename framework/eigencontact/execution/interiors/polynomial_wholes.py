@@ -172,12 +172,15 @@ class PolynomialWholes(Responding):
         return np.array([source.uniform_eigenstrain(time) for source in self.sources]).T
 
     def applied(self, tractions: Fields) -> FloatArray:
-        """Work of the contact and of prescribed eigenstrain on every function, ``(unknowns,)`` [J]."""
+        """Work of the contact, prescribed eigenstrain and bulk stress on every function, ``(unknowns,)`` [J]."""
         total = np.zeros(self._system.size)
         for cells in self.beside:
             total += cells.work()
         if self._work is not None:
             total += self._work.present
+        if self._bulk is not None:
+            points = self._system.points.shape[1]
+            total += self._system.moments(np.broadcast_to(self._bulk[:, None], (6, points)))
         if tractions:
             assert self._table is not None
             total += self._table.work(np.array(loads(self.body, self._tractions, tractions)))

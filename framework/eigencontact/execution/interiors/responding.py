@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import bulk_of, in_plane_strain, plane_stress
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
@@ -26,7 +27,8 @@ __all__ = ["Responding"]
 class Responding(Interior):
     """Equivalent eigenstrain of the inhomogeneities of one body.
 
-    Prescribed eigenstrain of the same body acts on them by its stress. In an inhomogeneity it adds to the prestrain.
+    Prescribed eigenstrain and bulk stress of the same body act on them by their stress. In an inhomogeneity prescribed
+    eigenstrain adds to the prestrain.
 
     Parameters
     ----------
@@ -83,7 +85,7 @@ class Responding(Interior):
 
     @abstractmethod
     def applied(self, tractions: Fields) -> FloatArray:
-        """Mean stress in them by the contact and by prescribed eigenstrain, ``(6, ...)`` [Pa]."""
+        """Mean stress in them by the contact, prescribed eigenstrain and bulk stress, ``(6, ...)`` [Pa]."""
 
     @abstractmethod
     def prestrain(self, time: float) -> FloatArray:
@@ -97,9 +99,15 @@ class Responding(Interior):
         """See `Interior.begin`."""
         self._time, self._progress = increment.times[1], increment.progress
         self._prestrain = self.prestrain(self._time)
+        self._bulk = self._bulk_stress(increment.bulk[1])
         record = last.get(self._stored)
         self.eigenstrain = self._prestrain if record is None else self.fitted(record)
         self._spent, self._residual = 0.0, 0.0
+
+    def _bulk_stress(self, values: Mapping[str, float]) -> FloatArray | None:
+        """Mandel stress ``(6,)`` [Pa] of a load far away; None without one."""
+        stress, material = bulk_of(values, self.body), self._half_space.material
+        return plane_stress(in_plane_strain(stress, material), material) if stress.any() else None
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
         """Stored values on the cells of this interior."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import dragged, relative_strain
 from eigencontact.core.numbers import Number
 from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
@@ -40,6 +41,7 @@ from eigencontact.execution.mechanics.normal_contact import (
     scaled_normal,
     surface_kernels,
 )
+from eigencontact.model.bodies import without_layers
 from eigencontact.model.coupling import Coupling
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
@@ -141,6 +143,7 @@ class ContactWithFriction(Contact):
         assert interface.friction is not None
         coupling, pairs = interface.coupling, interface.coupling.pairs
         self._law, self._grid = interface.friction, window.grid
+        self._substrates = without_layers(interface.solids)
         self._numerics, self.precisions = contact_precision(numerics, window.box, coupled=coupled)
         self._facts = partial(exposed_facts, exposed)
         if exposed is not None:
@@ -182,14 +185,15 @@ class ContactWithFriction(Contact):
         )  # fmt: skip
         return self._scale * checked_shear_bound(self._law, state)
 
-    def recall(self, last: StepRecord | None, offset: Fields) -> Sliding:
-        """See `Contact.recall`; before the first step the surfaces are where eigenstrain has put them."""
+    def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> Sliding:
+        """See `Contact.recall`; before the first step the surfaces are where eigenstrain and bulk stress put them."""
         from eigencontact.solvers.tangential.contact import Sliding
 
-        dragged = self._rows(offset) if offset else 0.0
+        moved = self._moved(offset, bulk)
+        carried = 0.0 if moved is None else moved
         if last is None:
             initial_state = Sliding.at_rest(self._grid, self._components)
-            return replace(initial_state, position=initial_state.position + dragged)
+            return replace(initial_state, position=initial_state.position + carried)
         rigid = np.array([last.scalars[displacement] for displacement, _ in MODES])
         position = self._vector(last.fields, "displacement")
         position -= np.einsum("m,mkij->kij", rigid, mode_fields(self._grid, self._components))
@@ -197,7 +201,7 @@ class ContactWithFriction(Contact):
         return Sliding(
             pressure=last.fields["pressure"],
             shear=shear,
-            position=position + dragged,
+            position=position + carried,
             lift=self._contact.lift(shear),
             rigid=rigid,
             slip_distance=last.fields["slip_distance"],
@@ -214,8 +218,15 @@ class ContactWithFriction(Contact):
     def _vector(self, fields: Mapping[str, FloatArray], name: str) -> FloatArray:
         return np.stack([fields[f"{name}_{c}"] for c in self._components])
 
-    def _rows(self, offset: Fields) -> FloatArray:
-        return np.stack([offset[c] for c in self._components])
+    def _moved(self, offset: Fields, bulk: Mapping[str, float]) -> FloatArray | None:
+        """Displacement of body 1 less body 2 along the surface by interiors and by bulk stress [m]; None by neither."""
+        moved = np.stack([offset[c] for c in self._components]) if offset else None
+        if not bulk:
+            return moved
+        (y, x), (x0, y0) = self._grid.axes(), self._grid.center
+        along = dragged(relative_strain(bulk, self._substrates), x - x0, y - y0)
+        stretched = along[["xy".index(c) for c in self._components]]
+        return stretched if moved is None else moved + stretched
 
     def solve(
         self,
@@ -238,7 +249,7 @@ class ContactWithFriction(Contact):
             scaled_forces(increment.control, self._scale),
             scaled_forces(increment.tangential, self._scale),
             _scaled_sliding(memory, self._scale) if softer else memory,
-            offset=self._rows(offset) if offset else None,
+            offset=self._moved(offset, increment.bulk[1]),
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
             slide=self._way(surface.slide),

@@ -289,7 +289,7 @@ class RunningMechanics:
                 before = self._before(step, increment)
                 memory = None
                 if self._contact is not None:
-                    memory = self._contact.recall(step.previous, before.displacement)
+                    memory = self._contact.recall(step.previous, before.displacement, increment.bulk[0])
                 self._tried, self._error = [], 0.0
                 if self._numerics.plastic_error is None:
                     return self._solved(increment, memory, before, 0)

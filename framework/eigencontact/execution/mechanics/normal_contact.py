@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import log2
 from typing import Any
@@ -105,7 +105,7 @@ class NormalContact(Contact):
         """See `Contact.start`."""
         self._solver = NormalSolver(self._grid, self._coefficients, normal_options(self._numerics))
 
-    def recall(self, last: StepRecord | None, offset: Fields) -> None:
+    def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> None:
         """Nothing; see `Contact.recall`."""
 
     def solve(

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from eigencontact.core.bulk import recorded_bulk
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.block import Block, Run, Running
@@ -120,7 +121,9 @@ class _Course:
     def __init__(self, plan: _Plan, watcher: Watcher | None, stopwatch: Stopwatch) -> None:
         self._plan, self._watcher, self._stopwatch = plan, watcher, stopwatch
         self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
-        self.history = LoadHistory(plan.scene.steps, friction=self._friction, growth=plan.growth)
+        self.history = LoadHistory(
+            plan.scene.steps, friction=self._friction, growth=plan.growth, bulk=plan.scene.bulk_at_rest
+        )
         self._running: list[tuple[Block, Running]] = []
         self._ramp_start: dict[str, float] = {}
 
@@ -164,6 +167,7 @@ class _Course:
             control=control_at(ramp, point.fraction, begin) if self._contact else None,
             tangential=tangential_control_at(ramp, point.fraction, begin) if self._friction else None,
             travel=self.history.travel(point),
+            bulk=(self.history.bulk_at_rest if last is None else recorded_bulk(last.scalars), self.history.bulk(point)),
             cycle=self.history.cycle(point),
             surface=Surface(slide=self.history.slide(point, before)),
             previous=last,

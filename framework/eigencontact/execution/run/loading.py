@@ -6,9 +6,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
+from eigencontact.core.bulk import NO_BULK
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.blocks.surface import Slide
-from eigencontact.scene.holding import held_steps, held_travel
+from eigencontact.scene.holding import held_bulk, held_steps, held_travel
 from eigencontact.scene.steps import (
     Segment,
     Step,
@@ -78,26 +79,30 @@ class LoadHistory:
         Whether what a step does not mention stays as earlier steps left it.
     growth : ContactGrowth, optional
         Of the contact's radius; without it all increments are even in the loads.
+    bulk : mapping of str to float, optional
+        Bulk stress before the first step [Pa], by name; zero where only steps prescribe it.
     """
 
-    def __init__(self, steps: Sequence[Step], *, friction: bool, growth: ContactGrowth | None = None) -> None:
+    def __init__(
+        self, steps: Sequence[Step], *, friction: bool, growth: ContactGrowth | None = None,
+        bulk: Mapping[str, float] = NO_BULK,
+    ) -> None:  # fmt: skip
         self._segments, ramps = segments_of(steps), ramps_of(steps)
         self._ramps = held_steps(ramps) if friction else ramps
         self._places = held_travel(ramps)
+        self._bulk_at_rest, self._bulk = dict(bulk), held_bulk(ramps, bulk)
         graded = (frozenset[int](), frozenset[int]()) if growth is None else spaced_by_radius(steps, friction=friction)
         self._ends = _ends_of_increments(growth, self._ramps, graded[0])
         # What a cycle does not mention is, from the second on, as its own end left it.
-        self._again: dict[int, tuple[Step, tuple[float, float], Ends]] = {}
+        self._again: dict[int, tuple[Step, tuple[float, float], Ends, dict[str, float]]] = {}
         for segment in self._segments:
             cycle = ramps[segment.first : segment.first + segment.ramps]
             if segment.repeat > 1:
                 twice = [*ramps[: segment.first], *cycle, *cycle]
                 held, places = held_steps(twice) if friction else twice, held_travel(twice)
                 ends = _ends_of_increments(growth, held, {place + len(cycle) for place in graded[1]})
-                self._again |= {
-                    segment.first + k: (held[k - len(cycle)], places[k - len(cycle)], ends[k - len(cycle)])
-                    for k in range(len(cycle))
-                }
+                again = list(zip(held, places, ends, held_bulk(twice, bulk), strict=True))[-len(cycle) :]
+                self._again |= dict(enumerate(again, segment.first))
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
         """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
@@ -155,8 +160,7 @@ class LoadHistory:
             return self._ramps[point.ramp - 1] if point.cycle == 1 else self._again[point.ramp - 1][0]
         if point.cycle == 1:
             return self._ramps[point.ramp - 1] if point.ramp else None
-        last = segment.first + segment.ramps - 1
-        return self._again[last][0]
+        return self._again[self._before_again(point)][0]
 
     def cycle(self, point: LoadPoint) -> CyclePlace | None:
         """Place of a point in its cycle; None in a plain step."""
@@ -188,14 +192,34 @@ class LoadHistory:
         end = self._places[point.ramp] if point.cycle == 1 else self._again[point.ramp][1]
         if point.fraction == 1.0:
             return end
-        segment = point.segment
         if point.cycle > 1:
-            before = point.ramp - 1 if point.ramp > segment.first else segment.first + segment.ramps - 1
-            start = self._again[before][1]
+            start = self._again[self._before_again(point)][1]
         else:
             start = self._places[point.ramp - 1] if point.ramp else (0.0, 0.0)
         (x0, y0), (x1, y1) = start, end
         return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
+
+    def bulk(self, point: LoadPoint) -> dict[str, float]:
+        """Bulk stress [Pa] at a point, by name; a ramp starts where the last one ended."""
+        end = self._bulk[point.ramp] if point.cycle == 1 else self._again[point.ramp][3]
+        if point.fraction == 1.0:
+            return end
+        if point.cycle > 1:
+            start = self._again[self._before_again(point)][3]
+        else:
+            start = self._bulk[point.ramp - 1] if point.ramp else self._bulk_at_rest
+        return {name: start[name] + point.fraction * (value - start[name]) for name, value in end.items()}
+
+    @property
+    def bulk_at_rest(self) -> dict[str, float]:
+        """Bulk stress [Pa] before the first step, by name."""
+        return self._bulk_at_rest
+
+    @staticmethod
+    def _before_again(point: LoadPoint) -> int:
+        """Ramp before that of a point in a repeated cycle."""
+        segment = point.segment
+        return point.ramp - 1 if point.ramp > segment.first else segment.first + segment.ramps - 1
 
 
 def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], graded: Collection[int]) -> list[Ends]:

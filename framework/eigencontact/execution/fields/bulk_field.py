@@ -1,0 +1,97 @@
+"""Bulk stress of a body at the points of a region: its own value, the strain and the displacement that go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.bulk import bulk_of, dragged, in_plane_strain, plane_stress, strain_across
+from eigencontact.core.material import Material
+from eigencontact.core.tensors import SQRT2
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.fields.cause import Cause
+from eigencontact.model.kernels import Solid
+from eigencontact.model.regions import RegionLattice
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["BulkField"]
+
+#: Points and weights of the integral of the strain across a layer, whose constants may change with depth.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+class BulkField(Cause):
+    """Field of one body.
+
+    Layers share the strain of the substrate; at the depth of an interface the constants of the deeper layer count. The
+    displacement is zero at the surface in the middle of the window.
+
+    Parameters
+    ----------
+    request : StressRequest
+    lattice : RegionLattice
+        Points of the region.
+    solid : Material or LayeredMedium
+        The body.
+    center : (float, float)
+        Middle of the window [m].
+    """
+
+    requires, kernels, cost, precisions = frozenset(), (), Cost(), ()
+
+    def __init__(
+        self, request: StressRequest, lattice: RegionLattice, solid: Solid, center: tuple[float, float]
+    ) -> None:
+        self._body, self._quantities, self._lattice, self._solid = request.body, request.fields, lattice, solid
+        self._center = center
+
+    def fields(self, step: Step) -> dict[str, FloatArray]:
+        """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
+        x, y, z = self._lattice.flat_points()
+        depths, place = np.unique(z, return_inverse=True)
+        strain = self._strain(step.bulk[1])
+        columns = {quantity: getattr(self, f"_{quantity}_at")(strain, depths) for quantity in self._quantities}
+        fields = {quantity: values[:, place] for quantity, values in columns.items()}
+        if "displacement" in fields:
+            fields["displacement"][:2] += dragged(strain, x - self._center[0], y - self._center[1])
+        return {name: values.reshape(-1, *self._lattice.shape) for name, values in fields.items()}
+
+    def _strain(self, values: Mapping[str, float]) -> FloatArray:
+        """Strain (xx, yy, xy) that all depths share."""
+        substrate = self._solid if isinstance(self._solid, Material) else self._solid.deep_material
+        return in_plane_strain(bulk_of(values, self._body), substrate)
+
+    def _material(self, depth: float) -> Material:
+        return self._solid if isinstance(self._solid, Material) else self._solid.material_at(float(depth))
+
+    def _stress_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
+        """Mandel stress ``(6, n)`` [Pa] at depths ``(n,)`` [m]."""
+        return np.stack([plane_stress(strain, self._material(depth)) for depth in depths], axis=1)
+
+    def _strain_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
+        """Mandel strain ``(6, n)`` at depths ``(n,)`` [m]."""
+        out = np.zeros((6, depths.size))
+        out[0], out[1], out[5] = strain[0], strain[1], SQRT2 * strain[2]
+        out[2] = [strain_across(strain, self._material(depth)) for depth in depths]
+        return out
+
+    def _displacement_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
+        """Displacement ``(3, n)`` [m] of depths ``(n,)`` [m] along z alone, against the surface."""
+        out = np.zeros((3, depths.size))
+        out[2] = [self._sunk(strain, depth) for depth in depths]
+        return out
+
+    def _sunk(self, strain: FloatArray, depth: float) -> float:
+        """Integral of the strain zz from the surface to a depth [m]."""
+        faces = () if isinstance(self._solid, Material) else self._solid.interfaces
+        knots = np.array([0.0, *(face for face in faces if face < depth), depth])
+        total = 0.0
+        for low, high in pairwise(knots):
+            places = 0.5 * (low + high) + 0.5 * (high - low) * _POINTS
+            across = [strain_across(strain, self._material(place)) for place in places]
+            total += 0.5 * (high - low) * float(_WEIGHTS @ across)
+        return total
