@@ -167,6 +167,8 @@ def test_errors_of_readings_are_those_of_the_numbers_that_they_read(own, tmp_pat
 "relative approach" = { is = "approach / exact", as = "relative" }
 "rise" = { is = "relative * p", as = "rise" }
 "pressure of a cell" = { is = "max(pressure)", as = "cell" }
+"pressure in the middle" = { is = "middle(pressure) / 2", as = "half" }
+"pressure in parts" = { is = "sum(pressure) / max(pressure)", as = "parts" }
 [constants]
 R = 100e-6
 E = 2.3e11
@@ -182,12 +184,19 @@ E = 2.3e11
         assert row["relative approach error"] == close(bars["approach"] / row["exact [m]"])
         relative = bars["approach"] / summary["approach"] + bars["max_pressure"] / summary["max_pressure"]
         assert row["rise error"] == close(relative * row["rise"], rel=1e-6)
-        assert {"exact [m] error", "pressure of a cell error"}.isdisjoint(row)
+        assert {"exact [m] error", "pressure in parts error"}.isdisjoint(row)
+        with xr.open_dataset(folder / "results.nc") as data:
+            values, errors = (data[name].isel(step=-1).values for name in ("pressure", "pressure_error"))
+        ends = [np.nanmax(values + sign * errors) - values.max() for sign in (1.0, -1.0)]
+        middle = errors[11:13, 11:13].mean()
+        assert min(np.abs(ends)) > 0.0
+        assert row["pressure of a cell error"] == close(np.abs(ends).max())
+        assert row["pressure in the middle error"] == close(0.5 * middle)
         assert f"{row['rise']:.4g} ± {row['rise error']:.2g}" in " ".join(done.out.split())
 
 
 def test_only_what_has_a_bar_has_an_error():
-    """At the end and at the moment that is the end; not of fields, of other moments, of readings without a bar."""
+    """At the end and at the moment that is the end; not of other moments, of readings and fields without errors."""
     data = xr.Dataset({"depth": ("step", [1.0, 4.0, 2.0]), "normal_load": ("step", [1.0, 2.0, 3.0]),
                        "field": (("step", "x"), np.ones((3, 2)))})  # fmt: skip
     bars = {"depth": {"error": 0.5, "value": 2.0}, "normal_load": {"error": 0.0, "value": 3.0},
@@ -201,6 +210,13 @@ def test_only_what_has_a_bar_has_an_error():
         assert error_of(text, context, errors) is None
     assert error_of("read + depth", context, {**errors, "read": None}) is None
     assert error_of("depth", context, {}) is None
+    wavy = data.assign(field_error=(("step", "x"), np.array([[9.0, 9.0], [9.0, 9.0], [0.25, 0.5]])))
+    wavy["field"][-1] = [-3.0, 2.0]
+    known = {"max(field)": 0.5, "min(field)": 0.25, "field[0] / depth": 0.125 + 3 / 2 - 3 / 2.5, "-field[1]": 0.5}
+    for text, error in known.items():
+        assert float(error_of(text, Context({}, wavy), errors)) == close(error), text
+    for text in ("field[1] - field[0]", "sum(field)", "first(field[0])", "max(field) > 1"):  # errors could cancel
+        assert error_of(text, Context({}, wavy), errors) is None
     assert errors_at_end({}, data) == {}
 
 

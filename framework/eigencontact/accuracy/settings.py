@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import log2
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_grid
+from eigencontact.scene.whole import HIGHEST_DEGREE
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["FIDELITIES", "Fidelity", "finest"]
+__all__ = ["FIDELITIES", "Fidelity", "degree_of", "finer_settings", "finest"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -21,7 +23,11 @@ class Fidelity:
     key: str  #: its name; the key of the scene where it is one setting
     has: Callable[[Plan], bool]  #: whether it makes a difference in the scene of a plan
     others: Callable[[Plan], Sequence[Any]]  #: values to compare with that of the scene
-    finest: Callable[[Plan], Any]  #: value of the reference; None where the scene has it
+    #: Value of the reference, None where the scene has it; without one `finer` by the `stride` is the reference.
+    finest: Callable[[Plan], Any] | None = None
+    #: Value that divides the step size of the scene by about a factor; None where the scene states no such step size.
+    finer: Callable[[Plan, float], Any] | None = None
+    stride: float = 2.0  #: factor that shows in the results: a tolerance must fall further than cells
     table: str = "numerics"  #: table of the scene that the setting stands in
     unit: str = ""  #: unit of its value
     #: Changes of the scene by a value, where it is not one setting.
@@ -34,6 +40,17 @@ class Fidelity:
     def of(self, plan: Plan, value: Any) -> Changes:
         """Changes that set a value."""
         return {self.table: {self.key: value}} if self.changes is None else self.changes(plan, value)
+
+    def divided(self, plan: Plan, factor: float) -> Changes:
+        """Changes that divide the step size by about a factor; none where the scene states no step size."""
+        value = None if self.finer is None else self.finer(plan, factor)
+        return {} if value is None else self.of(plan, value)
+
+    def reference(self, plan: Plan) -> Any:
+        """Value of the reference; None where the scene has it, or states no step size."""
+        if self.finest is not None:
+            return self.finest(plan)
+        return None if self.finer is None else self.finer(plan, self.stride)
 
     def words(self, value: Any) -> str:
         """Setting and value in words."""
@@ -52,6 +69,16 @@ def _but(setting: str, choices: Sequence[str]) -> Callable[[Plan], list[str]]:
 def _above(value: float | None, *others: float) -> list[float]:
     """Others that are coarser."""
     return [other for other in others if value is None or other > value]
+
+
+def _divided(value: Callable[[Plan], float | None], least: float) -> Callable[[Plan, float], float | None]:
+    """Value over a factor, down to the least that is of use; None where the scene gives no value."""
+
+    def finer(plan: Plan, factor: float) -> float | None:
+        at = value(plan)
+        return None if at is None else max(at / factor, min(least, at))
+
+    return finer
 
 
 def _foreign(plan: Plan) -> bool:
@@ -130,8 +157,32 @@ def _clouds(plan: Plan) -> bool:
     return whole > 0 and is_large(whole, max([plan.grid.nx * plan.grid.ny, *points]), 1e-6)
 
 
-def _jump(value: float | None) -> Changes:
+def _fewer_cycles(plan: Plan, factor: float) -> int | None:
+    cycles = plan.scene.wear.cycles_per_update if plan.scene.wear else None
+    return None if cycles is None else max(1, int(cycles / factor))
+
+
+def _jump(_: Plan, value: float | None) -> Changes:
     return {"wear": {"jump-error": value, "cycles-per-update": None}}
+
+
+def _jump_error(plan: Plan) -> float | None:
+    return plan.scene.wear.error if plan.scene.wear else None
+
+
+def _layer_error(plan: Plan) -> float | None:
+    return plan.scene.wear.layer_error if plan.scene.wear else None
+
+
+def degree_of(plan: Plan) -> int | None:
+    """Degree that the scene gives for whole inhomogeneities; None where it gives none."""
+    degree = getattr(plan.numerics.inclusion_resolution, "whole", None)
+    return degree if isinstance(degree, int) else None
+
+
+def _higher_degree(plan: Plan, factor: float) -> dict[str, int] | None:
+    degree = degree_of(plan)
+    return None if degree is None else {"whole": min(HIGHEST_DEGREE, degree + max(1, round(log2(factor))))}
 
 
 def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
@@ -194,7 +245,8 @@ FIDELITIES: tuple[Fidelity, ...] = (
         key="tolerance",
         has=lambda plan: (bool(plan.scene.geometry) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
         others=lambda plan: _above(plan.numerics.tolerance, 1e-4, 1e-2),
-        finest=lambda plan: max(0.1 * plan.numerics.tolerance, min(1e-10, plan.numerics.tolerance)),
+        finer=_divided(lambda plan: plan.numerics.tolerance, 1e-10),
+        stride=10.0,
     ),
     Fidelity(
         key="coupling",
@@ -215,7 +267,7 @@ FIDELITIES: tuple[Fidelity, ...] = (
         key="inclusion-cells",
         has=_cut_apart,
         others=lambda plan: sorted({max(1, plan.numerics.inclusion_cells // parts) for parts in (4, 2)}),
-        finest=lambda plan: 2 * plan.numerics.inclusion_cells,
+        finer=lambda plan, factor: round(factor * plan.numerics.inclusion_cells),
         seen=_lattices,
     ),
     Fidelity(
@@ -223,6 +275,8 @@ FIDELITIES: tuple[Fidelity, ...] = (
         has=lambda plan: _foreign(plan) and not _flows(plan),
         others=_resolutions,
         finest=lambda _: "cells",
+        finer=_higher_degree,
+        stride=4.0,
     ),
     Fidelity(
         key="inclusion-pitch",
@@ -230,6 +284,7 @@ FIDELITIES: tuple[Fidelity, ...] = (
         has=lambda plan: any(source.material is not None for source in _cut(plan)),
         others=lambda plan: [2.0 * _height(plan)],
         finest=lambda plan: 0.5 * _height(plan),
+        finer=_divided(lambda plan: plan.numerics.inclusion_pitch, 0.0),
         seen=_lattices,
     ),
     Fidelity(
@@ -237,40 +292,63 @@ FIDELITIES: tuple[Fidelity, ...] = (
         has=_clouds,
         others=lambda plan: [0.0, *_above(plan.numerics.cloud_tolerance, 1e-4, 1e-2)],
         finest=lambda plan: min(1e-9, plan.numerics.cloud_tolerance),
+        finer=_divided(lambda plan: plan.numerics.cloud_tolerance, 1e-12),
+        stride=10.0,
     ),
     Fidelity(
         key="plastic-error",
         has=_flows,
         others=lambda plan: _above(None, 0.03, 0.1) if plan.numerics.plastic_error is None else [None],
         finest=lambda plan: min(0.01, plan.numerics.plastic_error or 0.01),
+        finer=_divided(lambda plan: plan.numerics.plastic_error, 1e-6),
+        stride=4.0,
     ),
     Fidelity(
         key="jump-error",
         table="wear",
         has=_repeats,
-        others=lambda plan: _above(plan.scene.wear.error if plan.scene.wear else None, 0.03, 0.1),
-        finest=lambda plan: 0.3 * ((plan.scene.wear.error if plan.scene.wear else None) or 0.01),
-        changes=lambda _, value: _jump(value),
+        others=lambda plan: _above(_jump_error(plan), 0.03, 0.1),
+        finer=_divided(_jump_error, 1e-6),
+        stride=4.0,
+        changes=_jump,
+    ),
+    Fidelity(
+        key="cycles-per-update",
+        table="wear",
+        has=lambda plan: _repeats(plan) and _jump_error(plan) is None,
+        others=lambda _: [],
+        finer=_fewer_cycles,
+        stride=4.0,
     ),
     Fidelity(
         key="layer-error",
         table="wear",
         has=_worn_layers,
-        others=lambda plan: _above(plan.scene.wear.layer_error if plan.scene.wear else None, 0.2),
-        finest=lambda plan: 0.2 * plan.scene.wear.layer_error if plan.scene.wear else None,
+        others=lambda plan: _above(_layer_error(plan), 0.2),
+        finer=_divided(_layer_error, 1e-6),
+        stride=4.0,
     ),
 )
+
+
+def finer_settings(plan: Plan) -> dict[str, Any]:
+    """Changes that divide every step size but those of grid and load steps by the stride of its setting."""
+    return _joined([one.divided(plan, one.stride) for one in FIDELITIES if one.has(plan)])
 
 
 def finest(plan: Plan, factor: float) -> tuple[dict[str, Any], list[str]]:
     """Changes that give a scene the finest of every setting and `factor` times the cells each way, and their words."""
     grid, resolution = refined_grid(plan, factor)
+    values = [(one, one.reference(plan)) for one in FIDELITIES if one.has(plan)]
+    used = [(one, value) for one, value in values if value is not None]
+    changes = _joined([one.of(plan, value) for one, value in used])
+    return {**changes, "grid": grid}, [resolution, *(one.words(value) for one, value in used)]
+
+
+def _joined(parts: Sequence[Changes]) -> dict[str, Any]:
+    """Changes of several settings, table by table."""
     changes: dict[str, Any] = {}
-    words = [resolution]
-    for one in FIDELITIES:
-        value = one.finest(plan) if one.has(plan) else None
-        if value is not None:
-            words.append(one.words(value))
-            for name, table in one.of(plan, value).items():
-                changes[name] = {**changes.get(name, {}), **table}
-    return {**changes, "grid": grid}, words
+    for part in parts:
+        for name, table in part.items():
+            changes[name] = {**changes.get(name, {}), **table}
+    return changes

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import log2
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_grid, refined_steps, refined_window
 from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
-from eigencontact.accuracy.settings import FIDELITIES
-from eigencontact.scene.whole import HIGHEST_DEGREE
+from eigencontact.accuracy.settings import FIDELITIES, degree_of
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -122,9 +120,9 @@ def _of_setting(key: str, value: Callable[[Plan], Any], ratio: float) -> Callabl
     return variations
 
 
-def _divided(key: str, value: Callable[[Plan], float], least: float) -> Callable[[Plan, float], Changes]:
-    """Changes that divide one setting of the scene, down to the least that it can have."""
-    return lambda plan, factor: _SETTINGS[key].of(plan, max(least, value(plan) / factor))
+def _finer(key: str) -> dict[str, Any]:
+    """Finer variation of one setting, and its stride."""
+    return {"finer": _SETTINGS[key].divided, "stride": _SETTINGS[key].stride}
 
 
 def _has(key: str) -> Callable[[Plan], bool]:
@@ -138,30 +136,17 @@ def _own_pitch(plan: Plan) -> bool:
 
 def _degree(plan: Plan) -> int:
     """Degree that the scene gives for whole inhomogeneities; 0 where it gives none."""
-    degree = getattr(plan.numerics.inclusion_resolution, "whole", 0)
-    return degree if isinstance(degree, int) else 0
+    return degree_of(plan) or 0
 
 
 def _lower_degree(plan: Plan) -> list[Variation]:
     return [Variation(changes={"numerics": {"inclusion-resolution": {"whole": _degree(plan) - 1}}}, ratio=2.0)]
 
 
-def _higher_degree(plan: Plan, factor: float) -> Changes:
-    degree = min(HIGHEST_DEGREE, _degree(plan) + max(1, round(log2(factor))))
-    return {"numerics": {"inclusion-resolution": {"whole": degree}}}
-
-
-def _more_cells(plan: Plan, factor: float) -> Changes:
-    return {"numerics": {"inclusion-cells": round(factor * plan.numerics.inclusion_cells)}}
-
-
 def _fewer_jumps(plan: Plan, factor: float) -> Changes:
-    wear = plan.scene.wear
-    assert wear is not None
-    if wear.error is None:
-        assert wear.cycles_per_update is not None
-        return {"wear": {"cycles-per-update": max(1, int(wear.cycles_per_update / factor))}}
-    return {"wear": {"jump-error": max(1e-6, wear.error / factor)}}
+    """Less of whichever setting of the jumps over cycles the scene gives."""
+    changes = _SETTINGS["jump-error"].divided(plan, factor)
+    return changes or _SETTINGS["cycles-per-update"].divided(plan, factor)
 
 
 def _jumps(plan: Plan) -> list[Variation]:
@@ -206,27 +191,25 @@ SOURCES: tuple[ErrorSource, ...] = (
         name="cells along z",
         applies=_own_pitch,
         variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * _pitch(plan), 1.5),
-        finer=_divided("inclusion-pitch", _pitch, 0.0),
+        **_finer("inclusion-pitch"),
     ),
     ErrorSource(
         name="cells of regions",
         applies=_has("inclusion-cells"),
         variations=_of_setting("inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0),
-        finer=_more_cells,
+        **_finer("inclusion-cells"),
     ),
     ErrorSource(
         name="degree",
         applies=lambda plan: _degree(plan) > 0,
         variations=_lower_degree,
-        finer=_higher_degree,
-        stride=4.0,
+        **_finer("inclusion-resolution"),
     ),
     ErrorSource(
         name="plastic-error",
         applies=lambda plan: plan.numerics.plastic_error is not None,
         variations=_of_setting("plastic-error", lambda plan: min(1.0, 2.0 * _plastic_error(plan)), 2.0),
-        finer=_divided("plastic-error", _plastic_error, 1e-6),
-        stride=4.0,
+        **_finer("plastic-error"),
         lowest=_ADAPTIVE,
     ),
     ErrorSource(
@@ -234,29 +217,26 @@ SOURCES: tuple[ErrorSource, ...] = (
         applies=_has("jump-error"),
         variations=_jumps,
         finer=_fewer_jumps,
-        stride=4.0,
+        stride=_SETTINGS["jump-error"].stride,
         lowest=_ADAPTIVE,
     ),
     ErrorSource(
         name="layer-error",
         applies=_has("layer-error"),
         variations=_of_setting("layer-error", lambda plan: min(1.0, 2.0 * _layer_error(plan)), 2.0),
-        finer=_divided("layer-error", _layer_error, 1e-6),
-        stride=4.0,
+        **_finer("layer-error"),
         lowest=_ADAPTIVE,
     ),
     ErrorSource(
         name="cloud-tolerance",
         applies=_expands_clouds,
         variations=_of_setting("cloud-tolerance", lambda plan: min(0.01, 10.0 * plan.numerics.cloud_tolerance), 10.0),
-        finer=_divided("cloud-tolerance", lambda plan: plan.numerics.cloud_tolerance, 1e-12),
-        stride=10.0,
+        **_finer("cloud-tolerance"),
     ),
     ErrorSource(
         name="tolerance",
         applies=lambda plan: plan.numerics.tolerance > _TIGHT and _SETTINGS["tolerance"].has(plan),
         variations=_of_setting("tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0),
-        finer=_divided("tolerance", lambda plan: plan.numerics.tolerance, 1e-10),
-        stride=10.0,
+        **_finer("tolerance"),
     ),
 )

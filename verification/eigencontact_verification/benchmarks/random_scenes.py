@@ -114,41 +114,23 @@ def finer(plan: Any, factor: float = 2.0) -> dict[str, Any]:
     """Tables of the judge of a run: finer in everything.
 
     It has `factor` times the cells each way, twice the increments and the points of regions, half as much room of a
-    law again and, where the scene has them, a tenth of the tolerance, half the pitch, a degree more by two, half the
-    error of load steps and of worn layers and a quarter of that of jumps.
+    law again, and every step size of another setting divided by its stride. It takes all settings, those without a
+    source of error as well, so that it does not inherit what the bars leave out.
     """
     from eigencontact.accuracy.changes import changed, refined_grid, refined_steps
+    from eigencontact.accuracy.settings import finer_settings
 
-    tables, numerics = plan.scene.resolved(), plan.numerics
-    settings: dict[str, Any] = {
-        "tolerance": max(1e-10, 0.1 * numerics.tolerance),
-        "inclusion-cells": 2 * numerics.inclusion_cells,
-        "law-room": 1.5 * numerics.law_room,
-    }
-    if numerics.inclusion_pitch is not None:
-        settings["inclusion-pitch"] = numerics.inclusion_pitch / factor
-    if numerics.plastic_error is not None:
-        settings["plastic-error"] = 0.5 * numerics.plastic_error
-    degree = getattr(numerics.inclusion_resolution, "whole", None)
-    if isinstance(degree, int):
-        settings["inclusion-resolution"] = {"whole": degree + 2}
-    wear = plan.scene.wear
+    tables, settings = plan.scene.resolved(), finer_settings(plan)
     return changed(
         tables,
         {
+            **settings,
             "grid": refined_grid(plan, factor, alike=True)[0],
             "steps": refined_steps(tables["steps"], 2.0)[0],
             "stress": [_more_points(request) for request in tables["stress"]],
-            "numerics": settings,
-            **({} if wear is None else {"wear": _finer_wear(wear)}),
+            "numerics": {**settings.get("numerics", {}), "law-room": 1.5 * plan.numerics.law_room},
         },
     )
-
-
-def _finer_wear(wear: Any) -> dict[str, float]:
-    """A quarter of the error of jumps over cycles, and half of that of worn layers."""
-    jumps = {} if wear.error is None else {"jump-error": 0.25 * wear.error}
-    return {"layer-error": 0.5 * wear.layer_error, **jumps}
 
 
 def _more_points(request: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,8 @@
-"""Errors of formulas from the error bars of the numbers that they read."""
+"""Errors of formulas from the errors of the numbers and fields that they read."""
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.field_error import error_name
 from eigencontact.errors import SceneError
 from eigencontact_verification.studies.formula import Context, evaluate
 
@@ -23,6 +25,9 @@ __all__ = ["Errors", "error_of", "errors_at_end", "with_errors"]
 
 #: Error of numbers and readings by name; None where it is not known.
 Errors = Mapping[str, float | None]
+#: Functions of a field that no value of the field can lower by rising: where every value is off by its error, and to
+#: the same side, they are off by the most. Differences and sums with signs would cancel.
+_RISING = frozenset({"max", "min", "row", "middle", "nearest", "plane", "column"})
 
 
 def with_errors(study: Study) -> Study:
@@ -43,7 +48,9 @@ def errors_at_end(summary: Mapping[str, Any] | None, dataset: xr.Dataset) -> dic
 def error_of(formula: str, context: Context, errors: Errors) -> NDArray[np.float64] | None:
     """Error of a formula: what it changes by the error of each name that it reads, in sum.
 
-    None where it reads anything of the results that has no error bar, as fields and earlier steps have none.
+    A field counts if the formula reads it once, through functions that pick or bound its values: it is shifted by its
+    errors at all points, up and down. None where the formula reads anything else of the results that has no error bar,
+    as earlier steps have none.
 
     Examples
     --------
@@ -54,12 +61,37 @@ def error_of(formula: str, context: Context, errors: Errors) -> NDArray[np.float
     if not errors:
         return None
     names = set(re.findall(r"\w+", formula)) & errors.keys()
-    nothing = {name: None if error is None else 0.0 for name, error in errors.items()}
+    nothing: dict[str, Any] = {name: None if error is None else 0.0 for name, error in errors.items()}
+    fields = _fields(formula, context, errors)
+    nothing |= dict.fromkeys(fields, 0.0)
+    shifts: list[list[dict[str, Any]]] = [[{name: errors[name]}] for name in names]
+    shifts += [[{name: sign * field} for sign in (1.0, -1.0)] for name, field in fields.items()]
+
+    def shifted(shift: Mapping[str, Any]) -> NDArray[np.float64]:
+        return np.asarray(evaluate(formula, replace(context, shifts={**nothing, **shift})), dtype=float)
+
     try:
-        value, *others = (
-            np.asarray(evaluate(formula, replace(context, shifts={**nothing, **shift})), dtype=float)
-            for shift in ({}, *({name: errors[name]} for name in names))
-        )
+        value = shifted({})
+        parts = [np.max([np.abs(shifted(shift) - value) for shift in group], axis=0) for group in shifts]
     except SceneError:
         return None
-    return np.asarray(sum((np.abs(other - value) for other in others), np.zeros_like(value)))
+    total = np.asarray(sum(parts, np.zeros_like(value)))
+    return total if np.isfinite(total).all() else None
+
+
+def _fields(formula: str, context: Context, errors: Errors) -> dict[str, Any]:
+    """Errors at the end of the fields that a formula reads so that they bound its own."""
+    data = context.dataset
+    if data is None:
+        return {}
+    nodes = list(ast.walk(ast.parse(formula.strip(), mode="eval")))
+    calls = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    if not calls <= _RISING or any(isinstance(node, ast.Compare) for node in nodes):
+        return {}
+    read = [node.id for node in nodes if isinstance(node, ast.Name)]
+    return {
+        name: evaluate(error_name(name), replace(context, shifts=None))
+        for name in read
+        if read.count(name) == 1 and name not in {*errors, *context.names} and data.get(name) is not None
+        and data[name].ndim > 1 and error_name(name) in data
+    }  # fmt: skip

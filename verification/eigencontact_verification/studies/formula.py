@@ -140,8 +140,9 @@ class Context:
     names: Mapping[str, Value]  #: constants, parameters and readings
     dataset: xr.Dataset | None = None  #: results of a variant; a bare name is the value at the end
     at: Any = field(default=-1)
-    #: Added to numbers at the end and to readings; then nothing else of the results may be read, nor what has None.
-    shifts: Mapping[str, float | None] | None = None
+    #: Added to numbers and fields at the end and to readings; then nothing else of the results may be read, nor what
+    #: has None.
+    shifts: Mapping[str, Any] | None = None
 
 
 def evaluate(text: str, context: Context, told: str = "formula") -> Value:
@@ -261,8 +262,8 @@ def _of_name(name: str, context: Context) -> Value:
     return found
 
 
-def _shifted(name: str, context: Context, shift: float | None) -> Value:
-    """Value of a reading, or of a number at the end, with its shift."""
+def _shifted(name: str, context: Context, shift: Any) -> Value:
+    """Value of a reading, or of a number or field at the end, with its shift."""
     steps = 0 if context.dataset is None else context.dataset.sizes.get("step", 0)
     if shift is None or (name not in context.names and context.at not in (-1, steps - 1)):
         raise SceneError(f"{name} has no error bar there")

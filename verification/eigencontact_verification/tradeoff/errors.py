@@ -100,7 +100,7 @@ def field_error(
     The coarser field is interpolated linearly between the middles of its cells; cells of the reference outside its
     window do not count. None where the reference has no such field or it is zero.
     """
-    from scipy.interpolate import RegularGridInterpolator
+    from eigencontact.accuracy.carry import carried
 
     x, y = fields["x"], fields["y"]
     edge = [0.5 * (axis[1] - axis[0]) if axis.size > 1 else np.inf for axis in (y, x)]
@@ -108,9 +108,7 @@ def field_error(
         (axis > have[0] - half) & (axis < have[-1] + half)
         for axis, have, half in ((wanted["y"], y, edge[0]), (wanted["x"], x, edge[1]))
     )
-    at_y, at_x = np.meshgrid(
-        np.clip(wanted["y"][rows], y[0], y[-1]), np.clip(wanted["x"][columns], x[0], x[-1]), indexing="ij"
-    )
+    places = (wanted["y"][rows], wanted["x"][columns])
     difference = size = 0.0
     steps = _common(fields["time"], wanted["time"])
     for name in components:
@@ -121,7 +119,7 @@ def field_error(
             # a displacement or shear that a fidelity leaves out is zero
             value: FloatArray = np.zeros_like(target)
             if name in fields:
-                value = RegularGridInterpolator((y, x), fields[name][mine])((at_y, at_x))
+                value = carried(fields[name][mine], (y, x), places, smooth=False)
             difference += float(((value - target) ** 2).sum())
             size += float((target**2).sum())
     return float(np.sqrt(difference / size)) if size > 0.0 else None
