@@ -77,13 +77,12 @@ def study(
             _print_form()
             return
         if name == THESIS:
-            if errors:
-                raise SceneError(f"--errors must stand with a study (got {name!r}); verdicts take no errors yet")
             engine = cluster_or_none(workers, cluster, memory, threads)
             report_thesis(
                 output,
                 entries=thesis_index().entries(chapter, figure),
                 coarse=coarse,
+                errors=errors,
                 workers=workers or 1,
                 cluster=engine,
                 as_json=as_json,

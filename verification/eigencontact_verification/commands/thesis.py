@@ -23,6 +23,7 @@ def report_thesis(
     *,
     entries: Sequence[Entry],
     coarse: bool,
+    errors: bool,
     workers: int,
     cluster: Cluster | None,
     as_json: bool,
@@ -32,9 +33,8 @@ def report_thesis(
     from eigencontact_verification.thesis.judge import judged
 
     open_folder(output, ("thesis.json",))
-    runs = output / ("quick" if coarse else "full")
     found = list(judged(
-        entries, runs, coarse=coarse, workers=workers, cluster=cluster,
+        entries, output, coarse=coarse, errors=errors, workers=workers, cluster=cluster,
         tell=lambda name: typer.echo(f"study {name}", err=True),
     ))  # fmt: skip
     content: dict[str, Any] = {

@@ -31,6 +31,7 @@ class Rule:
     at: Mapping[str, Any] = field(default_factory=dict)
     over: Mapping[str, Any] = field(default_factory=dict)  #: parameters of the row that a ratio or difference refers to
     along: str = ""  #: parameter of a trend or of a place
+    full: bool = False  #: whether its variants run at full size in the quick form too, whose cells are too few for it
     formula: str = ""  #: formula of `constants` instead of a study
     scene: str = ""  #: bundled scene whose results the formula reads
     constants: Mapping[str, float] = field(default_factory=dict)  #: numbers of the formula, as the text gives them
