@@ -132,6 +132,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], str]] = {
     "where": (lambda value, condition: value.where(condition), "values where a condition holds"),
     "row": (_row, "surface field along the row of cells next to y = 0"),
     "across": (_across, "surface field along the column of cells next to x = 0"),
+    "diagonal": (lambda value: np.diagonal(value.transpose("y", "x").values), "surface field along x = y"),
     "runs": (_runs, "number of separate stretches of a row where a condition holds"),
     "peaks": (_peaks, "number of maxima along a row"),
     "middle": (_middle, "surface field at x = y = 0"),

@@ -92,6 +92,8 @@ class Entry:
     place: str  #: section
     shows: str  #: content
     study: str = ""  #: study that computes it
+    panel: int = 0  #: number of the panel of the study's figure that shows it best
+    only: str = ""  #: formula of parameters: which variants of the study its picture shows
     scene: str = ""  #: bundled scene that computes it, or a case of it
     test: str = ""  #: file of a test that computes it
     parameters: str = ""  #: constants, with their section
