@@ -96,7 +96,11 @@ def _chapter(entries: Sequence[Entry], found: Sequence[Mapping[str, Any]]) -> st
             continue
         claims = [one for one in found if one["name"] == entry.name] or [{}]
         for number, one in enumerate(claims):
-            first = (f'<a id="{_anchor(entry)}"></a>{entry.name}', _cell(entry.shows), _cell(_source(entry))) if number == 0 else ("", "", "")
+            first = (
+                (f'<a id="{_anchor(entry)}"></a>{entry.name}', _cell(entry.shows), _cell(_source(entry)))
+                if number == 0
+                else ("", "", "")
+            )
             verdict = one.get("verdict", "") + (f": {one['why']}" if one.get("why") else "")
             own = one.get("found", "") + (" (full size)" if one.get("size") else "")
             cells = map(_cell, (one.get("says", ""), own, one.get("text", ""), verdict))

@@ -173,7 +173,10 @@ def test_command_judges_a_figure(command, tmp_path):
     [
         (("thesis", "--figure", "3.200"), "--figure must be one of the thesis (got '3.200')"),
         (("thesis", "--chapter", "7"), "--chapter must be one of 1, 2, 3, 4 (got 7)"),
-        (("bone", "--figure", "3.20"), "--chapter, --figure and --pictures must stand with the name thesis (got 'bone')"),
+        (
+            ("bone", "--figure", "3.20"),
+            "--chapter, --figure and --pictures must stand with the name thesis (got 'bone')",
+        ),
     ],
 )
 def test_command_refuses(command, tmp_path, words, message):

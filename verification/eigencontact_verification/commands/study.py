@@ -38,7 +38,9 @@ Figure = Annotated[
 ]
 Pictures = Annotated[
     Path | None,
-    typer.Option("--pictures", metavar="FOLDER", help="With `thesis`: a small picture of each figure, of all variants."),
+    typer.Option(
+        "--pictures", metavar="FOLDER", help="With `thesis`: a small picture of each figure, of all variants."
+    ),
 ]
 
 

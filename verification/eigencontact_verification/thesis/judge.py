@@ -134,6 +134,8 @@ def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str,
         return Judged(name, claim.says, "open", "", text, f"not computed: {why}", source)
     verdict, why = verdict_of(claim, found)
     error = error_of(rule, rows) if rule.study else None
+    if verdict == "disagrees" and error and any(verdict_of(claim, found + way * error)[1] == "" for way in (-1, 1)):
+        why = "; ".join(filter(None, ("its error bar reaches the text's bounds", why)))
     words = behind
     if not isinstance(found, bool):
         bar = f" ± {error:.2g}" if error else ""

@@ -74,8 +74,12 @@ def error_of(rule: Rule, rows: Sequence[Row]) -> float | None:
     None for a trend, and where a number behind it has no error.
     """
     value, _ = number_of(rule, rows)
-    behind = [(n, name) for n, row in enumerate(rows) for name in dict.fromkeys((rule.read, rule.per))
-              if name and any(selected([row.values], part) for part in (rule.at, *([rule.over] if rule.over else [])))]
+    behind = [
+        (n, name)
+        for n, row in enumerate(rows)
+        for name in dict.fromkeys((rule.read, rule.per))
+        if name and any(selected([row.values], part) for part in (rule.at, *([rule.over] if rule.over else [])))
+    ]
     if isinstance(value, bool) or any(name not in rows[n].errors for n, name in behind):
         return None
     shifted = ([*rows[:n], rows[n].shifted(name), *rows[n + 1 :]] for n, name in behind)
