@@ -13,7 +13,7 @@ from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.thesis.entries import DRAWN, Claim, Rule
 from eigencontact_verification.thesis.judge import VERDICTS, verdict_of, wanted_rows
 from eigencontact_verification.thesis.reading import index_of, thesis_index
-from eigencontact_verification.thesis.rules import number_of
+from eigencontact_verification.thesis.rules import Row, error_of, number_of
 
 ROOT = Path(__file__).parents[2]
 #: Last figure and last table of each chapter of the text; its scan has no list of figures.
@@ -61,7 +61,7 @@ def test_rules_read_numbers_and_rows_that_the_study_has(rule):
     one = rule.take in ("at", "ratio", "difference")
     for coarse in (True, False):
         row = dict.fromkeys((rule.read, rule.per), 1.0)
-        rows = [(values, row) for values in wanted_rows(study, [rule], coarse=coarse)]
+        rows = [Row(values, row) for values in wanted_rows(study, [rule], coarse=coarse)]
         number_of(rule, rows)  # refuses rows that are missing or too many
         assert len(rows) == (1 + bool(rule.over) if one else len(rows))
 
@@ -94,7 +94,7 @@ def test_verdict_follows_from_the_number(claim, found, verdict):
     assert verdict_of(claim, found)[0] == verdict
 
 
-ROWS = [({"r": r}, {"p": p, "q": 2.0}) for r, p in ((0.1, 1.0), (0.2, 4.0), (0.3, 3.0))]
+ROWS = [Row({"r": r}, {"p": p, "q": 2.0}, {"p": 0.1, "q": 0.5}) for r, p in ((0.1, 1.0), (0.2, 4.0), (0.3, 3.0))]
 
 
 @pytest.mark.parametrize(
@@ -116,6 +116,28 @@ ROWS = [({"r": r}, {"p": p, "q": 2.0}) for r, p in ((0.1, 1.0), (0.2, 4.0), (0.3
 def test_reductions(rule, number):
     found = number_of(Rule(study="bone", read="p", **rule), ROWS)[0]
     assert found is number if isinstance(number, bool) else found == close(number)
+
+
+@pytest.mark.parametrize(
+    ("rule", "error"),
+    [
+        ({"at": {"r": 0.2}}, 0.1),
+        ({"at": {"r": 0.2}, "per": "q"}, 0.1 / 2 + 4 * (1 / 2 - 1 / 2.5)),
+        ({"at": {"r": 0.2}, "over": {"r": 0.1}, "take": "ratio"}, 0.1 + 4 * (1 - 1 / 1.1)),
+        ({"at": {"r": 0.2}, "over": {"r": 0.3}, "take": "difference"}, 0.2),
+        ({"take": "max"}, 0.1),
+        ({"take": "rising", "along": "r"}, None),
+    ],
+)
+def test_errors_of_rules_add_those_of_their_rows(rule, error):
+    found = error_of(Rule(study="bone", read="p", **rule), ROWS)
+    assert found == (error if error is None else close(error))
+
+
+def test_a_number_without_error_bar_leaves_the_rule_without():
+    bare = [ROWS[0], Row(ROWS[1].values, ROWS[1].numbers, {"q": 0.5}), ROWS[2]]
+    assert error_of(Rule(study="bone", read="p", at={"r": 0.2}), bare) is None
+    assert error_of(Rule(study="bone", read="p", at={"r": 0.1}), bare) == close(0.1)
 
 
 @pytest.mark.parametrize(
@@ -151,7 +173,10 @@ def test_command_judges_a_figure(command, tmp_path):
     [
         (("thesis", "--figure", "3.200"), "--figure must be one of the thesis (got '3.200')"),
         (("thesis", "--chapter", "7"), "--chapter must be one of 1, 2, 3, 4 (got 7)"),
-        (("bone", "--figure", "3.20"), "--chapter and --figure must stand with the name thesis (got 'bone')"),
+        (
+            ("bone", "--figure", "3.20"),
+            "--chapter, --figure and --pictures must stand with the name thesis (got 'bone')",
+        ),
     ],
 )
 def test_command_refuses(command, tmp_path, words, message):

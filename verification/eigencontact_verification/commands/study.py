@@ -36,6 +36,12 @@ Chapter = Annotated[int | None, typer.Option("--chapter", metavar="N", help="Wit
 Figure = Annotated[
     str | None, typer.Option("--figure", metavar="N.M", help="With `thesis`: this figure alone, or `table N.M`.")
 ]
+Pictures = Annotated[
+    Path | None,
+    typer.Option(
+        "--pictures", metavar="FOLDER", help="With `thesis`: a small picture of each figure, of all variants."
+    ),
+]
 
 
 #: Name in place of a study.
@@ -50,6 +56,7 @@ def study(
     errors: Errors = False,
     chapter: Chapter = None,
     figure: Figure = None,
+    pictures: Pictures = None,
     workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: TaskMemory = None,
@@ -77,20 +84,20 @@ def study(
             _print_form()
             return
         if name == THESIS:
-            if errors:
-                raise SceneError(f"--errors must stand with a study (got {name!r}); verdicts take no errors yet")
             engine = cluster_or_none(workers, cluster, memory, threads)
             report_thesis(
                 output,
                 entries=thesis_index().entries(chapter, figure),
                 coarse=coarse,
+                errors=errors,
                 workers=workers or 1,
                 cluster=engine,
+                pictures=pictures,
                 as_json=as_json,
             )
             return
-        if chapter is not None or figure is not None:
-            raise SceneError(f"--chapter and --figure must stand with the name {THESIS} (got {name!r})")
+        if chapter is not None or figure is not None or pictures is not None:
+            raise SceneError(f"--chapter, --figure and --pictures must stand with the name {THESIS} (got {name!r})")
         columns = {"study": lambda item: item.name, "what": lambda item: item.title, "after": _sources}
         item = chosen_file(STUDIES, name, show=show, columns=columns)
         if item is not None:

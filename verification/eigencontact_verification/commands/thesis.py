@@ -23,24 +23,33 @@ def report_thesis(
     *,
     entries: Sequence[Entry],
     coarse: bool,
+    errors: bool,
     workers: int,
     cluster: Cluster | None,
+    pictures: Path | None,
     as_json: bool,
 ) -> None:
-    """Judge the claims of some figures, print their verdicts, and write them to ``thesis.json``."""
+    """Judge the claims of some figures, print their verdicts, and write them to ``thesis.json``; draw them if asked."""
     from eigencontact_verification.reporting.files import open_folder, write_json
     from eigencontact_verification.thesis.judge import judged
 
     open_folder(output, ("thesis.json",))
-    runs = output / ("quick" if coarse else "full")
+
+    def tell(name: str) -> None:
+        typer.echo(f"study {name}", err=True)
+
     found = list(judged(
-        entries, runs, coarse=coarse, workers=workers, cluster=cluster,
-        tell=lambda name: typer.echo(f"study {name}", err=True),
+        entries, output, coarse=coarse, errors=errors, workers=workers, cluster=cluster,
+        tell=tell,
     ))  # fmt: skip
     content: dict[str, Any] = {
         "quick": coarse, "counts": _counts(entries, found), "claims": [vars(one) for one in found],
     }  # fmt: skip
     write_json(output / "thesis.json", content)
+    if pictures is not None:
+        from eigencontact_verification.thesis.pictures import draw_pictures
+
+        draw_pictures(entries, output, pictures, coarse=coarse, workers=workers, cluster=cluster, tell=tell)
     if as_json:
         typer.echo(json.dumps(content, ensure_ascii=False, indent=1))
         return

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_study"]
+__all__ = ["draw_study", "panels_of"]
 
 _DEFAULT_STYLES = ("-", "--", ":", "-.")
 _NAMED = {"black": "black", "grey": "0.5"}
@@ -28,10 +28,10 @@ _NAMED = {"black": "black", "grey": "0.5"}
 
 def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
     """Figure of all variants, with its source below."""
-    panels = [one for panel in study.figure["panel"] for one in _each(study, panel, found)]
+    panels = [one for panel in study.figure["panel"] for one in panels_of(study, panel, found)]
     if not panels:
         raise SceneError(f"{study.name}: no panel has anything to show")
-    first = len(_each(study, study.figure["panel"][0], found))
+    first = len(panels_of(study, study.figure["panel"][0], found))
     told = study.figure.get("columns", first if first > 1 else 4)
     columns = min(
         len(panels), len(levels_of((one.values for one in found), told)) if isinstance(told, str) else int(told)
@@ -61,7 +61,7 @@ def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
     return figure
 
 
-def _each(
+def panels_of(
     study: Study, panel: Mapping[str, Any], found: Sequence[Finished]
 ) -> list[tuple[Mapping[str, Any], list[Finished], str]]:
     """Panels of a description: itself, or one for each variant or value of a parameter, with its variants and title."""

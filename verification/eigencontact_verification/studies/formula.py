@@ -55,6 +55,20 @@ def _row(value: xr.DataArray) -> xr.DataArray:
     return value.isel(y=int(np.abs(value["y"].values).argmin()))
 
 
+def _across(value: xr.DataArray) -> xr.DataArray:
+    return value.isel(x=int(np.abs(value["x"].values).argmin()))
+
+
+def _runs(holds: Any) -> int:
+    return int(np.sum(np.diff(np.concatenate([[0], np.ravel(holds).astype(int)])) > 0))
+
+
+def _peaks(values: Any) -> int:
+    """Number of places where values stop to rise; a flat top is one."""
+    steps = np.sign(np.diff(np.ravel(values)))
+    return _runs(steps[steps != 0] > 0)
+
+
 def _middle(value: xr.DataArray) -> xr.DataArray:
     for axis in ("x", "y"):
         distance = np.abs(value[axis].values)
@@ -117,6 +131,10 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], str]] = {
     "integral": (_integral, "∫ y dx by the trapezoidal rule; first y, then x"),
     "where": (lambda value, condition: value.where(condition), "values where a condition holds"),
     "row": (_row, "surface field along the row of cells next to y = 0"),
+    "across": (_across, "surface field along the column of cells next to x = 0"),
+    "diagonal": (lambda value: np.diagonal(value.transpose("y", "x").values), "surface field along x = y"),
+    "runs": (_runs, "number of separate stretches of a row where a condition holds"),
+    "peaks": (_peaks, "number of maxima along a row"),
     "middle": (_middle, "surface field at x = y = 0"),
     "nearest": (lambda value, x: value.sel(x=float(x), method="nearest"), "value of a row at the cell nearest to x"),
     "pitch": (lambda axis: float(axis[1] - axis[0]), "distance of the first two places of an axis"),

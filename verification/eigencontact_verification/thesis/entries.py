@@ -31,6 +31,7 @@ class Rule:
     at: Mapping[str, Any] = field(default_factory=dict)
     over: Mapping[str, Any] = field(default_factory=dict)  #: parameters of the row that a ratio or difference refers to
     along: str = ""  #: parameter of a trend or of a place
+    full: bool = False  #: whether its variants run at full size in the quick form too, whose cells are too few for it
     formula: str = ""  #: formula of `constants` instead of a study
     scene: str = ""  #: bundled scene whose results the formula reads
     constants: Mapping[str, float] = field(default_factory=dict)  #: numbers of the formula, as the text gives them
@@ -91,6 +92,8 @@ class Entry:
     place: str  #: section
     shows: str  #: content
     study: str = ""  #: study that computes it
+    panel: int = 0  #: number of the panel of the study's figure that shows it best
+    only: str = ""  #: formula of parameters: which variants of the study its picture shows
     scene: str = ""  #: bundled scene that computes it, or a case of it
     test: str = ""  #: file of a test that computes it
     parameters: str = ""  #: constants, with their section

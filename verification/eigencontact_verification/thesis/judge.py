@@ -10,11 +10,12 @@ from typing import Any
 from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import EigencontactError
 from eigencontact_verification.studies.catalogue import STUDIES
+from eigencontact_verification.studies.errors import with_errors
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import Failed, run_study
 from eigencontact_verification.studies.study import Study
 from eigencontact_verification.thesis.entries import Claim, Entry, Rule
-from eigencontact_verification.thesis.rules import Row, number_of, selected
+from eigencontact_verification.thesis.rules import Row, error_of, number_of, selected
 
 __all__ = ["VERDICTS", "Judged", "judged", "verdict_of", "wanted_rows"]
 
@@ -33,6 +34,8 @@ class Judged:
     text: str  #: number of the text in words
     why: str  #: reason of the verdict
     source: str  #: study, scene or formula behind it
+    error: float | None = None  #: of the number of this program, where its run tells it
+    size: str = ""  #: "full" where a quick form would not do
 
 
 def judged(
@@ -40,6 +43,7 @@ def judged(
     folder: Path,
     *,
     coarse: bool,
+    errors: bool = False,
     workers: int = 1,
     cluster: Cluster | None = None,
     tell: Callable[[str], None],
@@ -49,32 +53,39 @@ def judged(
     Parameters
     ----------
     folder : Path
-        Results of the variants; finished ones are read again.
+        Results of the variants in ``quick`` and ``full``; finished ones are read again.
     coarse : bool
-        Cells, steps and layers of a first look.
+        Cells, steps and layers of a first look, but for rules that need full size.
+    errors : bool
+        Runs estimate the errors of their numbers.
     workers, cluster : int, Cluster
         Processes at a time, or the cluster that runs the variants instead.
     tell : callable
         Told of each study before it runs.
     """
-    rules = [claim.rule for one in entries for claim in one.claim if claim.rule is not None]
-    rows: dict[str, list[Row]] = {}
+    rules: dict[tuple[str, bool], list[Rule]] = {}
+    for rule in (claim.rule for one in entries for claim in one.claim if claim.rule is not None):
+        if rule.study:
+            rules.setdefault((rule.study, coarse and not rule.full), []).append(rule)
+    rows: dict[tuple[str, bool], list[Row]] = {}
     failures: dict[str, str] = {}
-    for name in dict.fromkeys(rule.study for rule in rules if rule.study):
-        tell(name)
-        rows[name] = []
-        study = STUDIES.find(name)
-        chosen = wanted_rows(study, [rule for rule in rules if rule.study == name], coarse=coarse)
-        part = replace(study, coarse_rows=chosen) if coarse else replace(study, rows=chosen)
-        for item in run_study(part, folder, coarse=coarse, workers=workers, cluster=cluster):
+    for (name, quick), wanted in rules.items():
+        tell(name if quick or not coarse else f"{name}, full size")
+        rows[name, quick] = []
+        study = with_errors(STUDIES.find(name)) if errors else STUDIES.find(name)
+        chosen = wanted_rows(study, wanted, coarse=quick)
+        part = replace(study, coarse_rows=chosen) if quick else replace(study, rows=chosen)
+        place = folder / f"{'quick' if quick else 'full'}{'-errors' if errors else ''}"
+        for item in run_study(part, place, coarse=quick, workers=workers, cluster=cluster):
             if isinstance(item, Failed):
                 failures[name] = f"{item.label}: {item.reason}"
                 continue
             item.dataset.close()
-            rows[name].append((chosen[item.place], item.row))
+            rows[name, quick].append(Row(chosen[item.place], item.row, study.row_errors(item)))
     for one in entries:
         for claim in one.claim:
-            yield _judged(one.name, claim, rows, failures)
+            key = ("", coarse) if claim.rule is None else (claim.rule.study, coarse and not claim.rule.full)
+            yield _judged(one.name, claim, rows.get(key, []), failures)
 
 
 def wanted_rows(study: Study, rules: Sequence[Rule], *, coarse: bool) -> list[Mapping[str, Any]]:
@@ -109,7 +120,7 @@ def verdict_of(claim: Claim, found: float) -> tuple[str, str]:
     return "disagrees", claim.lacks and f"to tell who is right it lacks: {claim.lacks}"
 
 
-def _judged(name: str, claim: Claim, rows: Mapping[str, Sequence[Row]], failures: Mapping[str, str]) -> Judged:
+def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str, str]) -> Judged:
     text, source = _text(claim), ""
     if claim.rule is None:
         why = claim.incomparable or claim.lacks
@@ -117,13 +128,20 @@ def _judged(name: str, claim: Claim, rows: Mapping[str, Sequence[Row]], failures
     rule = claim.rule
     source = rule.study or rule.scene or rule.formula
     try:
-        found, behind = number_of(rule, rows[rule.study]) if rule.study else (_computed(rule), "")
+        found, behind = number_of(rule, rows) if rule.study else (_computed(rule), "")
     except EigencontactError as problem:
         why = failures.get(rule.study, str(problem))
         return Judged(name, claim.says, "open", "", text, f"not computed: {why}", source)
     verdict, why = verdict_of(claim, found)
-    words = behind if isinstance(found, bool) else f"{found:.4g}" + (f" ({behind})" if behind else "")
-    return Judged(name, claim.says, verdict, words, text, why, source)
+    error = error_of(rule, rows) if rule.study else None
+    if verdict == "disagrees" and error and any(verdict_of(claim, found + way * error)[1] == "" for way in (-1, 1)):
+        why = "; ".join(filter(None, ("its error bar reaches the text's bounds", why)))
+    words = behind
+    if not isinstance(found, bool):
+        bar = f" ± {error:.2g}" if error else ""
+        words = f"{found:.4g}{bar}" + (f" ({behind})" if behind else "")
+    size = "full" if rule.full else ""
+    return Judged(name, claim.says, verdict, words, text, why, source, error, size)
 
 
 def _computed(rule: Rule) -> float:

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
 from eigencontact.errors import SceneError
 from eigencontact_verification.thesis.entries import Rule
 
-__all__ = ["Row", "number_of", "selected"]
+__all__ = ["Row", "error_of", "number_of", "selected"]
 
-#: Parameters and numbers of a variant.
-Row = tuple[Mapping[str, Any], Mapping[str, float]]
 #: How near a parameter must be to the one that a rule names.
 NEAR = 1e-3
+
+
+@dataclass(frozen=True)
+class Row:
+    """A variant of a study: its parameters, its numbers, and the errors that its run tells of them."""
+
+    values: Mapping[str, Any]
+    numbers: Mapping[str, float]
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    def shifted(self, name: str) -> Row:
+        """The row with one number more by its error."""
+        return replace(self, numbers={**self.numbers, name: self.numbers[name] + self.errors[name]})
 
 
 def selected(rows: Iterable[Mapping[str, Any]], wanted: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -56,18 +68,37 @@ def number_of(rule: Rule, rows: Sequence[Row]) -> tuple[float | bool, str]:
     return reductions[rule.take](numbers), words
 
 
+def error_of(rule: Rule, rows: Sequence[Row]) -> float | None:
+    """Error of the number of a rule: what it changes by the error of each number behind it, in sum.
+
+    None for a trend, and where a number behind it has no error.
+    """
+    value, _ = number_of(rule, rows)
+    behind = [
+        (n, name)
+        for n, row in enumerate(rows)
+        for name in dict.fromkeys((rule.read, rule.per))
+        if name and any(selected([row.values], part) for part in (rule.at, *([rule.over] if rule.over else [])))
+    ]
+    if isinstance(value, bool) or any(name not in rows[n].errors for n, name in behind):
+        return None
+    shifted = ([*rows[:n], rows[n].shifted(name), *rows[n + 1 :]] for n, name in behind)
+    return sum(abs(number_of(rule, one)[0] - value) for one in shifted)
+
+
 def _spread(numbers: list[float]) -> float:
     return (max(numbers) - min(numbers)) * len(numbers) / abs(sum(numbers))
 
 
 def _read(rule: Rule, rows: Sequence[Row], wanted: Mapping[str, Any]) -> list[tuple[Mapping[str, Any], float]]:
     found = []
-    for values, numbers in rows:
-        if selected([values], wanted):
-            missing = next((name for name in (rule.read, rule.per) if name and name not in numbers), None)
+    for row in rows:
+        if selected([row.values], wanted):
+            missing = next((name for name in (rule.read, rule.per) if name and name not in row.numbers), None)
             if missing is not None:
                 raise SceneError(f"thesis: rule.read must be a number of {rule.study} (got {missing!r})")
-            found.append((values, numbers[rule.read] / (numbers[rule.per] if rule.per else 1.0)))
+            divisor = row.numbers[rule.per] if rule.per else 1.0
+            found.append((row.values, row.numbers[rule.read] / divisor))
     return found
 
 
