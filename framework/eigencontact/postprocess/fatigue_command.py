@@ -11,7 +11,7 @@ import typer
 from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
 
-__all__ = ["fatigue"]
+__all__ = ["fatigue", "steps_of"]
 
 
 def fatigue(
@@ -72,7 +72,7 @@ def fatigue(
             results,
             {"type": criterion, **_parameters(changes or [])},
             region=region,
-            cycle=_steps(cycle),
+            cycle=steps_of(cycle),
             distance=distance,
             method=method,  # type: ignore[arg-type]
             life=None if life is None else _table(life, "--life"),
@@ -112,7 +112,7 @@ def _table(text: str, option: str) -> dict[str, Any]:
         raise SceneError(f"{option} must be keys and values, key = value, ... (got {text!r}: {problem})") from None
 
 
-def _steps(text: str) -> Any:
+def steps_of(text: str) -> Any:
     """A word, or the numbers of two steps; others are refused where the steps are known."""
     first, colon, last = text.partition(":")
     return (int(first), int(last)) if colon and first.strip().isdigit() and last.strip().isdigit() else text
