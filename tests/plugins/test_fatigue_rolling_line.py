@@ -52,7 +52,7 @@ def amplitude_and_dang_van(z, steps, slope):
         jac=lambda v: np.append(2 * v[:-1], 1.0), options={"ftol": 1e-15, "maxiter": 200},
         constraints={
             # |away - c|^2 <= t + c c, linear in c and t
-            "type": "ineq", "fun": lambda v: slopes @ v - squares, "jac": lambda v: slopes,
+            "type": "ineq", "fun": lambda v: slopes @ v - squares, "jac": lambda _: slopes,
         },
     )  # fmt: skip
     shifted = rows - middle - solved.x[:-1]
