@@ -99,6 +99,13 @@ def shakedown(
     A cell is elastic (it never flowed), in elastic shakedown (it flowed before this cycle only), in plastic shakedown
     (it flows, and its plastic strain returns) or ratchets (its plastic strain grows by a net increment). One cycle
     tells the present state; more cycles may shake down further.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> coarse = ["grid.cells-per-contact-radius=4", "steps.1.increments=4", "output.history=all", "stress=[]"]
+    >>> ec.shakedown(ec.run(ec.load_scene("plastic-hertz", coarse)), cycle=(4, 14)).summary["state"]
+    'elastic shakedown'
     """
     if not 0.0 < tolerance < 1.0:
         raise SceneError(f"tolerance must be between 0 and 1 [-] (got {shown(tolerance)})")
