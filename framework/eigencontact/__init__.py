@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from eigencontact.postprocess.crack import crack
     from eigencontact.postprocess.fatigue import fatigue
     from eigencontact.postprocess.plot import plot
+    from eigencontact.postprocess.shakedown import shakedown
     from eigencontact.postprocess.stored_run import open_results, region
     from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
@@ -55,6 +56,7 @@ __all__ = [
     "region",
     "report",
     "run",
+    "shakedown",
     "solve_contact",
     "sweep",
 ]
@@ -63,7 +65,7 @@ __version__ = "0.1.0"
 # Public names and the module that defines each: resolved on first use, so that importing the package stays light.
 _HOMES = dict.fromkeys(("explain", "load_scene", "plan", "run"), "app")
 _HOMES |= {"open_results": "postprocess.stored_run", "region": "postprocess.stored_run", "plot": "postprocess.plot"}
-_HOMES |= {"fatigue": "postprocess.fatigue", "crack": "postprocess.crack"}
+_HOMES |= {name: f"postprocess.{name}" for name in ("fatigue", "crack", "shakedown")}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "library.inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
 _HOMES |= {"HalfSpace": "library.bodies", "Layered": "library.bodies", "Voxels": "library.voxels"}

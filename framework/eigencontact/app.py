@@ -340,7 +340,7 @@ def _refuse_folder(planned: Plan, folder: Path) -> None:
 
         planes = any(request.shape == "plane" for request in requests)
         refuse_animation(output.animation, planned.steps, shows=bool(planned.scene.geometry) or planes)
-    labels = [request.label for request in requests]
+    labels = [request.label for request in requests] + [f"fatigue-{item.label}" for item in planned.scene.fatigue]
     animated = bool(output.animation)
     refuse_foreign(folder, labels, summary=True, pictures=output.pictures, vtk=output.vtk, animation=animated)
 
@@ -379,12 +379,19 @@ def _solve(
 
 
 def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
-    """Numbers of all steps, and the warnings about their accuracy."""
+    """Numbers of all steps and of the run, and the warnings about their accuracy."""
     from eigencontact.warnings_.after import noticed
 
     history = store.history(last)
-    cautions = noticed(planned.model, planned.blocks, last, history)
-    return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
+    cautions = [*noticed(planned.model, planned.blocks, last, history)]
+    numbers: dict[str, float] = {}
+    if planned.conclusions:
+        with store.opened() as results:
+            findings = [conclusion.conclude(results) for conclusion in planned.conclusions]
+        store.append(variable for item in findings for variable in item.variables)
+        cautions += [caution for item in findings for caution in item.cautions]
+        numbers = {name: value for item in findings for name, value in item.numbers.items()}
+    return {"history": history, "warnings": [caution.to_dict() for caution in cautions], **numbers}
 
 
 class _Kept(NamedTuple):

@@ -28,6 +28,7 @@ from eigencontact.command_help import (
 from eigencontact.errors import PluginError
 from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.postprocess.command import plot
+from eigencontact.postprocess.shakedown_command import shakedown
 from eigencontact.skeleton import TEMPLATES
 
 __all__ = ["main"]
@@ -331,6 +332,7 @@ def _run_of_gallery(words: Annotated[list[str] | None, typer.Argument(hidden=Tru
 
 
 app.command(cls=HelpfulCommand)(plot)
+app.command(cls=HelpfulCommand)(shakedown)
 
 
 @app.command("cache", cls=HelpfulCommand)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.bars import error_bars
 from eigencontact.accuracy.fields import FieldErrors
-from eigencontact.results.memory import MemoryResults, MemoryStore
+from eigencontact.results.memory import MemoryResults
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.results.layout import Variable
+    from eigencontact.results.memory import MemoryStore
     from eigencontact.results.store import ResultStore
 
 __all__ = ["stored_errors"]
@@ -32,12 +33,7 @@ def stored_errors(
         Plain data for ``summary.json``: those of `Accuracy`, and ``field_errors``.
     """
     with ExitStack() as stack:
-        if isinstance(store, MemoryStore):
-            fields = FieldErrors(store.results(), summary)
-        else:
-            from eigencontact.results.stored import open_stored
-
-            fields = FieldErrors(stack.enter_context(open_stored(store.folder)), summary)
+        fields = FieldErrors(stack.enter_context(store.opened()), summary)
 
         def kept(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any]]:
             coarse, coarse_summary, results = solve(tables, words)

@@ -177,24 +177,33 @@ def _refined(
     value: Callable[[FloatArray], FloatArray], largest: FloatArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Climb from a plane of each point to a maximum nearby."""
+    largest, normals = largest.copy(), normals.copy()
     angle = np.full(len(largest), 0.5 * _COARSE)
-    rows, turns = np.arange(len(largest)), 2.0 * np.pi * np.arange(6) / 6
+    turns = 2.0 * np.pi * np.arange(6) / 6
+    at = np.full((len(largest), 6, 3), np.nan)
+    climbing = np.arange(len(largest))
     for count in range(_MOST):
-        first = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-        first = first - np.sum(first * normals, axis=1, keepdims=True) * normals
+        middle = normals[climbing]
+        first = np.where(np.abs(middle[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+        first = first - np.sum(first * middle, axis=1, keepdims=True) * middle
         first /= np.linalg.norm(first, axis=1, keepdims=True)
-        across = np.cross(normals, first)
-        turned = (turns + count)[:, None]  # a ridge between two neighbours is not there in the next step
-        around = np.cos(turned) * first[:, None] + np.sin(turned) * across[:, None]
-        at = np.cos(angle)[:, None, None] * normals[:, None] + np.sin(angle)[:, None, None] * around
-        at[angle < _FINE] = np.nan
-        values = np.asarray(value(at))
+        second = np.cross(middle, first)
+        turned = turns + count  # a ridge between two neighbours is not there in the next step
+        around = np.cos(turned)[:, None] * first[:, None] + np.sin(turned)[:, None] * second[:, None]
+        tilt = angle[climbing][:, None, None]
+        at[climbing] = np.cos(tilt) * middle[:, None] + np.sin(tilt) * around
+        values = np.asarray(value(at))[climbing]
         best = values.argmax(axis=1)
-        risen = values[rows, best] > largest + _SAME * np.abs(largest)
-        largest = np.where(risen, values[rows, best], largest)
-        normals = np.where(risen[:, None], at[rows, best], normals)
-        angle = np.where(risen, angle, 0.5 * angle)
-        if np.all(angle < _FINE):
+        rows = np.arange(len(climbing))
+        risen = values[rows, best] > largest[climbing] + _SAME * np.abs(largest[climbing])
+        rising = climbing[risen]
+        largest[rising] = values[rows, best][risen]
+        normals[rising] = at[rising, best[risen]]
+        angle[climbing[~risen]] *= 0.5
+        done = angle[climbing] < _FINE
+        at[climbing[done]] = np.nan
+        climbing = climbing[~done]
+        if not climbing.size:
             break
     return largest, normals
 

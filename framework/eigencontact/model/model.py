@@ -13,6 +13,7 @@ from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies, build_bodies
 from eigencontact.model.cells import Cells, cut_cells, place_sources
 from eigencontact.model.exposed import Exposed, exposed_of
+from eigencontact.model.fatigue import FatigueModel, fatigue_of
 from eigencontact.model.initial import InitialState
 from eigencontact.model.interface import Interface, build_interface
 from eigencontact.model.observing import Observing, observing
@@ -49,6 +50,8 @@ class Model:
         Regions with eigenstrain and their cells, and the stress regions.
     observers : tuple of Observing
         With the regions that they ask for.
+    fatigue : tuple of FatigueModel
+        Fatigue criteria, with their regions.
     wear : WearModel or None
         Law of wear; None where the surfaces stay.
     exposed : Exposed or None
@@ -65,6 +68,7 @@ class Model:
     window: Window
     cells: Cells
     observers: tuple[Observing, ...]
+    fatigue: tuple[FatigueModel, ...]
     wear: WearModel | None
     exposed: Exposed | None
     initial: Mapping[int, InitialState]
@@ -115,6 +119,7 @@ class Model:
             used += [source.shape, source.field, getattr(source, "law", None)]
         used += [self.friction, self.wear and self.wear.law]
         used += [observing.observer for observing in self.observers]
+        used += [item.criterion for item in self.fatigue]
         return [component for item in used if isinstance(item, Component) for component in (item, *item.parts)]
 
 
@@ -149,6 +154,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         window=window,
         cells=cells,
         observers=observing(scene, registry),
+        fatigue=fatigue_of(scene, registry),
         wear=wear,
         exposed=exposed_of(bodies.solids, cells.inhomogeneities, window.grid, laws, scene.losses),
         initial=initial,

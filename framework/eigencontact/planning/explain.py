@@ -79,6 +79,9 @@ def plan_words(plan: Plan) -> PlanWords:
             price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
             blocks.append(f"{part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
+    blocks += [
+        f"{part.name}, after the last step: {part.why}  [{_time(part.cost.seconds_once)}]" for part in plan.conclusions
+    ]
     return PlanWords(
         title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
         facts=facts,

@@ -9,6 +9,7 @@ from eigencontact.core.cautions import Caution, LeftOut
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, by_name
 from eigencontact.execution.blocks.block import Block, Cost, Part
+from eigencontact.execution.blocks.conclusion import Conclusion
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
@@ -28,6 +29,8 @@ class Plan:
         Physical model of the scene.
     blocks : list of Block
         In order of execution.
+    conclusions : sequence of Conclusion
+        What follows from all steps, after the last.
     left_out : sequence of LeftOut
         Effects that are not modelled, and why.
     cautions : sequence of Caution
@@ -39,6 +42,7 @@ class Plan:
     model: Model
     blocks: Sequence[Block]
     left_out: Sequence[LeftOut]
+    conclusions: Sequence[Conclusion] = ()
     cautions: Sequence[Caution] = ()
     seconds_planned: float = 0.0
 
@@ -74,8 +78,8 @@ class Plan:
 
     @property
     def parts(self) -> list[Part]:
-        """Parts of all blocks, in order."""
-        return [part for block in self.blocks for part in block.parts]
+        """Parts of all blocks, in order, and conclusions."""
+        return [*(part for block in self.blocks for part in block.parts), *self.conclusions]
 
     @property
     def kernels(self) -> list[KernelUse]:
@@ -84,8 +88,8 @@ class Plan:
 
     @property
     def numbers(self) -> dict[str, Number]:
-        """Every scalar that a step may have, by name, in order of execution."""
-        return by_name(number for block in self.blocks for number in block.numbers)
+        """Every scalar that a step or the run may have, by name, in order of execution."""
+        return by_name(number for part in (*self.blocks, *self.conclusions) for number in part.numbers)
 
     @property
     def precisions(self) -> list[Precision]:
@@ -95,7 +99,7 @@ class Plan:
     @property
     def cost(self) -> Cost:
         """Predicted memory [bytes] beyond the libraries, and time."""
-        return sum((block.cost for block in self.blocks), Cost())
+        return sum((part.cost for part in (*self.blocks, *self.conclusions)), Cost())
 
     @property
     def seconds(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil
 from time import perf_counter
@@ -9,6 +10,7 @@ from time import perf_counter
 from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
 from eigencontact.execution.blocks.block import Block
+from eigencontact.execution.blocks.conclusion import Conclusion
 from eigencontact.execution.interiors.initial import initial_states
 from eigencontact.execution.mechanics.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
@@ -42,7 +44,7 @@ def _planned(scene: Scene, registry: Registry) -> Plan:
     began = perf_counter()
     model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
     blocks = in_order(_blocks(model))
-    plan = Plan(model=model, blocks=blocks, left_out=())
+    plan = Plan(model=model, blocks=blocks, left_out=(), conclusions=_conclusions(model))
     _check_memory(plan)
     cautions = foreseen(model, blocks)
     return replace(plan, left_out=left_out(model, blocks), cautions=cautions, seconds_planned=perf_counter() - began)
@@ -75,6 +77,15 @@ def _blocks(model: Model) -> list[Block]:
 
         blocks += observers_of(model, frozenset(name for block in surface_blocks for name in block.wanted))
     return blocks
+
+
+def _conclusions(model: Model) -> Sequence[Conclusion]:
+    """What a scene asks for that follows from all steps."""
+    if not model.fatigue:
+        return ()
+    from eigencontact.execution.fields.fatigue import fatigue_conclusions
+
+    return fatigue_conclusions(model)
 
 
 def _check_memory(plan: Plan) -> None:

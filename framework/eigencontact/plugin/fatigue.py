@@ -87,6 +87,9 @@ class FatigueCriterion(Component, ABC):
         Unit of the damage parameter and of `limit`.
     needs_strain : bool
         Whether the criterion reads `StressCycle.strain`.
+    amplitude_power : float
+        Power of the amplitude with which the damage parameter grows: 2 of a product of stress and strain. A Wöhler
+        curve is one of the amplitude.
 
     Examples
     --------
@@ -109,6 +112,7 @@ class FatigueCriterion(Component, ABC):
     kind: ClassVar[str] = "fatigue-criterion"
     unit: ClassVar[str] = "Pa"
     needs_strain: ClassVar[bool] = False
+    amplitude_power: ClassVar[float] = 1.0
 
     @property
     @abstractmethod

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from eigencontact.core.array_types import FloatArray
-from eigencontact.core.cautions import Caution
-from eigencontact.core.units import parse_quantity, readable
+from eigencontact import __version__
+from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
-from eigencontact.plugin.fatigue import FatigueCriterion, StressCycle, checked_damage
+from eigencontact.execution.fields.fatigue import Damage, damage_of
+from eigencontact.plugin.fatigue import FatigueCriterion
 from eigencontact.postprocess.plot import opened
-from eigencontact.postprocess.stress_cycle import CycleOfRegion, cycle_of_region
+from eigencontact.postprocess.stress_cycle import cycle_of_region
 from eigencontact.scene.components import build_component
+from eigencontact.scene.fatigue import CriticalDistance
 from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
@@ -27,11 +28,6 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
 
 __all__ = ["Fatigue", "fatigue"]
-
-#: Points that a criterion is asked for at once.
-_PART = 20_000
-#: A hot spot is at the edge of the contact within so many cells of it, and less deep than one.
-_EDGE = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +39,9 @@ class Fatigue:
     dataset : xarray.Dataset
         ``damage``, ``utilisation`` (damage over limit) and, of criteria that know a plane, ``normal`` at the points.
     summary : dict
-        Hot spot: ``utilisation``, ``damage``, ``place`` [m], ``normal``; criterion, cycle, ``warnings``.
+        Hot spot: ``utilisation``, ``damage``, ``place`` [m], ``normal``; criterion, cycle, ``warnings``; with a
+        critical distance ``at_distance`` over the limit; with a Wöhler curve ``life``: ``cycles`` (None without end),
+        ``failure_probability`` to which they belong, ``failure_probability_without_end``.
     files : dict
         Files that were stored, and what they show.
     """
@@ -67,8 +65,16 @@ class Fatigue:
         if found["normal"] is not None:
             out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*found["normal"]))
         if found["distance"] is not None:
-            at = found["at_distance"]
-            out.append(f"{found['method']} method, distance {readable(found['distance'], 'm')}: {at:.4g} of the limit")
+            at, length = found["at_distance"], readable(found["distance"], "m")
+            words = f"volume method, radius {length}" if found["method"] == "volume" else ""
+            out.append(f"{words or found['method'] + ' method, distance ' + length}: {at:.4g} of the limit")
+        if (life := found["life"]) is not None:
+            cycles = "no end of life" if life["cycles"] is None else f"{life['cycles']:.3g} cycles"
+            out.append(
+                f"{cycles} at a failure probability of {life['failure_probability']:g}; at "
+                f"{life['amplitude_ratio']:.4g} of the limit amplitude {life['failure_probability_without_end']:.3g} "
+                "of all fail in the end"
+            )
         return out + [f"warning: {caution['words']}" for caution in found["warnings"]]
 
     def __repr__(self) -> str:
@@ -82,7 +88,8 @@ def fatigue(
     region: str | Mapping[str, Any] | None = None,
     cycle: Literal["last", "all"] | tuple[int, int] = "last",
     distance: float | str | None = None,
-    method: Literal["point", "line"] = "point",
+    method: Literal["point", "line", "volume"] = "point",
+    life: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
 ) -> Fatigue:
     """Where a crack starts: a fatigue criterion over one cycle at the points of a region.
@@ -99,9 +106,13 @@ def fatigue(
     cycle : {"last", "all"} or (int, int)
         The last closed cycle of the history, all steps, or the numbers of the first and last step.
     distance : float or str, optional
-        Critical distance L [m]. The value below the hot spot is found too, `at_distance` in the summary.
-    method : {"point", "line"}
-        At L/2 below the hot spot, or the mean of the damage parameter down to 2 L.
+        Critical distance L [m]. The value near the hot spot is evaluated too, `at_distance` in the summary.
+    method : {"point", "line", "volume"}
+        At L/2 below the hot spot; mean of the damage parameter down to 2 L; mean over the part of the body within the
+        radius L.
+    life : mapping, optional
+        Wöhler curve relative to the limit amplitude: ``{"slope": 5, "knee_cycles": 1e6, "scatter": 1.5,
+        "failure_probability": 0.1}``, see `eigencontact.scene.fatigue.Life`.
     folder : str or Path, optional
         Where ``fatigue-<criterion>-<region>`` is stored: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
         default nothing is stored.
@@ -135,20 +146,16 @@ def fatigue(
     ['damage', 'utilisation']
     """
     component = _component(criterion)
-    length = _distance(distance, method)
+    settings = CriticalDistance.of(distance=distance, method=method, life=life)
     source = Path(results) if isinstance(results, str | Path) else None
     with opened(results) as dataset:
-        found = cycle_of_region(dataset, region, cycle, strain=component.needs_strain, source=source)
-        value, normal = _in_parts(component, found.cycle)
-        summary = _summary(component, found, value, normal)
-        summary["warnings"] = [caution.to_dict() for caution in _cautions(dataset, found, value)]
-        summary |= {"distance": length, "method": method if length else None, "at_distance": None}
-        if length:
-            summary["at_distance"] = _at_distance(found, value, length, method) / component.limit
-        answer = Fatigue(_dataset(dataset, component, found, value, normal), summary)
+        cycle_region = cycle_of_region(dataset, region, cycle, strain=component.needs_strain, source=source)
+        damage = damage_of(dataset, component, cycle_region, settings)
+        summary = {"generator": f"eigencontact {__version__}", **damage.summary}
+        answer = Fatigue(_dataset(dataset, component, damage), summary)
         if folder is None:
             return answer
-        return Fatigue(answer.dataset, summary, _store(Path(folder), dataset, found, answer))
+        return Fatigue(answer.dataset, summary, _store(Path(folder), dataset, answer))
 
 
 def _component(criterion: Any) -> FatigueCriterion:
@@ -161,130 +168,10 @@ def _component(criterion: Any) -> FatigueCriterion:
     return component
 
 
-def _distance(distance: float | str | None, method: str) -> float | None:
-    if method not in ("point", "line"):
-        raise SceneError(f"method must be 'point' or 'line' (got {shown(method)})")
-    if distance is None:
-        return None
-    try:
-        length = float(parse_quantity(distance, "m", "a length"))
-    except (TypeError, ValueError) as problem:
-        raise SceneError(f"distance must be {problem} (got {shown(distance)})") from None
-    if not 0 < length < np.inf:
-        raise SceneError(f"distance must be positive and finite [m] (got {shown(distance)})")
-    return length
-
-
-def _in_parts(criterion: FatigueCriterion, cycle: StressCycle) -> tuple[FloatArray, FloatArray | None]:
-    values, normals = [], []
-    for start in range(0, cycle.points, _PART):
-        part = slice(start, start + _PART)
-        strain = None if cycle.strain is None else cycle.strain[..., part]
-        answer = checked_damage(criterion, StressCycle(stress=cycle.stress[..., part], strain=strain))
-        values.append(answer.value)
-        normals.append(answer.normal)
-    normal = None if any(item is None for item in normals) else np.concatenate([n for n in normals if n is not None])
-    return np.concatenate(values), normal
-
-
-def _summary(
-    criterion: FatigueCriterion, found: CycleOfRegion, value: FloatArray, normal: FloatArray | None
-) -> dict[str, Any]:
-    from dataclasses import asdict
-
-    from eigencontact import __version__
-
-    hot = int(value.argmax())
-    return {
-        "generator": f"eigencontact {__version__}",
-        "criterion": {"type": criterion.key, **asdict(criterion)},  # type: ignore[call-overload]
-        "region": found.region,
-        "body": found.body,
-        "steps": [found.steps[0], found.steps[-1]],
-        "unit": criterion.unit,
-        "limit": float(criterion.limit),
-        "damage": float(value[hot]),
-        "utilisation": float(value[hot] / criterion.limit),
-        "place": [float(at) for at in found.places[:, hot]],
-        "normal": None if normal is None else [float(part) for part in normal[hot]],
-        "references": list(criterion.references),
-    }
-
-
-def _cautions(dataset: Results, found: CycleOfRegion, value: FloatArray) -> list[Caution]:
-    """Whether the hot spot is a number that finer cells or a larger region raise."""
-    hot = int(value.argmax())
-    x, y, z = (float(at) for at in found.places[:, hot])
-    place = ", ".join(readable(at, "m") for at in (x, y, z))
-    out = []
-    if len(found.steps) == 1:
-        words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
-        out.append(Caution("fatigue-cycle", words))
-    edge = max(float(size) for size in np.atleast_1d(dataset.attrs["cell_size"]))
-    if z < edge and _near_edge(dataset, found, x, y):
-        words = (
-            f"the largest value, at ({place}), lies at the edge of the contact, where stress grows as cells and points "
-            "come closer: compare values at a critical distance, not this one"
-        )
-        out.append(Caution("fatigue-edge", words, number="utilisation"))
-    index = np.unravel_index(hot, found.shape) if found.shape else ()
-    for dim, row, size in zip(found.dims, index, found.shape, strict=True):
-        if size > 2 and (row == size - 1 or (row == 0 and not dim.endswith("_z"))):
-            out.append(
-                Caution(
-                    "fatigue-border", f"the largest value, at ({place}), lies at the border of the region; enlarge it"
-                )
-            )
-            break
-    return out
-
-
-def _near_edge(dataset: Results, found: CycleOfRegion, x: float, y: float) -> bool:
-    """Whether cells near a place are in contact, and others not, at one step of the cycle."""
-    if "pressure" not in dataset:
-        return False
-    numbers = [int(number) for number in dataset["step"].values]
-    columns = [
-        slice(max(at - _EDGE, 0), at + _EDGE + 1)
-        for at in (
-            int(np.abs(np.asarray(dataset[axis].values) - place).argmin()) for axis, place in (("y", y), ("x", x))
-        )
-    ]
-    for step in found.steps:
-        loaded = np.asarray(dataset["pressure"][numbers.index(step)].values)[columns[0], columns[1]] > 0
-        if loaded.any() and not loaded.all():
-            return True
-    return False
-
-
-def _at_distance(found: CycleOfRegion, value: FloatArray, length: float, method: str) -> float:
-    """Damage parameter below the hot spot: at half of the distance, or its mean down to twice the distance."""
-    dim = f"{found.region}_z"
-    if dim not in found.dims:
-        raise SceneError(f"distance must be given with a region along z (got {found.region!r}, which has one depth)")
-    axis = found.dims.index(dim)
-    hot = list(np.unravel_index(int(value.argmax()), found.shape))
-    column: Any = tuple(slice(None) if number == axis else int(row) for number, row in enumerate(hot))
-    below = found.places[2].reshape(found.shape)[column] - found.places[2][int(value.argmax())]
-    values, reach = value.reshape(found.shape)[column], (0.5 if method == "point" else 2.0) * length
-    if below[-1] < reach:
-        raise SceneError(
-            f"distance must be such that the region holds {readable(reach, 'm')} below the hot spot (got "
-            f"{readable(float(below[-1]), 'm')}); enlarge the region"
-        )
-    if method == "point":
-        return float(np.interp(reach, below, values))
-    depths = np.union1d(below[(below > 0) & (below < reach)], [0.0, reach])
-    return float(np.trapezoid(np.interp(depths, below, values), depths) / reach)
-
-
-def _dataset(
-    dataset: Results, criterion: FatigueCriterion, found: CycleOfRegion, value: FloatArray, normal: FloatArray | None
-) -> xarray.Dataset:
+def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> xarray.Dataset:
     import xarray
 
-    from eigencontact import __version__
-
+    found, value, normal = damage.region, damage.value, damage.normal
     dims = tuple(dim.removeprefix(f"{found.region}_") for dim in found.dims)
     coordinates: dict[str, Any] = {}
     for axis, places in zip("xyz", found.places, strict=True):
@@ -314,12 +201,13 @@ def _dataset(
     return xarray.Dataset(fields, coordinates, described | {"scene_hash": str(dataset.attrs["scene_hash"])})
 
 
-def _store(folder: Path, dataset: Results, found: CycleOfRegion, answer: Fatigue) -> dict[Path, str]:
+def _store(folder: Path, dataset: Results, answer: Fatigue) -> dict[Path, str]:
     from eigencontact.results.atomic import replacing, writable_folder
     from eigencontact.results.ownership import refuse_foreign_file
     from eigencontact.viz.fatigue import draw_fatigue
 
-    stem = f"fatigue-{answer.summary['criterion']['type']}-{found.region}"
+    region = answer.summary["region"]
+    stem = f"fatigue-{answer.summary['criterion']['type']}-{region}"
     paths = {ending: folder / f"{stem}.{ending}" for ending in ("nc", "json", "png")}
     for path in paths.values():
         refuse_foreign_file(path)
@@ -328,7 +216,7 @@ def _store(folder: Path, dataset: Results, found: CycleOfRegion, answer: Fatigue
     answer.dataset.to_netcdf(data, engine="h5netcdf")
     text = json.dumps(answer.summary, indent=2, default=str) + "\n"
     for ending, content in (("nc", data.getvalue()), ("json", text.encode())):
-        with replacing(paths[ending], f"fatigue of region {found.region}") as sink:
+        with replacing(paths[ending], f"fatigue of region {region}") as sink:
             sink.write(content)
     files = {
         paths["nc"]: "damage parameter, utilisation and planes, with coordinates and units",

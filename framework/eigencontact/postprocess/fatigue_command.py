@@ -40,8 +40,12 @@ def fatigue(
         str | None, typer.Option("--distance", metavar="LENGTH", help="Critical distance: `50 um`.")
     ] = None,
     method: Annotated[
-        str, typer.Option("--method", metavar="NAME", help="`point` (half the distance) or `line` (mean to twice it).")
+        str, typer.Option("--method", metavar="NAME", help="`point`, `line` or `volume`; see the page on output.")
     ] = "point",
+    life: Annotated[
+        str | None,
+        typer.Option("--life", metavar="KEYS", help="Wöhler curve: `slope = 5, knee-cycles = 1e6, scatter = 1.5`."),
+    ] = None,
     plugin: Annotated[
         list[Path] | None,
         typer.Option("--plugin", metavar="FILE", help="File with a criterion of your own; repeatable."),
@@ -71,6 +75,7 @@ def fatigue(
             cycle=steps_of(cycle),
             distance=distance,
             method=method,  # type: ignore[arg-type]
+            life=None if life is None else _table(life, "--life"),
             folder=output or results_file(results).parent,
         )
     if as_json:
@@ -93,6 +98,18 @@ def _parameters(changes: list[str]) -> dict[str, Any]:
         except ValueError:
             out[key.strip()] = text.strip().strip("\"'")
     return out
+
+
+def _table(text: str, option: str) -> dict[str, Any]:
+    """Table of keys and values between commas, written as in a scene."""
+    import tomllib
+
+    from eigencontact.errors import SceneError
+
+    try:
+        return dict(tomllib.loads(f"table = {{ {text.strip().strip('{}')} }}")["table"])
+    except tomllib.TOMLDecodeError as problem:
+        raise SceneError(f"{option} must be keys and values, key = value, ... (got {text!r}: {problem})") from None
 
 
 def steps_of(text: str) -> Any:

@@ -1,4 +1,4 @@
-"""Errors of fields beside the fields, in a results file that is finished."""
+"""Fields that follow from all steps, and errors of fields, in a results file that is finished."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["append"]
 def append(results: Path, variables: Iterable[Variable]) -> None:
     """Add variables with existing dimensions to a results file, which is replaced complete or not at all.
 
-    Those of an earlier estimate are replaced.
+    Those that it has already are replaced.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def append(results: Path, variables: Iterable[Variable]) -> None:
     first = next(remaining, None)
     if first is None:
         return
-    with replacing(results, "the errors of the fields") as sink:
+    with replacing(results, "fields of the whole run") as sink:
         with results.open("rb") as source:
             shutil.copyfileobj(source, sink)
         with h5netcdf.File(partial_name(results), "r+") as file:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +13,10 @@ from eigencontact.results.history import HISTORY_STEP
 from eigencontact.results.join import dataset_of, join_steps
 from eigencontact.results.part import Part, part_of
 from eigencontact.results.stepfile import history_part, step_part
+from eigencontact.results.stored import Held
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     import xarray as xr
@@ -70,9 +73,17 @@ class MemoryStore:
         """Variables of the stored steps, as long as no dataset was asked for."""
         return MemoryResults(self._steps, self._histories)
 
+    @contextmanager
+    def opened(self) -> Iterator[MemoryResults]:
+        """The same in a ``with`` block, like those of a folder."""
+        yield self.results()
+
     def append(self, variables: Iterable[Variable]) -> None:
-        """Add variables over all steps."""
+        """Add variables over all steps, or of the whole run."""
         for variable in variables:
+            if variable.dims[:1] not in _STEPPED:
+                self._steps[-1].update(part_of({}, [variable]))
+                continue
             parts = self._histories if variable.dims[0] == HISTORY_STEP else self._steps
             for at, step in enumerate(parts):
                 step.update(part_of({}, [replace(variable, values=variable.values[at : at + 1])]))
@@ -84,11 +95,26 @@ class MemoryResults:
     def __init__(self, steps: list[Part], histories: list[Part]) -> None:
         kept = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
         self.variables = kept | {name: _MemoryVariable(steps, name) for name in steps[-1]}
+        self.attrs = dict(steps[-1].attrs)
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.variables
 
-@dataclass(frozen=True, slots=True)
-class _Values:
-    values: NDArray[Any]
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data_vars)
+
+    def __getitem__(self, name: str) -> _MemoryVariable:
+        return self.variables[name]
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Length of every dimension."""
+        return {dim: size for item in self.variables.values() for dim, size in zip(item.dims, item.shape, strict=True)}
+
+    @property
+    def data_vars(self) -> dict[str, _MemoryVariable]:
+        """Variables that are no coordinates."""
+        return {name: item for name, item in self.variables.items() if item.attrs.get("role") != "coordinate"}
 
 
 class _MemoryVariable:
@@ -105,9 +131,19 @@ class _MemoryVariable:
         inner = self._steps[-1][self._name].shape
         return (len(self._steps), *inner[1:]) if self.dims[:1] in _STEPPED else inner
 
-    def __getitem__(self, at: int) -> _Values:
+    @property
+    def ndim(self) -> int:
+        """Number of dimensions."""
+        return len(self.dims)
+
+    def __float__(self) -> float:
+        return float(self.values)
+
+    def __getitem__(self, at: int) -> Held:
+        if self.dims[:1] not in _STEPPED:
+            return Held(np.asarray(self.values[at]))
         step = self._steps[at]
-        return _Values(step[self._name][0] if self._name in step else np.full(self.shape[1:], np.nan))
+        return Held(np.asarray(step[self._name][0]) if self._name in step else np.full(self.shape[1:], np.nan))
 
     @property
     def values(self) -> NDArray[Any]:

@@ -246,8 +246,14 @@ class ResultStore:
         _remove_steps(self.folder)
         return target
 
+    def opened(self) -> Any:
+        """Variables of the finished results, in a ``with`` block."""
+        from eigencontact.results.stored import open_stored
+
+        return open_stored(self.folder)
+
     def append(self, variables: Iterable[Variable]) -> None:
-        """Add variables over all steps to the finished results; `ResultsError` when these cannot be stored."""
+        """Add variables over all steps, or of the run, to the finished results; `ResultsError` if it cannot."""
         from eigencontact.results.errors import append
 
         append(self.folder / RESULTS, variables)

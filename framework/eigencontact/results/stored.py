@@ -19,7 +19,7 @@ from eigencontact.results.reader import opened_whole
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Results", "open_stored"]
+__all__ = ["Held", "Results", "open_stored"]
 
 #: Attributes of variables that belong to the format.
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
@@ -88,8 +88,8 @@ def open_stored(path: str | Path) -> _Stored:
 
 
 @dataclass(slots=True)
-class _Array:
-    """Values that are in memory."""
+class Held:
+    """Values of a variable that are in memory."""
 
     values: NDArray[Any]
 
@@ -111,9 +111,9 @@ class _Variable:
         self.shape: tuple[int, ...] = array.shape
         self.ndim: int = array.ndim
 
-    def __getitem__(self, index: Any) -> _Array:
+    def __getitem__(self, index: Any) -> Held:
         values = np.asarray(self._array[index])
-        return _Array(values.astype(str) if self._text else values)
+        return Held(values.astype(str) if self._text else values)
 
     def __float__(self) -> float:
         return float(self.values)

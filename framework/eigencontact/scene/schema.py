@@ -30,6 +30,7 @@ from eigencontact.scene.checks import (
     refuse_deep,
 )
 from eigencontact.scene.contents import check_contents
+from eigencontact.scene.fatigue import FatigueRequest
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.labels import labels_in_messages
 from eigencontact.scene.messages import explain_error, find_unknown
@@ -243,6 +244,8 @@ class Scene(Table):
         Where fields below the surface are wanted.
     observers : list of tables or components
         What is written beside each step; ``type`` names the plugin.
+    fatigue : list of FatigueRequest
+        Fatigue criteria over a cycle of the run; ``type`` names the criterion.
     output : Output
         Files beside results and summary.
     accuracy : Accuracy, optional
@@ -278,6 +281,7 @@ class Scene(Table):
     numerics: Numerics = Numerics()
     stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
     observers: Annotated[Tables, OfKind("observer")] = Field([])
+    fatigue: Annotated[list[FatigueRequest], BeforeValidator(one_or_many)] = Field([])
     output: Output = Output()
     accuracy: Accuracy | None = None
 

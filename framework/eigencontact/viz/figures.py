@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.viz.fatigue import fatigue_pictures
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
 from eigencontact.viz.history import history_panels, history_words, load_history, vanishes, varies, zones_change
@@ -110,6 +111,7 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
         *_plastic(dataset, step, solid=solid),
         *_friction(dataset, loaded),
         *_wear(dataset, worn_step),
+        *fatigue_pictures(dataset),
     ]
     if struck(dataset):
         sentence = "Number of impacts at each place; dots are their middles."

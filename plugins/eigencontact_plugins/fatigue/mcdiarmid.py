@@ -28,7 +28,9 @@ _TIE = 1e-4
 class McDiarmid(FatigueCriterion):
     """``shear stress amplitude + t / (2 strength) largest normal stress``, on the plane of the largest shear amplitude.
 
-    Where several planes have the largest shear amplitude, the one with the larger normal stress counts.
+    Where several planes have the largest shear amplitude, the one with the larger normal stress counts. This is the
+    criterion of 1991. The limit t is one number here; McDiarmid distinguishes limits of cracks along the surface and
+    into the body. A later version of his (1994) takes the plane on which the whole expression is largest, like Findley.
 
     Parameters
     ----------
@@ -40,7 +42,7 @@ class McDiarmid(FatigueCriterion):
 
     key: ClassVar[str] = "mcdiarmid"
     example: ClassVar[dict[str, Any]] = {"limit_amplitude": "250 MPa", "tensile_strength": "900 MPa"}
-    references: ClassVar[tuple[str, ...]] = ("D. L. McDiarmid 1994, Fatigue Fract. Eng. Mater. Struct. 17, 1475",)
+    references: ClassVar[tuple[str, ...]] = ("D. L. McDiarmid 1991, Fatigue Fract. Eng. Mater. Struct. 14, 429",)
 
     limit_amplitude: Stress
     tensile_strength: Stress

@@ -38,6 +38,7 @@ class SmithWatsonTopper(FatigueCriterion):
     key: ClassVar[str] = "smith-watson-topper"
     unit: ClassVar[str] = "Pa"
     needs_strain: ClassVar[bool] = True
+    amplitude_power: ClassVar[float] = 2.0
     example: ClassVar[dict[str, Any]] = {"limit_product": "0.8 MPa"}
     references: ClassVar[tuple[str, ...]] = ("K. N. Smith, P. Watson, T. H. Topper 1970, J. Mater. 5, 767",)
 

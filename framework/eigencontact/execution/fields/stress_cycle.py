@@ -1,0 +1,178 @@
+"""Stress of one cycle in a region of stored results, for fatigue criteria."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.tensors import to_mandel
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.plugin.fatigue import StressCycle
+from eigencontact.results.cycles import last_cycle
+from eigencontact.scene.fatigue import elastic_constants
+
+if TYPE_CHECKING:
+    from eigencontact.results.stored import Results
+
+__all__ = ["Cycle", "CycleOfRegion", "NewRegion", "cycle_of_region", "cycle_steps", "elastic_strain"]
+
+#: What `cycle_steps` accepts.
+Cycle = Literal["last", "all"] | tuple[int, int]
+#: Name of a new region, and results with it by number of step, from these numbers.
+NewRegion = Callable[[list[int]], tuple[str, Mapping[int, Any]]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CycleOfRegion:
+    """Stress of a cycle in a region.
+
+    Attributes
+    ----------
+    region, body : str, int
+        Name of the region, and the body in which it lies.
+    dims, shape : tuple
+        Dimensions of its points as of results, and their sizes.
+    places : (3, points)
+        x, y, z of the points [m].
+    steps : tuple of int
+        Numbers of the load steps of the cycle.
+    cycle : StressCycle
+        Its stress, and strain if it was asked for.
+    """
+
+    region: str
+    body: int
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    places: FloatArray
+    steps: tuple[int, ...]
+    cycle: StressCycle
+
+
+def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
+    """Positions along ``step`` of a cycle: the last closed one, all steps, or between two numbers of steps.
+
+    Raises
+    ------
+    SceneError
+        No closed cycle; steps that are not stored.
+    """
+    numbers = [int(number) for number in dataset["step"].values]
+    if cycle == "all":
+        return list(range(len(numbers)))
+    if cycle == "last":
+        scalars = {
+            name: np.asarray(item.values)
+            for name, item in dataset.data_vars.items()
+            if tuple(item.dims) == ("step",) and np.asarray(item.values).dtype.kind == "f"
+        }
+        found = last_cycle(scalars) or last_cycle(scalars, "twist")
+        if found is None:
+            raise SceneError(
+                "cycle must be given where the load history has no closed cycle (got 'last'); say 'all', or the "
+                f"numbers of its first and last step within {numbers[0]} and {numbers[-1]}"
+            )
+        return list(range(found.first, found.last + 1))
+    ends: Any = cycle if isinstance(cycle, list | tuple) and len(cycle) == 2 else (None, None)
+    if not (all(end in numbers for end in ends) and ends[0] <= ends[1]):
+        raise SceneError(
+            f"cycle must be 'last', 'all', or two numbers of steps, the first before the last, within {numbers[0]} "
+            f"and {numbers[-1]} (got {shown(cycle)})"
+        )
+    return list(range(numbers.index(ends[0]), numbers.index(ends[1]) + 1))
+
+
+def cycle_of_region(
+    dataset: Results, region: str | None, cycle: Any, *, strain: bool, new: NewRegion | None = None
+) -> CycleOfRegion:
+    """Stress, and strain if it is asked for, over a cycle at the points of a region.
+
+    Parameters
+    ----------
+    region : str, optional
+        Name of a stored region, by default the only one with stress.
+    cycle : str or (int, int)
+        See `cycle_steps`.
+    new : callable, optional
+        Gives a region that the results do not have: its name, and results with it by number of step.
+
+    Raises
+    ------
+    SceneError
+        A region without stress; strain of a body that is not elastic throughout and did not store it.
+    """
+    steps = cycle_steps(dataset, cycle)
+    if new is None:
+        name = _stored_region(dataset, region)
+        parts: Mapping[int, Any] = {0: dataset}
+        rows = [(0, step) for step in steps]
+    else:
+        name, parts = new([int(dataset["step"][step]) for step in steps])
+        rows = [(number, -1) for number in parts]
+    first = parts[rows[0][0]]
+    described = json.loads(first.attrs["regions"])[name]
+    dims = tuple(f"{name}_{axis}" for axis in described["dims"])
+    stress = np.stack([_field(parts[part], f"{name}_stress", step) for part, step in rows])
+    strains = None
+    if strain and f"{name}_strain" in first:
+        strains = np.stack([_field(parts[part], f"{name}_strain", step) for part, step in rows])
+    elif strain:
+        body = tomllib.loads(str(dataset.attrs["scene"])).get(f"body{described['body']}", {})
+        beside = [item for item in ("inclusions", "layers") if item in dataset.attrs]
+        strains = elastic_strain(stress, *elastic_constants(body, beside, name))
+    return CycleOfRegion(
+        region=name,
+        body=int(described["body"]),
+        dims=dims,
+        shape=tuple(first.sizes[dim] for dim in dims),
+        places=_places(first, name, list(described["dims"])),
+        steps=tuple(int(dataset["step"][step]) for step in steps),
+        cycle=StressCycle(stress=stress, strain=strains),
+    )
+
+
+def elastic_strain(stress: FloatArray, young_modulus: float, poisson_ratio: float) -> FloatArray:
+    """Elastic strain of isotropic bodies, Mandel vectors ``(steps, 6, points)``.
+
+    Examples
+    --------
+    >>> tension = np.array([1e6, 0, 0, 0, 0, 0]).reshape(1, 6, 1)
+    >>> elastic_strain(tension, 1e11, 0.3)[0, :3, 0].round(9).tolist()
+    [1e-05, -3e-06, -3e-06]
+    """
+    strain = (1.0 + poisson_ratio) / young_modulus * stress
+    strain[:, :3] -= poisson_ratio / young_modulus * stress[:, :3].sum(axis=1, keepdims=True)
+    return np.asarray(strain)
+
+
+def _stored_region(dataset: Results, region: str | None) -> str:
+    names = [name for name in json.loads(dataset.attrs["regions"]) if f"{name}_stress" in dataset]
+    if region is None and len(names) == 1:
+        return str(names[0])
+    if region not in names:
+        listed = ", ".join(map(repr, names)) or "none; give the table of a new one"
+        hint = nearest(region, names) if region else ""
+        raise SceneError(f"region must name one with stress: {listed} (got {shown(region)}){hint}")
+    return str(region)
+
+
+def _field(dataset: Any, name: str, step: int) -> FloatArray:
+    """Mandel vectors ``(6, points)``."""
+    return to_mandel(np.asarray(dataset[name][step].values, dtype=float).reshape(6, -1))
+
+
+def _places(dataset: Any, name: str, dims: list[str]) -> FloatArray:
+    sizes = [dataset.sizes[f"{name}_{axis}"] for axis in dims]
+    out = []
+    for axis in "xyz":
+        values = np.asarray(dataset[f"{name}_{axis}"].values, dtype=float)
+        if axis in dims:
+            values = values.reshape([-1 if other == axis else 1 for other in dims])
+        out.append(np.broadcast_to(values, sizes).ravel())
+    return np.array(out)
