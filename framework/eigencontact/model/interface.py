@@ -36,6 +36,8 @@ class Interface:
         Tractions, and the kernels that join them to displacements.
     influences : mapping of str to SurfaceInfluence
         By traction.
+    datum : float or None
+        As of `PairCoefficients`.
     """
 
     solids: Solids
@@ -43,6 +45,7 @@ class Interface:
     friction: FrictionLaw | None
     coupling: Coupling
     influences: Mapping[str, SurfaceInfluence]
+    datum: float | None = None
 
     @property
     def tractions(self) -> tuple[Traction, ...]:
@@ -56,7 +59,7 @@ class Interface:
 
     def pair(self, displacement: str, traction: str) -> PairCoefficients:
         """Displacement of both solids along one direction by the traction along another."""
-        return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement)
+        return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement, self.datum)
 
     def kernel_key(self, traction: str) -> str:
         """Names of the plugins behind the kernels of the traction along a direction."""

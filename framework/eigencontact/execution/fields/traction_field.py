@@ -66,7 +66,7 @@ class TractionField(Cause):
         stress = not {"stress", "strain"}.isdisjoint(request.fields)
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
-            quantity: [StressCoefficients(interface.influences[t.name], body, quantity) for t in self._tractions]
+            quantity: [StressCoefficients(interface.influences[t.name], body, quantity, interface.datum) for t in self._tractions]
             for quantity in self._quantities
         }
         self.requires = frozenset(item.field for item in self._tractions)
@@ -200,6 +200,7 @@ class TractionField(Cause):
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
         how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin))
+        kernels += tuple(kernel.datum for kernel in self._kernels[quantity])
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:

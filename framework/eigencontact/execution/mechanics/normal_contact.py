@@ -187,7 +187,7 @@ def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:
 
 def cell_deflection(coefficients: PairCoefficients, grid: Grid) -> float:
     """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
-    return float(coefficients.table(np.zeros(1), np.zeros(1), (0.5 * grid.dx, 0.5 * grid.dy))[0, 0])
+    return float(coefficients.table(np.zeros(1), np.zeros(1), grid.half_widths)[0, 0])
 
 
 def normal_work(solution: NormalSolution) -> dict[str, float]:

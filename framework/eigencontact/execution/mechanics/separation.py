@@ -122,8 +122,7 @@ class TangentialDisplacement(Block):
                 response = pair.response(kx[None, :], ky[:, None])
                 spectrum = layout.spectrum_from_response(response, pair.parity, precision=precision)
             else:
-                half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
-                table = pair.table(layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, half_widths)
+                table = pair.table(layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, grid.half_widths)
                 spectrum = layout.spectrum(table, pair.parity, precision=precision)
             kernels.append([spectrum])
         return _ConvolvedPressure(Convolver(layout, precision=precision, threads=self._numerics.threads), kernels)
