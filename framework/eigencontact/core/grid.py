@@ -132,9 +132,19 @@ class Grid:
         return 0.5 * self.dx, np.inf if self.line else 0.5 * self.dy
 
     @property
+    def edges(self) -> tuple[float, ...]:
+        """Edges of a cell along x and y, of a strip that along x alone [m]."""
+        return (self.dx,) if self.line else (self.dx, self.dy)
+
+    @property
     def size(self) -> tuple[float, float]:
         """Extent of the window along x and y [m]."""
         return self.nx * self.dx, self.ny * self.dy
+
+    @property
+    def sides(self) -> tuple[float, ...]:
+        """Extents of the window along the axes on which it ends [m]."""
+        return self.size[:1] if self.line else self.size
 
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Return ``(y, x)`` shaped ``(ny, 1)`` and ``(1, nx)``, ready to broadcast [m]."""

@@ -51,8 +51,7 @@ def pressure_error(cells: float) -> float:
 
 def cells_per_radius(contact: ContactEstimate, grid: Grid) -> float:
     """Cells to the half of the narrower side of a contact."""
-    wide, high = contact.extent
-    return 0.5 * min(wide / grid.dx, high / grid.dy)
+    return 0.5 * min(extent / edge for extent, edge in zip(contact.extent, grid.edges, strict=False))
 
 
 def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
@@ -68,7 +67,7 @@ def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
         radius = 0.5 * min(contact.extent)
         raise SceneError(
             f"grid must have at least {COARSEST:g} cells to a radius of the contact (got {cells:.2g}: cells of "
-            f"{readable(max(grid.dx, grid.dy), 'm')} for an expected {readable(radius, 'm')}; the largest pressure may "
+            f"{readable(max(grid.edges), 'm')} for an expected {readable(radius, 'm')}; the largest pressure may "
             f"be wrong by {percent(pressure_error(cells))}); give cells of {readable(radius / FINE, 'm')}, a smaller "
             'window, grid = "auto", or numerics.allow-coarse = true'
         )

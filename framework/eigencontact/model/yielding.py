@@ -196,7 +196,7 @@ def _box_where(
     margin = scene.numerics.law_room * (high - low)
     margin += max(trial.law.averaged.values(), default=0.0)
     (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
-    cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.dx, grid.dy))
+    cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.edges))
     if scene.numerics.inclusion_pitch is None and cells > most(BYTES_OF_LAW_CELL):
         hardest = max(loads, key=lambda load: float(load[1]["p"].max()))
         got, advice = _pressed(trial, hardest, elastic, scene)

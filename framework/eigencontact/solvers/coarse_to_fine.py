@@ -311,7 +311,7 @@ class CoarseToFine:
     def _load_error(self, forces: list[float]) -> float:
         """Largest relative error of the prescribed forces; moments relative to the load at half the window."""
         load = abs(self.free.get(0, forces[0]))
-        arm = 0.5 * (self.grid.size[0] if self.grid.line else max(self.grid.size))
+        arm = 0.5 * max(self.grid.sides)
         errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
         return max(errors, default=0.0)
 
@@ -329,7 +329,7 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
         sides["y"] = pressure[[0, -1]]
     touched = [name for name, edge in sides.items() if np.any(edge > 0)]
     if touched:
-        sizes = " x ".join(f"{size:.4g} m" for size in grid.size[: len(sides)])
+        sizes = " x ".join(f"{size:.4g} m" for size in grid.sides)
         raise DomainTooSmall(
             f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
             f"is {sizes}); enlarge grid size, lower the load, or set "

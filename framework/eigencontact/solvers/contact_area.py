@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import log, pi
+from math import log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 
-__all__ = ["contact_area"]
+__all__ = ["contact_area", "radius_of_area"]
 
 #: Share of a cell by which each boundary between a loaded and an unloaded cell overstates the area.
 PER_BOUNDARY = (pi - 1.0 + log(2.0)) / 24.0
@@ -53,3 +53,8 @@ def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = Fals
         if periodic:
             boundaries += int(np.count_nonzero(np.take(loaded, 0, axis) != np.take(loaded, -1, axis)))
     return (int(np.count_nonzero(loaded)) - PER_BOUNDARY * boundaries) * grid.cell_area
+
+
+def radius_of_area(area: float, grid: Grid) -> float:
+    """Radius of the circle with this area [m]; of a line contact half the width, as `area` is that of one metre."""
+    return 0.5 * area / grid.dy if grid.line else sqrt(area / pi)

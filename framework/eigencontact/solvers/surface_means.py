@@ -31,7 +31,7 @@ _PLACES = (-2.0 / 3.0, 2.0 / 3.0)
 
 def depth_of_means(grid: Grid) -> float:
     """Depth above which the stress by tractions on these cells is a mean over cells [m]."""
-    return _SHALLOW * (grid.dx if grid.line else min(grid.dx, grid.dy))
+    return _SHALLOW * min(grid.edges)
 
 
 class CellMeans:

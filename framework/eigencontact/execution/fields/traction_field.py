@@ -66,7 +66,10 @@ class TractionField(Cause):
         stress = not {"stress", "strain"}.isdisjoint(request.fields)
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
-            quantity: [StressCoefficients(interface.influences[t.name], body, quantity, interface.datum) for t in self._tractions]
+            quantity: [
+                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum)
+                for t in self._tractions
+            ]
             for quantity in self._quantities
         }
         self.requires = frozenset(item.field for item in self._tractions)

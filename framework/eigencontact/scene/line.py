@@ -1,0 +1,50 @@
+"""What a line contact cannot have, or needs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from eigencontact.scene.steps import named_ramps
+
+if TYPE_CHECKING:
+    from eigencontact.scene.schema import Scene
+
+__all__ = ["check_line"]
+
+#: Loads and motions that turn the body out of its plane, or move it along its length.
+_ACROSS = frozenset({"moment-x", "tilt-x", "torsion-moment", "twist", "travel-y"})
+#: Motions against the inside of the bodies.
+_AGAINST_DEPTH = frozenset({"approach", "shift-x", "shift-y"})
+
+
+def check_line(scene: Scene) -> None:
+    """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
+    if not scene.grid.line:
+        return
+    interiors = [name for name in ("inclusions", "eigenstrain") if getattr(scene, name)]
+    interiors += [f"body{number}.law" for number, body in enumerate(scene.bodies, 1) if body.law is not None]
+    if interiors:
+        raise ValueError(
+            f"!grid.length must be left out with {interiors[0]} (got 'infinite'); fields of eigenstrain in plane "
+            "strain do not exist yet: use a window in three dimensions"
+        )
+    media = [f"body{number}.medium" for number, body in enumerate(scene.bodies, 1) if body.medium is not None]
+    if media:
+        raise ValueError(
+            f"!grid.length must be left out with {media[0]} (got 'infinite'); strips on layered bodies do not exist "
+            "yet: use a window in three dimensions"
+        )
+    for where, step in named_ramps(scene.steps):
+        across = [name for name in step.prescribed if name in _ACROSS]
+        if across:
+            raise ValueError(
+                f"!{where} must not prescribe {across[0]} in a line contact (got grid.length = 'infinite'): plane "
+                "strain has no turn about x or z and no motion of the geometry along y; leave it out"
+            )
+        moved = [name for name in step.prescribed if name in _AGAINST_DEPTH]
+        if moved and scene.grid.datum_depth is None:
+            raise ValueError(
+                f"!{where} must not prescribe {moved[0]} in a line contact without grid.datum-depth (got none): in "
+                "plane strain displacements have no limit far away, so name the depth of the points that move "
+                "by it, or give the load"
+            )
