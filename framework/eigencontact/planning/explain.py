@@ -231,7 +231,8 @@ def _inclusions(plan: Plan) -> list[str]:
         from eigencontact.model.boxes import box_of_inhomogeneities
 
         box = box_of_inhomogeneities(sources)
-        edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
+        dz, *_ = box.lattice.edges
+        edges = " x ".join(readable(edge, "m") for edge in (*plan.grid.edges, dz))
         worst = worst_above(plan.model, body)
         above = "" if worst is None else f"; pressure above them within some {percent(worst.error)}"
         lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}{above}")

@@ -21,12 +21,10 @@ def check_line(scene: Scene) -> None:
     """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
     if not scene.grid.line:
         return
-    interiors = [name for name in ("inclusions", "eigenstrain") if getattr(scene, name)]
-    interiors += [f"body{number}.law" for number, body in enumerate(scene.bodies, 1) if body.law is not None]
-    if interiors:
+    if scene.inclusions:
         raise ValueError(
-            f"!grid.length must be left out with {interiors[0]} (got 'infinite'); fields of eigenstrain in plane "
-            "strain do not exist yet: use a window in three dimensions"
+            "!grid.length must be left out with inclusions (got 'infinite'); regions that end along y have no plane "
+            "strain: use a window in three dimensions"
         )
     media = [f"body{number}.medium" for number, body in enumerate(scene.bodies, 1) if body.medium is not None]
     if media:

@@ -139,8 +139,9 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
     if not vanishes(dataset, ["residual_displacement_z"], step):
         when, lines = moment(dataset, step), "; lines are outlines of the inclusions from above" if outlined else ""
         sentence = f"Displacement of the surface out of the body by {cause(dataset)}{when}{lines}."
-        yield "uplift.png", sentence, partial(uplift_map, dataset, step)
-        sentence = f"Surface displacement by {cause(dataset)} along x and y{when}."
+        if not is_line(dataset):
+            yield "uplift.png", sentence, partial(uplift_map, dataset, step)
+        sentence = f"Surface displacement by {cause(dataset)} {_along(dataset)}{when}."
         yield "uplift-profiles.png", sentence, partial(displacement_profiles, dataset, step)
 
 
