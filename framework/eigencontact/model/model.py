@@ -12,6 +12,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies, build_bodies
 from eigencontact.model.cells import Cells, cut_cells, place_sources
+from eigencontact.model.cross_section import CrossSection
 from eigencontact.model.exposed import Exposed, exposed_of
 from eigencontact.model.initial import InitialState
 from eigencontact.model.interface import Interface, build_interface
@@ -112,7 +113,8 @@ class Model:
             used += [*surface.influences.values(), *surface.geometries]
         used += dict.fromkeys(self.bodies.solids)
         for source in self.sources:
-            used += [source.shape, source.field, getattr(source, "law", None)]
+            shape = source.shape.solid if isinstance(source.shape, CrossSection) else source.shape
+            used += [shape, source.field, getattr(source, "law", None)]
         used += [self.friction, self.wear and self.wear.law]
         used += [observing.observer for observing in self.observers]
         return [component for item in used if isinstance(item, Component) for component in (item, *item.parts)]

@@ -21,10 +21,14 @@ def check_line(scene: Scene) -> None:
     """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
     if not scene.grid.line:
         return
-    if scene.inclusions:
+    if scene.inclusions and not scene.numerics.in_cells:
         raise ValueError(
-            "!grid.length must be left out with inclusions (got 'infinite'); regions that end along y have no plane "
-            "strain: use a window in three dimensions"
+            "!numerics.inclusion-resolution must be 'cells' in a line contact (got wholes): no plane strain of wholes "
+            "is known"
+        )
+    if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
+        raise ValueError(
+            f"!numerics.half-space must be 'exact' or 'full-space' in a line contact (got {scene.numerics.half_space!r})"
         )
     media = [f"body{number}.medium" for number, body in enumerate(scene.bodies, 1) if body.medium is not None]
     if media:
