@@ -54,10 +54,23 @@ def _sampled(
 ) -> FloatArray:
     """Influence coefficients; the displacement of a strip is that against the point at the depth `datum` below it."""
     values = influence.sample(quantity, components, *place, half_widths, body)
-    if quantity == "displacement" and half_widths[1] == np.inf:
-        middle, depth = np.zeros(1), _DEEP * half_widths[0] if datum is None else datum
-        values = values - influence.sample(quantity, components, middle, middle, depth, half_widths, body)
-    return values
+    shift = _of_datum(influence, quantity, components, half_widths, body, datum)
+    return values if shift is None else values - shift
+
+
+def _of_datum(
+    influence: SurfaceInfluence,
+    quantity: str,
+    components: list[str],
+    half_widths: tuple[float, float],
+    body: Any,
+    datum: float | None,
+) -> FloatArray | None:
+    """Displacement ``(n, 1, 1)`` of the point at the depth `datum` below the middle of a strip; None of all else."""
+    if quantity != "displacement" or half_widths[1] < np.inf:
+        return None
+    middle, depth = np.zeros(1), _DEEP * half_widths[0] if datum is None else datum
+    return influence.sample(quantity, components, middle, middle, depth, half_widths, body)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +168,8 @@ class StressCoefficients:
         layered: Any = self.influence  # the influence that knows layers goes with such a body
         table: Callable[[int, FloatArray, FloatArray], FloatArray]
         table = layered.at_depths(self.quantity, components, depths, half_widths, reach, self.body).on_lattice
-        return table
+        shift = _of_datum(self.influence, self.quantity, components, half_widths, self.body, self.datum)
+        return table if shift is None else lambda number, x, y: table(number, x, y) - shift
 
     def sums_at(
         self,
@@ -166,7 +180,7 @@ class StressCoefficients:
         load: FloatArray,
     ) -> Callable[[int, FloatArray, FloatArray], FloatArray] | None:
         """Sums of a load at several depths without tables, in a layered body; see `HasSums`."""
-        if isinstance(self.body, Material):
+        if isinstance(self.body, Material) or (self.quantity == "displacement" and half_widths[1] == np.inf):
             return None
         layered: Any = self.influence
         sums: Callable[[int, FloatArray, FloatArray], FloatArray]

@@ -30,12 +30,6 @@ def check_line(scene: Scene) -> None:
         raise ValueError(
             f"!numerics.half-space must be 'exact' or 'full-space' in a line contact (got {scene.numerics.half_space!r})"
         )
-    media = [f"body{number}.medium" for number, body in enumerate(scene.bodies, 1) if body.medium is not None]
-    if media:
-        raise ValueError(
-            f"!grid.length must be left out with {media[0]} (got 'infinite'); strips on layered bodies do not exist "
-            "yet: use a window in three dimensions"
-        )
     for where, step in named_ramps(scene.steps):
         across = [name for name in step.prescribed if name in _ACROSS]
         if across:

@@ -159,7 +159,9 @@ class WornLayers:
         for name, along in (("p", "z"), ("q_x", "x")):
             if name in self._interface.influences:
                 first, second = (
-                    PairCoefficients(self._interface.influences[name], self._thinned(depths), along)
+                    PairCoefficients(
+                        self._interface.influences[name], self._thinned(depths), along, self._interface.datum
+                    )
                     .response(k, still)
                     .real
                     for depths in (losses, new_losses)
