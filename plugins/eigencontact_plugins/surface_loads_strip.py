@@ -51,30 +51,31 @@ class Strip:
     @cached_property
     def log(self) -> FloatArray:
         nearer = np.minimum(self.rho2_left, self.rho2_right)
-        return 0.5 * np.sign(self.x) * np.log1p(4.0 * self.a * np.abs(self.x) / nearer)
+        return np.asarray(0.5 * np.sign(self.x) * np.log1p(4.0 * self.a * np.abs(self.x) / nearer))
 
     @cached_property
     def x_log(self) -> FloatArray:
         """Difference of x ln ρ."""
-        return self.x * self.log + 0.5 * self.a * (np.log(self.rho2_left) + np.log(self.rho2_right))
+        logs = np.log(self.rho2_left) + np.log(self.rho2_right)
+        return np.asarray(self.x * self.log + 0.5 * self.a * logs)
 
     @cached_property
     def V(self) -> FloatArray:
-        return 2.0 * self.a - self.x_log - self.z * self.angle
+        return np.asarray(2.0 * self.a - self.x_log - self.z * self.angle)
 
     @cached_property
     def M(self) -> FloatArray:
         angles = np.arctan2(self.right, self.z) + np.arctan2(self.left, self.z)
-        return self.x * self.angle + self.a * angles - self.z * self.log
+        return np.asarray(self.x * self.angle + self.a * angles - self.z * self.log)
 
     @cached_property
     def S(self) -> FloatArray:
         top = 2.0 * self.a * (self.z * self.z - self.right * self.left)
-        return self.z * (top / self.rho2_left) / self.rho2_right
+        return np.asarray(self.z * (top / self.rho2_left) / self.rho2_right)
 
     @cached_property
     def Q(self) -> FloatArray:
-        return -4.0 * self.a * self.x * (self.z / self.rho2_left) * (self.z / self.rho2_right)
+        return np.asarray(-4.0 * self.a * self.x * (self.z / self.rho2_left) * (self.z / self.rho2_right))
 
 
 Formula = Callable[[Strip, float], FloatArray]

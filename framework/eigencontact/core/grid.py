@@ -137,6 +137,11 @@ class Grid:
         return (self.dx,) if self.line else (self.dx, self.dy)
 
     @property
+    def mean_edge(self) -> float:
+        """Edge of a square with the area of a cell; of a strip that along x [m]."""
+        return self.dx if self.line else float((self.dx * self.dy) ** 0.5)
+
+    @property
     def size(self) -> tuple[float, float]:
         """Extent of the window along x and y [m]."""
         return self.nx * self.dx, self.ny * self.dy

@@ -74,7 +74,7 @@ def trailing_edge_tension(p0: float, coefficient: float, share: float) -> float:
 
 def rounded_punch_load(angle: float) -> float:
     """Load per length P R/(b² E*) of a flat of half width b with parabolic edges of radius R; b = a sin(`angle`)."""
-    return (np.pi - 2.0 * angle - np.sin(2.0 * angle)) / (4.0 * np.sin(angle) ** 2)
+    return float((np.pi - 2.0 * angle - np.sin(2.0 * angle)) / (4.0 * np.sin(angle) ** 2))
 
 
 def rounded_punch_pressure(x: ArrayLike, angle: float) -> FloatArray:

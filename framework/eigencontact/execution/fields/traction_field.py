@@ -202,8 +202,8 @@ class TractionField(Cause):
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
-        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin))
-        kernels += tuple(kernel.datum for kernel in self._kernels[quantity])
+        data = tuple(kernel.datum for kernel in self._kernels[quantity])
+        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:

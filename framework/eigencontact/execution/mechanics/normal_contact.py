@@ -49,7 +49,7 @@ NORMAL_NUMBERS = (
     Number(name="normal_load", unit="N", meaning="normal load", headline=True),
     Number(
         name="approach", unit="m", meaning="approach of distant points", headline=True,
-        in_line="approach of the points at the datum depth",
+        in_line="approach at the datum depth",
     ),
     Number(name="tilt_x", unit="rad", meaning="tilt about the x axis"),
     Number(name="tilt_y", unit="rad", meaning="tilt about the y axis"),
