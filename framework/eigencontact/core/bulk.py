@@ -113,10 +113,12 @@ def dragged(strain: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
     return np.stack([np.broadcast_to(xx * x + xy * y, shape), np.broadcast_to(xy * x + yy * y, shape)])
 
 
-def relative_strain(values: Mapping[str, float], substrates: Iterable[Material | None]) -> FloatArray:
+def relative_strain(
+    values: Mapping[str, float], substrates: Iterable[Material | None], *, plane_strain: bool = False
+) -> FloatArray:
     """Strain (xx, yy, xy) of the surface of body 1 less that of body 2; None is rigid and has none."""
     total = np.zeros(3)
     for body, material in enumerate(substrates, start=1):
         if material is not None:
-            total += side(body, "x") * in_plane_strain(bulk_of(values, body), material)
+            total += side(body, "x") * in_plane_strain(bulk_of(values, body), material, plane_strain=plane_strain)
     return total

@@ -61,14 +61,20 @@ def coupling_of(scene: Scene, bodies: Solids, *, dragged: bool = False) -> Coupl
         return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
     level = scene.numerics.coupling
     alike = _alike(bodies) and not _grow_apart(scene, bodies)
-    components = _components(scene) if level == "none" and not (dragged or scene.bulk_at_rest) else "xy"
+    line = scene.grid.line
+    stretched = bool(scene.bulk_at_rest)
+    components = "xy" if dragged or ((level != "none" or stretched) and not line) else _components(scene)
+    if line and stretched and "x" not in components:
+        components = f"x{components}"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
-    if level != "none":
+    # In plane strain, what is along y has nothing to do with what is in the plane.
+    joined = "x" if line else components
+    if level != "none" and not line:
         pairs += [("x", "y"), ("y", "x")]
     if level in ("one-way", "full") and not alike:
-        pairs += [(c, "z") for c in components]
+        pairs += [(c, "z") for c in components if c in joined]
     if level == "full" and not alike:
-        pairs += [("z", c) for c in components]
+        pairs += [("z", c) for c in components if c in joined]
     return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
 
 

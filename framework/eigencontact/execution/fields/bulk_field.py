@@ -9,6 +9,7 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.bulk import bulk_of, dragged, in_plane_strain, plane_stress, strain_across
+from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import SQRT2
 from eigencontact.execution.blocks.block import Cost
@@ -37,17 +38,15 @@ class BulkField(Cause):
         Points of the region.
     solid : Material or LayeredMedium
         The body.
-    center : (float, float)
-        Middle of the window [m].
+    grid : Grid
+        Cells of the window, in whose middle the displacement is zero; in a line contact the strain is plane.
     """
 
     requires, kernels, cost, precisions = frozenset(), (), Cost(), ()
 
-    def __init__(
-        self, request: StressRequest, lattice: RegionLattice, solid: Solid, center: tuple[float, float]
-    ) -> None:
+    def __init__(self, request: StressRequest, lattice: RegionLattice, solid: Solid, grid: Grid) -> None:
         self._body, self._quantities, self._lattice, self._solid = request.body, request.fields, lattice, solid
-        self._center = center
+        self._center, self._plane_strain = grid.center, grid.line
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
@@ -63,7 +62,7 @@ class BulkField(Cause):
     def _strain(self, values: Mapping[str, float]) -> FloatArray:
         """Strain (xx, yy, xy) that all depths share."""
         substrate = self._solid if isinstance(self._solid, Material) else self._solid.deep_material
-        return in_plane_strain(bulk_of(values, self._body), substrate)
+        return in_plane_strain(bulk_of(values, self._body), substrate, plane_strain=self._plane_strain)
 
     def _material(self, depth: float) -> Material:
         return self._solid if isinstance(self._solid, Material) else self._solid.material_at(float(depth))

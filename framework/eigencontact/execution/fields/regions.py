@@ -144,7 +144,7 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
 
             solid = (model.bodies.solids if interface is None else interface.solids)[request.body - 1]
             assert solid is not None
-            yield BulkField(request, lattice, solid, model.grid.center)
+            yield BulkField(request, lattice, solid, model.grid)
         if any(source.body == request.body for source in model.sources):
             from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
             from eigencontact.execution.routes.subsurface import subsurfaces_of

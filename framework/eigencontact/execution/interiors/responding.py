@@ -107,7 +107,9 @@ class Responding(Interior):
     def _bulk_stress(self, values: Mapping[str, float]) -> FloatArray | None:
         """Mandel stress ``(6,)`` [Pa] of a load far away; None without one."""
         stress, material = bulk_of(values, self.body), self._half_space.material
-        return plane_stress(in_plane_strain(stress, material), material) if stress.any() else None
+        if not stress.any():
+            return None
+        return plane_stress(in_plane_strain(stress, material, plane_strain=self._grid.line), material)
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
         """Stored values on the cells of this interior."""
