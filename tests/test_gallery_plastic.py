@@ -59,7 +59,9 @@ def yields(scene):
 
 def test_every_bundled_body_that_yields_is_tested():
     scenes = {name: ec.load_scene(name) for name in bundled_names()}
-    assert sorted(COARSER) == [name for name, scene in scenes.items() if yields(scene) and scene.wear is None]
+    assert sorted(COARSER) == [
+        name for name, scene in scenes.items() if yields(scene) and scene.wear is None and not scene.grid.line
+    ]
 
 
 @pytest.fixture

@@ -187,7 +187,7 @@ class RunResult:
         """
         from eigencontact.results.course import course_table
 
-        return course_table(self.summary["history"])
+        return course_table(self.summary["history"], self.summary["units"])
 
 
 def run(

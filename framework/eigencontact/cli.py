@@ -153,7 +153,9 @@ def run(
         with painter_of(loaded.numerics.threads, pictures=loaded.output.pictures) as painter:
             planned = calls.plan(loaded)
             folder = here / (planned.name if output is None else output)
-            with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
+            with progress(
+                enabled=verbose or not (quiet or as_json), verbose=verbose, line=planned.grid.line
+            ) as watcher:
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, errors=errors, accuracy=accuracy,
                     watcher=watcher, painter=painter,
@@ -184,7 +186,7 @@ def _report(name: str, result: Any) -> None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
     print_table(numbers, console)
-    if course := course_table(summary["history"]):
+    if course := course_table(summary["history"], summary["units"]):
         console.print(f"\n{course}", markup=False, soft_wrap=True)
     if "accuracy" in summary:
         from eigencontact.accuracy.words import accuracy_lines

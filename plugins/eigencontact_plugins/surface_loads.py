@@ -1,5 +1,7 @@
 """Pressure and shear, uniform on a rectangle, on a homogeneous half-space: exact at every depth, z = 0 included.
 
+A rectangle with an infinite half width along y is a strip in plane strain (`surface_loads_strip`).
+
 Near the rectangle the field is the alternating sum of a corner function (`surface_loads_corner`); far from it, where
 that sum would lose digits, pointwise evaluation uses Gauss sums of point forces (`surface_loads_far`). `sample` keeps
 to corner sums: its errors are relative to the largest coefficient of the lattice, which is what a convolution feels.
@@ -27,6 +29,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import CornerInfluence, FloatArray, Material, hook_for
 from eigencontact_plugins.surface_loads_corner import corner_field, surface_lift
 from eigencontact_plugins.surface_loads_far import gauss_field, is_far
+from eigencontact_plugins.surface_loads_strip import strip_field
 from eigencontact_plugins.surface_loads_waves import wave_response
 
 __all__ = ["PressureLoad", "ShearLoadX", "ShearLoadY"]
@@ -43,6 +46,7 @@ class _UniformLoad(CornerInfluence):
     """Base of the three loads; `direction` is the axis of the traction."""
 
     direction: ClassVar[str]
+    has_strips: ClassVar[bool] = True
 
     def displacement_corner(
         self, components: Sequence[str], x: FloatArray, y: FloatArray, z: FloatArray | float, material: Material
@@ -69,6 +73,8 @@ class _UniformLoad(CornerInfluence):
         Measured error of the displacement at any distance, in parts of the largest component over the three loads:
         1e-14 for a square, 4e-13 for edges 1:1000.
         """
+        if np.isinf(half_widths[1]):
+            return strip_field(self.direction, quantity, components, points, half_widths[0], material)
         unit = _unit_of_length(half_widths)
         x, y, z = (np.asarray(coordinate) / unit for coordinate in points)
         widths = half_widths[0] / unit, half_widths[1] / unit
@@ -98,6 +104,9 @@ class _UniformLoad(CornerInfluence):
 
         The surface displacement of a pressure along z, all that frictionless contact needs, has a path of its own.
         """
+        if np.isinf(half_widths[1]):
+            points = x[None, :], y[:, None], z
+            return strip_field(self.direction, quantity, components, points, half_widths[0], material)
         unit = _unit_of_length(half_widths)
         x, y, a, b = x / unit, y / unit, half_widths[0] / unit, half_widths[1] / unit
         if self.direction == "z" and quantity == "displacement" and tuple(components) == ("z",) and z == 0:

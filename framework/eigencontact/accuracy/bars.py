@@ -185,7 +185,7 @@ def _slow(summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
 
 def _edge(plan: Plan) -> float:
     """Edge of the cells, both directions alike."""
-    return float((plan.grid.dx * plan.grid.dy) ** 0.5)
+    return plan.grid.mean_edge
 
 
 def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:

@@ -46,7 +46,7 @@ def refined_grid(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dic
         cells = factor * spec.cells_per_contact_radius
         center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
-        return table, f"{cells:g} cells per contact radius"
+        return table | _of_line(plan), f"{cells:g} cells per contact radius"
     return refined_window(plan, factor, alike=alike)
 
 
@@ -59,8 +59,17 @@ def refined_window(plan: Plan, factor: float, *, alike: bool = False) -> tuple[d
     number = _alike if alike else _rounded
     nx, ny = (number(factor * count, count) for count in (grid.nx, grid.ny))
     size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
+    if grid.line:
+        return {"cells": nx, "size": size[0], "center": list(grid.center)} | _of_line(plan), f"{nx} cells"
     # the centre of the plan: an automatic window around inclusions has its own
     return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
+
+
+def _of_line(plan: Plan) -> dict[str, Any]:
+    """Keys of the grid of a line contact: displacements of all grids count against one depth."""
+    interface = plan.model.interface
+    datum = {} if interface is None or interface.datum is None else {"datum-depth": interface.datum}
+    return {"length": "infinite", **datum} if plan.grid.line else {}
 
 
 def _rounded(wanted: float, _: int) -> int:

@@ -36,9 +36,12 @@ def half_distances(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
 
 
 def cell_sizes(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
-    """Area of a cell [m2], or radius of the circle of this area [m], for each size that is counted in cells."""
-    area = float(plan.grid.dx * plan.grid.dy)
-    errors = {"m2": area, "m": (area / np.pi) ** 0.5}
+    """Area of a cell [m2], or radius of the circle of this area [m], for each size that is counted in cells.
+
+    In a line contact widths are counted in cells: their error is the edge of one.
+    """
+    area = plan.grid.mean_edge**2
+    errors = {"m2": area, "m": plan.grid.dx if plan.grid.line else (area / np.pi) ** 0.5}
     units = {name: summary["numbers"][name]["unit"] for name, _ in _declared(summary, "scatters")}
     return {name: errors[unit] for name, unit in units.items() if unit in errors}
 

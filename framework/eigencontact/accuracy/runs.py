@@ -31,7 +31,7 @@ class Run(NamedTuple):
 
 def edge_of(plan: Plan) -> float:
     """Edge of the cells, both directions alike [m]."""
-    return float((plan.grid.dx * plan.grid.dy) ** 0.5)
+    return plan.grid.mean_edge
 
 
 @dataclass

@@ -191,7 +191,7 @@ def _in_unit(target: float | str, number: Number) -> float:
 
 def _declared(plan: Plan) -> dict[str, Number]:
     """Every number that a run may have, those of its observers too."""
-    observed = {number.name: number for observer in plan.model.observers for number in observer.numbers}
+    observed = plan.observed
     return {**plan.numbers, **observed}
 
 

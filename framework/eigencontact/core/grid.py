@@ -77,6 +77,9 @@ class Grid:
         Edges of a cell [m].
     center : (float, float)
         Coordinates (x, y) of the middle of the window [m].
+    line : bool
+        Whether the cells are strips without end along y, in plane strain. There is one row of them, and 1 m of their
+        length is counted: forces, areas and work are per metre.
 
     Examples
     --------
@@ -90,6 +93,7 @@ class Grid:
     dx: float
     dy: float
     center: tuple[float, float] = (0.0, 0.0)
+    line: bool = False
 
     def __post_init__(self) -> None:
         for name in ("nx", "ny"):
@@ -98,6 +102,9 @@ class Grid:
         for name in ("dx", "dy"):
             value = getattr(self, name)
             require(is_real(value) and 0 < value < np.inf, "grid", name, value, "positive and finite [m]")
+        if self.line:
+            require(self.ny == 1, "grid", "ny", self.ny, "1 in a line contact [cells]")
+            require(self.dy == 1.0, "grid", "dy", self.dy, "1 in a line contact, the length that is counted [m]")
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -120,9 +127,29 @@ class Grid:
         return self.dx * self.dy
 
     @property
+    def half_widths(self) -> tuple[float, float]:
+        """Half edges of a cell along x and y, infinite along y for strips [m]."""
+        return 0.5 * self.dx, np.inf if self.line else 0.5 * self.dy
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Edges of a cell along x and y, of a strip that along x alone [m]."""
+        return (self.dx,) if self.line else (self.dx, self.dy)
+
+    @property
+    def mean_edge(self) -> float:
+        """Edge of a square with the area of a cell; of a strip that along x [m]."""
+        return self.dx if self.line else float((self.dx * self.dy) ** 0.5)
+
+    @property
     def size(self) -> tuple[float, float]:
         """Extent of the window along x and y [m]."""
         return self.nx * self.dx, self.ny * self.dy
+
+    @property
+    def sides(self) -> tuple[float, ...]:
+        """Extents of the window along the axes on which it ends [m]."""
+        return self.size[:1] if self.line else self.size
 
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Return ``(y, x)`` shaped ``(ny, 1)`` and ``(1, nx)``, ready to broadcast [m]."""
@@ -138,4 +165,5 @@ class Grid:
             dx=self.dx * factor_x,
             dy=self.dy * factor_y,
             center=(self.center[0] - 0.5 * lost_x * self.dx, self.center[1] - 0.5 * lost_y * self.dy),
+            line=self.line,
         )

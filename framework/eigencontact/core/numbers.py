@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from math import fsum
 from typing import Any, Literal
 
-from eigencontact.core.units import readable
+from eigencontact.core.units import per_length, readable
 
 __all__ = ["ROUND_OFF", "ErrorBar", "Number", "accumulate", "by_name", "headline_numbers"]
 
@@ -47,6 +47,8 @@ class Number:
         Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
     of_points : bool
         Whether it is the depth of one of the points of a region: it is known to half their distance.
+    in_line : str
+        Its meaning and its label in a line contact, where these differ.
 
     Examples
     --------
@@ -67,6 +69,12 @@ class Number:
     estimates: str = ""
     scatters: bool = False
     of_points: bool = False
+    in_line: str = ""
+
+    def per_length(self) -> Number:
+        """Return the declaration in a line contact, where forces, work and areas are per length."""
+        meaning, label = self.in_line or self.meaning, self.in_line or self.label
+        return replace(self, unit=per_length(self.unit), meaning=meaning, label=label)
 
     @property
     def words(self) -> str:

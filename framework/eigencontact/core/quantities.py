@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any
 
-from eigencontact.core.units import LARGEST, parse_quantity
+from eigencontact.core.units import LARGEST, parse_quantity, per_length
 
 __all__ = [
     "QUANTITIES",
@@ -25,8 +28,12 @@ __all__ = [
     "Quantity",
     "Stress",
     "Unit",
+    "loads_per_length",
     "unit_of",
 ]
+
+#: Whether forces and moments are read per length, as a line contact has them.
+_line: ContextVar[bool] = ContextVar("line", default=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,16 +54,44 @@ class Unit:
         """Tell pydantic to convert text with units before it checks the number."""
         from pydantic_core import core_schema
 
-        read = core_schema.no_info_before_validator_function(
-            lambda value: parse_quantity(value, self.symbol, self.name), handler(source)
-        )
+        read = core_schema.no_info_before_validator_function(self._read, handler(source))
         return core_schema.no_info_after_validator_function(self._within_reach, read)
+
+    def _read(self, value: Any) -> Any:
+        """Value in SI units; of a force or a moment per length in a line contact."""
+        if self.symbol not in ("N", "N*m"):
+            return parse_quantity(value, self.symbol, self.name)
+        units = {False: (self.symbol, self.name), True: (per_length(self.symbol), f"{self.name} per length")}
+        line = _line.get()
+        try:
+            return parse_quantity(value, *units[line])
+        except ValueError as problem:
+            try:
+                parse_quantity(value, *units[not line])
+            except ValueError:
+                raise problem from None
+            hint = (
+                f"a line contact (grid.length = 'infinite') is loaded by {units[True][1]} [{units[True][0]}]"
+                if line
+                else "only a line contact is loaded per length: set grid.length = 'infinite' for one"
+            )
+            raise ValueError(f"{units[line][1]} [{units[line][0]}]; {hint}") from None
 
     def _within_reach(self, value: Any) -> Any:
         """Refuse finite numbers whose products would leave the range of numbers; infinity is for the field to judge."""
         if isinstance(value, float) and LARGEST < abs(value) < inf:
             raise ValueError(f"of a size up to {LARGEST:g} [{self.symbol}]")
         return value
+
+
+@contextmanager
+def loads_per_length(*, line: bool) -> Iterator[None]:
+    """Read forces and moments per length within, if `line`."""
+    token = _line.set(line)
+    try:
+        yield
+    finally:
+        _line.reset(token)
 
 
 #: Annotations for the fields of plugins: ``radius: Length``.

@@ -10,7 +10,8 @@ from typing import Any
 from eigencontact.errors import nearest
 
 __all__ = [
-    "LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable", "time_in_words",
+    "LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "per_length", "quantity_text", "readable",
+    "time_in_words",
 ]  # fmt: skip
 
 #: Smallest size in SI units: products of ten sizes, and of their inverses, stay within the range of numbers.
@@ -62,6 +63,8 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
             raise ValueError(f'{name} [{symbol}]: give a unit, like "{_EXAMPLES.get(symbol, "1 " + symbol)}"')
         carried = number_and_unit(value)
         return value if carried is None else _magnitude(*carried, symbol, name)
+    if symbol == "m" and value.strip() == "infinite":
+        return math.inf  # for the field to judge
     rule, example = f"{name} [{symbol}]", _EXAMPLES.get(symbol, "1 " + symbol)
     text = value.strip()
     head = NUMBER.match(text)
@@ -157,6 +160,12 @@ def _factors(symbol: str) -> dict[str, float]:
         }
     if symbol == "rad":
         return {"": 1.0, "rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": math.pi / 180.0}
+    if symbol == "N/m":
+        return {
+            f"{force}N/{length}m": float(f"1e{_PREFIXES[force] - _PREFIXES[length]}")
+            for force in _PREFIXES
+            for length in _PREFIXES
+        }
     if symbol in ("m", "Pa", "N", "B"):
         return {prefix + symbol: float(f"1e{power}") for prefix, power in _PREFIXES.items()}
     return {}
@@ -174,8 +183,34 @@ def _unknown_unit(problem: Any, symbol: str) -> str:
 
 
 #: Units that a misspelt one is compared with.
-_SPELLINGS = {"m": ("m",), "Pa": ("Pa",), "N": ("N",), "rad": ("rad", "deg"), "N*m": ("N*m", "N*mm"), "B": ("B",)}
-_EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm", "B": "2 GB"}
+_SPELLINGS = {
+    "m": ("m",),
+    "Pa": ("Pa",),
+    "N": ("N",),
+    "rad": ("rad", "deg"),
+    "N*m": ("N*m", "N*mm"),
+    "N/m": ("N/m", "N/mm"),
+    "B": ("B",),
+}
+_EXAMPLES = {
+    "m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm", "N/m": "400 N/mm", "B": "2 GB",
+    "N*m/m": "2 N*mm/mm",
+}  # fmt: skip
+#: Units of what a line contact has per metre of its length.
+_PER_LENGTH = {
+    "N": "N/m", "N*m": "N*m/m", "N m": "N m/m", "J": "J/m", "m2": "m", "m^2": "m", "m3": "m2", "m^3": "m^2",
+}  # fmt: skip
+
+
+def per_length(unit: str) -> str:
+    """Unit in a line contact of what has this unit in three dimensions; a pressure or a length keeps its own.
+
+    Examples
+    --------
+    >>> per_length("N"), per_length("m3"), per_length("Pa")
+    ('N/m', 'm2', 'Pa')
+    """
+    return _PER_LENGTH.get(unit, unit)
 
 
 def readable(value: float, unit: str) -> str:

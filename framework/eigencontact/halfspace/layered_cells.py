@@ -17,7 +17,7 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import product
 
-__all__ = ["StretchedNodes"]
+__all__ = ["StretchedNodes", "Weights"]
 
 #: Weights ``(m, n)`` for even (1) and odd (-1) functions.
 Weights = dict[int, FloatArray]
@@ -68,6 +68,17 @@ class StretchedNodes:
     def integrals(self, centres: FloatArray, half_width: float) -> Weights:
         """Weights of the integrals over cells about `centres` ``(m,)``, of this half width [m]."""
         return _integrals(self, np.asarray(centres, dtype=float).tobytes(), half_width)
+
+    def strips(self, count: int) -> Weights:
+        """Weights of the integrals over all x, `count` times, for functions that fall like 1/x² far away.
+
+        What is beyond a length is a series in its inverse: the integrals up to the last coordinate, a half and a
+        quarter of it extrapolate two terms.
+        """
+        far = float(self.scale * np.sinh(self.extent)) * (1.0 - 1e-9)
+        whole, half, quarter = (self.integrals(np.zeros(1), share * far) for share in (1.0, 0.5, 0.25))
+        rows = {parity: (8.0 * whole[parity] - 6.0 * half[parity] + quarter[parity]) / 3.0 for parity in whole}
+        return {parity: np.repeat(row, count, axis=0) for parity, row in rows.items()}
 
     def _polynomials(self, xi: FloatArray) -> Weights:
         """Chebyshev polynomials of even and of odd degree, up to sign, ``(m, n)``."""

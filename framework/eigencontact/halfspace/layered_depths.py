@@ -219,7 +219,9 @@ class LayeredDepths:
         return out
 
     def _probes(self, half_width: float) -> FloatArray:
-        """Offsets at which two resolutions are compared: 0 and whole cells, near and far."""
+        """Offsets at which two resolutions are compared: 0 and whole cells, near and far; 0 along a strip."""
+        if half_width == np.inf:
+            return np.zeros(1)
         cells = np.geomspace(1.0, max(self.reach / (2 * half_width), 1.0), PROBES)
         return np.append(0.0, 2 * half_width * np.unique(np.floor(cells)))
 
@@ -231,7 +233,8 @@ class LayeredDepths:
         limit = DEEP * max(self.half_widths)
         shallow = [solid for _, solid, depth in band.kernels[0] if depth <= limit]
         sums = sum(float(np.abs(self._closed(direct, origin, origin, 0.0, solid)).max()) for solid in shallow)
-        return EPSILON * sums * (self.reach + max(self.half_widths)) / min(self.half_widths)
+        finite = [half for half in self.half_widths if half < np.inf]
+        return EPSILON * sums * (self.reach + max(finite)) / min(finite)
 
 
 def _sum(table: FloatArray, load: FloatArray) -> FloatArray:

@@ -33,6 +33,9 @@ HANKEL = (
 OCTAVE = 8.0
 # Layers thinner than this part of the reach are refused: the logarithmic grid that joins both grows by decades.
 THIN = 1e9
+# Half length of a strip in the smooth part, in parts of the longest length that counts. That part decays along the
+# strip; what is beyond falls with the inverse of the length, and three lengths extrapolate it (`StretchedNodes.strips`).
+LONG = 1e3
 # Memory of the smooth fields that are kept for further cells, components and steps [bytes]; a depth takes some 100 kB.
 KEPT = 1e8
 
@@ -73,7 +76,7 @@ class LayeredInfluence:
         self.side: Side = side
         self.key, self.traction = self.base.key, self.base.traction
         self.references = (*self.base.references, HANKEL)
-        self.mirror_symmetric = self.base.mirror_symmetric
+        self.mirror_symmetric, self.has_strips = self.base.mirror_symmetric, getattr(self.base, "has_strips", False)
         self._fields: OrderedDict[tuple[str, Medium, Band, float], SmoothField] = OrderedDict()
         self._lock = Lock()
 
@@ -137,7 +140,7 @@ class LayeredInfluence:
         depths : (nz,) float64
             [m]
         half_widths : (float, float)
-            Of the rectangle [m].
+            Of the rectangle [m]; infinite along y for a strip.
         reach : float
             Largest coordinate of an offset that will be asked for [m].
         medium : LayeredMedium
@@ -153,8 +156,12 @@ class LayeredInfluence:
         rule = f"of layers that are thicker than {reach / THIN:.2g} [m], a part in {THIN:g} of the window"
         require(thinnest * THIN >= reach, medium.key, "thickness", thinnest, rule)
         fields: list[tuple[Band, SmoothField]] = []
-        edge = reach + max(half_widths)
-        for band in bands(self.base, quantity, np.asarray(depths, dtype=float), max(half_widths), medium, self.side):
+        longest = max(half for half in half_widths if half < np.inf)
+        split = list(bands(self.base, quantity, np.asarray(depths, dtype=float), longest, medium, self.side))
+        if half_widths[1] == np.inf:
+            longest = LONG * max(reach, longest, *(band.longest for band in split))
+        edge = reach + longest
+        for band in split:
             extent = 2.0 ** (float(np.ceil(OCTAVE * np.log2(np.arcsinh(edge / band.scale)))) / OCTAVE)
             fields.append((band, self._field(quantity, band, medium, extent)))
         coefficients = LayeredDepths(

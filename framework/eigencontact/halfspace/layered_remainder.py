@@ -13,7 +13,7 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import product
-from eigencontact.halfspace.layered_cells import StretchedNodes
+from eigencontact.halfspace.layered_cells import StretchedNodes, Weights
 from eigencontact.halfspace.layered_hankel import LogGrid
 from eigencontact.halfspace.layered_waves import AxisResponse, radial_functions, turned
 
@@ -43,12 +43,17 @@ class NodalField:
         self, rows: list[int], number: int, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Integrals over the rectangles about a lattice of centres at one depth, ``(len(rows), ny, nx)``."""
-        across, along = self.nodes.integrals(x, half_widths[0]), self.nodes.integrals(y, half_widths[1])
+        across, along = self._weights(x, y, half_widths)
         out = np.empty((len(rows), y.size, x.size))
         for target, row in zip(out, rows, strict=True):
             in_y, in_x = self.parities[row]
             target[:] = product(product(along[in_y], self.values[row, number]), across[in_x].T)
         return out
+
+    def _weights(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> tuple[Weights, Weights]:
+        """Weights of the integrals along x, and along y: those of a strip are the same at all y."""
+        across = self.nodes.integrals(x, half_widths[0])
+        return across, self.nodes.integrals(y, half_widths[1]) if half_widths[1] < np.inf else self.nodes.strips(y.size)
 
     def moments(
         self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float], load: FloatArray
@@ -57,7 +62,7 @@ class NodalField:
 
         The sum of its products with nodal values is that with `on_cells`, at any depth, for any component.
         """
-        across, along = self.nodes.integrals(x, half_widths[0]), self.nodes.integrals(y, half_widths[1])
+        across, along = self._weights(x, y, half_widths)
         halves = {in_x: product(load, weights) for in_x, weights in across.items()}
         return {(in_y, in_x): product(along[in_y].T, halves[in_x]) for in_y, in_x in set(self.parities)}
 
@@ -69,8 +74,7 @@ class NodalField:
         block = max(1, 1_000_000 // self.nodes.count)
         for start in range(0, x.size, block):
             chunk = slice(start, start + block)
-            across = self.nodes.integrals(x[chunk], half_widths[0])
-            along = self.nodes.integrals(y[chunk], half_widths[1])
+            across, along = self._weights(x[chunk], y[chunk], half_widths)
             for target, row in zip(out, rows, strict=True):
                 in_y, in_x = self.parities[row]
                 target[chunk] = np.einsum("pj,pj->p", product(along[in_y], self.values[row, number]), across[in_x])

@@ -254,7 +254,7 @@ class HasCornerPotentials(Protocol):
         """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
 
         x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
-        z is the distance along Z, positive.
+        z is the distance along Z, positive. All y may be infinite, for cells without end along y (line contacts).
         """
 
 

@@ -120,7 +120,7 @@ def cut_cells(
         )
     regions = (*prescribed, *inhomogeneities)
     if not scene.numerics.allow_coarse:
-        refuse_coarse_regions(regions)
+        refuse_coarse_regions(regions, grid)
     requests = tuple(resolved(scene.stress, regions, grid))
     return Cells(prescribed=prescribed, inhomogeneities=inhomogeneities, requests=requests)
 

@@ -120,7 +120,7 @@ def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
     for region in (*solved, source):
         if region.lattice is not None:
             return region.lattice.edges[0]
-    return min(grid.dx, grid.dy)
+    return min(grid.edges)
 
 
 def _in_window(source: Source, grid: Grid) -> list[tuple[float, float]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,6 +42,8 @@ def contact_window(scene: Scene, interface: Interface) -> Window:
     normal, measured = interface.normal, interface.measured
     grid, reason = _grid(scene, interface)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
+    if interface.datum is None and grid.line:
+        normal = replace(normal, datum=grid.size[0])
     contacts = contacts_of_steps(scene, grid, interface)
     touched = reduce(ContactEstimate.join, [step.contact for step in contacts]) if contacts else whole
     box = tuple(
@@ -90,14 +92,15 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
     controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
     # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
-    start = max((_first_window(interface.separation, bare, control) for control, _ in controls), default=1.0)
+    first_window = partial(_first_window, interface.separation, bare, line=spec.line)
+    start = max((first_window(control) for control, _ in controls), default=1.0)
     yields = scene.body1.law is not None or scene.body2.law is not None
     grid = _automatic_grid(spec, interface.separation, normal, controls, start, odd=yields)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
 
-def _first_window(separation: Any, normal: PairCoefficients, control: Control) -> float:
-    """Side of a square window in which load and separation balance [m].
+def _first_window(separation: Any, normal: PairCoefficients, control: Control, *, line: bool) -> float:
+    """Side of a square window, or width of one of a line contact, in which load and separation balance [m].
 
     Found to round-off, so that a scene scaled in length gets the same grid scaled.
     """
@@ -106,9 +109,10 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
         ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
         h = separation(ring, ring[::-1].copy())
         if control.normal_load is not None:
-            lift = (
-                normal.table(np.zeros(1), np.zeros(1), (0.5 * side, 0.5 * side))[0, 0] * control.normal_load / side**2
-            )
+            half_widths, area = (0.5 * side, np.inf if line else 0.5 * side), side if line else side**2
+            # Against the end of the window: the displacement of a strip has a free constant.
+            response = normal.table(np.array([0.0, 0.5 * side])[: 1 + line], np.zeros(1), half_widths)[0]
+            lift = (response[0] - response[-1] * line) * control.normal_load / area
         else:
             lift = abs(control.approach or 0.0)
         rise = float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0])
@@ -154,7 +158,7 @@ def _automatic_grid(
     largest: ContactEstimate | None = None
     across = 0.0
     for control, travel in controls:
-        estimate = settled_estimate(spec.center, separation, coefficients, control, start)
+        estimate = settled_estimate(spec.center, separation, coefficients, control, start, line=spec.line)
         if estimate is not None:
             across = max(across, min(estimate.extent))
             estimate = estimate.moved(travel)
@@ -170,6 +174,10 @@ def _automatic_grid(
     center = (0.5 * (largest.x0 + largest.x1), 0.5 * (largest.y0 + largest.y1))
     # Symmetric about the contact; an even number of cells halves the price of coefficients.
     nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) + odd for extent in (wide, high))
+    if spec.line:
+        _refuse_many(nx, spec)
+        middle = 0.0 if abs(center[0]) < 0.06 * wide else center[0]
+        return Grid(nx=nx, ny=1, dx=edge, dy=1.0, center=(middle, 0.0), line=True)
     _refuse_many(nx * ny, spec)
     # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
     center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
@@ -218,7 +226,7 @@ def _growth(scene: Scene, contacts: Sequence[StepContact]) -> ContactGrowth | No
     if not (contacts and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
         return None
     largest = max(contacts, key=lambda step: step.width)
-    growth = contact_growth(largest.separation, largest.contact, largest.control)
+    growth = contact_growth(largest.separation, largest.contact, largest.control, line=scene.grid.line)
     loaded = [step for step in contacts if step.control.normal_load]
     if growth is None or largest.control.normal_load is not None or not loaded:
         return growth
@@ -245,6 +253,6 @@ def _expected(contacts: Sequence[StepContact], grid: Grid, normal: PairCoefficie
     if not contacts:
         return None
     contact, control, separation = max(contacts, key=lambda step: step.width)
-    if max(share / side for share, side in zip(contact.extent, grid.size, strict=True)) > _PLAIN:
+    if max(share / side for share, side in zip(contact.extent, grid.sides, strict=False)) > _PLAIN:
         return contact
     return close_estimate(grid, separation, normal, control) or contact

@@ -61,14 +61,17 @@ def coupling_of(scene: Scene, bodies: Solids, *, dragged: bool = False) -> Coupl
         return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
     level = scene.numerics.coupling
     alike = _alike(bodies) and not _grow_apart(scene, bodies)
-    components = _components(scene) if level == "none" and not dragged else "xy"
+    line = scene.grid.line
+    components = _components(scene) if (level == "none" or line) and not dragged else "xy"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
-    if level != "none":
+    # In plane strain, what is along y has nothing to do with what is in the plane.
+    joined = "x" if line else components
+    if level != "none" and not line:
         pairs += [("x", "y"), ("y", "x")]
     if level in ("one-way", "full") and not alike:
-        pairs += [(c, "z") for c in components]
+        pairs += [(c, "z") for c in components if c in joined]
     if level == "full" and not alike:
-        pairs += [("z", c) for c in components]
+        pairs += [("z", c) for c in components if c in joined]
     return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
 
 

@@ -52,7 +52,7 @@ class Exposed:
     def at(self, lost: FloatArray | None = None) -> NDArray[np.intp]:
         """Numbers ``(ny, nx)`` under a lost depth ``(ny, nx)`` [m], by default none."""
         depth = np.zeros(self.grid.shape) if lost is None else lost
-        depth = depth + _BELOW * min(self.grid.dx, self.grid.dy)
+        depth = depth + _BELOW * min(self.grid.edges)
         layer = np.searchsorted(np.asarray(self.interfaces), depth) + 1
         out = np.where(layer > len(self.interfaces), 0, layer)
         y, x = self.grid.axes()

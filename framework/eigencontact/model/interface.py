@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.tractions import ALONG, Traction
+from eigencontact.errors import PlanError
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import influence_for, kernel_key
 from eigencontact.model.coupling import Coupling, coupling_of
@@ -36,6 +37,10 @@ class Interface:
         Tractions, and the kernels that join them to displacements.
     influences : mapping of str to SurfaceInfluence
         By traction.
+    line : bool
+        Whether it is a line contact: the geometries count at y = 0.
+    datum : float or None
+        As of `PairCoefficients`.
     """
 
     solids: Solids
@@ -43,6 +48,8 @@ class Interface:
     friction: FrictionLaw | None
     coupling: Coupling
     influences: Mapping[str, SurfaceInfluence]
+    line: bool = False
+    datum: float | None = None
 
     @property
     def tractions(self) -> tuple[Traction, ...]:
@@ -56,7 +63,7 @@ class Interface:
 
     def pair(self, displacement: str, traction: str) -> PairCoefficients:
         """Displacement of both solids along one direction by the traction along another."""
-        return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement)
+        return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement, self.datum)
 
     def kernel_key(self, traction: str) -> str:
         """Names of the plugins behind the kernels of the traction along a direction."""
@@ -71,6 +78,7 @@ class Interface:
             Names a geometry that does not return real numbers of this shape.
         """
         shape = np.broadcast_shapes(x.shape, y.shape)
+        y = np.zeros_like(y) if self.line else y
         total = np.zeros(shape)
         for geometry in self.geometries:
             total += real_answer(geometry.separation(x, y), f"separation of geometry {geometry.key!r}", shape)
@@ -97,9 +105,22 @@ def build_interface(scene: Scene, registry: Registry, solids: Solids) -> Interfa
     influences = {item.name: influence_for(registry, item.name, solids) for item in coupling.tractions}
     if scene.friction is not None:
         friction = build_component(registry, "friction-law", scene.friction, "friction")
+    if scene.grid.line:
+        _refuse_without_strips(influences.values())
     return Interface(
-        solids=solids, geometries=tuple(geometries), friction=friction, coupling=coupling, influences=influences
-    )
+        solids=solids, geometries=tuple(geometries), friction=friction, coupling=coupling, influences=influences,
+        line=scene.grid.line, datum=scene.grid.datum_depth,
+    )  # fmt: skip
+
+
+def _refuse_without_strips(influences: Iterable[SurfaceInfluence]) -> None:
+    """Refuse influences that know rectangles alone in a line contact."""
+    for influence in influences:
+        if not influence.has_strips:
+            raise PlanError(
+                f"grid.length must be left out with surface influence {influence.key!r} (got 'infinite'); it has no "
+                "strips, only rectangles"
+            )
 
 
 def dragged_interface(interface: Interface, scene: Scene, registry: Registry) -> Interface:

@@ -19,6 +19,9 @@ from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInf
 
 __all__ = ["KernelUse", "PairCoefficients", "Solid", "Solids", "StressCoefficients"]
 
+#: Half widths of a strip to the depth at which its displacement is zero, where none is named.
+_DEEP = 1e4
+
 #: What a body that is not rigid is made of. A layered one goes with the influence that knows layers
 #: (`eigencontact.model.bodies.influence_for`), which takes it where others take a Material.
 Solid = Material | LayeredMedium
@@ -40,6 +43,36 @@ class KernelUse:
         return f"{self.response} <- {self.traction} (plugin {self.influence!r}), {self.layout}{times}"
 
 
+def _sampled(
+    influence: SurfaceInfluence,
+    quantity: str,
+    components: list[str],
+    place: tuple[FloatArray, FloatArray, float],
+    half_widths: tuple[float, float],
+    body: Any,
+    datum: float | None,
+) -> FloatArray:
+    """Influence coefficients; the displacement of a strip is that against the point at the depth `datum` below it."""
+    values = influence.sample(quantity, components, *place, half_widths, body)
+    shift = _of_datum(influence, quantity, components, half_widths, body, datum)
+    return values if shift is None else values - shift
+
+
+def _of_datum(
+    influence: SurfaceInfluence,
+    quantity: str,
+    components: list[str],
+    half_widths: tuple[float, float],
+    body: Any,
+    datum: float | None,
+) -> FloatArray | None:
+    """Displacement ``(n, 1, 1)`` of the point at the depth `datum` below the middle of a strip; None of all else."""
+    if quantity != "displacement" or half_widths[1] < np.inf:
+        return None
+    middle, depth = np.zeros(1), _DEEP * half_widths[0] if datum is None else datum
+    return influence.sample(quantity, components, middle, middle, depth, half_widths, body)
+
+
 @dataclass(frozen=True, slots=True)
 class PairCoefficients:
     """Relative surface displacement of two bodies under one traction component.
@@ -47,11 +80,18 @@ class PairCoefficients:
     Normal response to normal traction (and tangential to tangential) adds up over the bodies; the cross terms of
     body 2 count negative (thesis eqs 2.63, 2.64). A rigid body is None and costs nothing; like bodies are
     evaluated once.
+
+    Attributes
+    ----------
+    datum : float or None
+        Depth of the points against which the surfaces of a line contact move [m]; by default one that follows the
+        cells.
     """
 
     influence: SurfaceInfluence
     bodies: Solids
     component: str
+    datum: float | None = None
 
     @property
     def parity(self) -> tuple[int, int]:
@@ -70,7 +110,8 @@ class PairCoefficients:
         """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
         total: FloatArray | None = None
         for body, weight in self._weights().items():
-            values = self.influence.sample("displacement", [self.component], x, y, 0.0, half_widths, body)[0]
+            at = (x, y, 0.0)
+            values = _sampled(self.influence, "displacement", [self.component], at, half_widths, body, self.datum)[0]
             values = weight * values if weight != 1.0 else values
             total = values if total is None else total + values
         assert total is not None
@@ -94,11 +135,14 @@ class StressCoefficients:
     ----------
     quantity : "stress" or "displacement"
         Values are per unit traction, [-] or [m/Pa].
+    datum : float or None
+        As of `PairCoefficients`.
     """
 
     influence: SurfaceInfluence
     body: Any
     quantity: str = "stress"
+    datum: float | None = None
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -113,7 +157,7 @@ class StressCoefficients:
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Values at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)``."""
-        return self.influence.sample(self.quantity, components, x, y, z, half_widths, self.body)
+        return _sampled(self.influence, self.quantity, components, (x, y, z), half_widths, self.body, self.datum)
 
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
@@ -124,7 +168,8 @@ class StressCoefficients:
         layered: Any = self.influence  # the influence that knows layers goes with such a body
         table: Callable[[int, FloatArray, FloatArray], FloatArray]
         table = layered.at_depths(self.quantity, components, depths, half_widths, reach, self.body).on_lattice
-        return table
+        shift = _of_datum(self.influence, self.quantity, components, half_widths, self.body, self.datum)
+        return table if shift is None else lambda number, x, y: table(number, x, y) - shift
 
     def sums_at(
         self,
@@ -135,7 +180,7 @@ class StressCoefficients:
         load: FloatArray,
     ) -> Callable[[int, FloatArray, FloatArray], FloatArray] | None:
         """Sums of a load at several depths without tables, in a layered body; see `HasSums`."""
-        if isinstance(self.body, Material):
+        if isinstance(self.body, Material) or (self.quantity == "displacement" and half_widths[1] == np.inf):
             return None
         layered: Any = self.influence
         sums: Callable[[int, FloatArray, FloatArray], FloatArray]

@@ -20,7 +20,14 @@ def numbers_of_laws(laws: Iterable[ConstitutiveLaw]) -> tuple[Number, ...]:
         if variable.largest:
             listed.append(Number(name=variable.largest, unit=variable.unit, meaning=f"largest {variable.meaning}"))
         if variable.extent:
-            listed.append(Number(name=variable.extent, unit="m3", meaning=f"volume with {variable.meaning}"))
+            listed.append(
+                Number(
+                    name=variable.extent,
+                    unit="m3",
+                    meaning=f"volume with {variable.meaning}",
+                    in_line=f"area with {variable.meaning}",
+                )
+            )
         if variable.total:
             name, unit = variable.total
             listed.append(Number(name=name, unit=unit, meaning=f"{variable.meaning} of all bodies"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,6 +12,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies, build_bodies
 from eigencontact.model.cells import Cells, cut_cells, place_sources
+from eigencontact.model.cross_section import CrossSection
 from eigencontact.model.exposed import Exposed, exposed_of
 from eigencontact.model.initial import InitialState
 from eigencontact.model.interface import Interface, build_interface
@@ -112,7 +113,8 @@ class Model:
             used += [*surface.influences.values(), *surface.geometries]
         used += dict.fromkeys(self.bodies.solids)
         for source in self.sources:
-            used += [source.shape, source.field, getattr(source, "law", None)]
+            shape = source.shape.solid if isinstance(source.shape, CrossSection) else source.shape
+            used += [shape, source.field, getattr(source, "law", None)]
         used += [self.friction, self.wear and self.wear.law]
         used += [observing.observer for observing in self.observers]
         return [component for item in used if isinstance(item, Component) for component in (item, *item.parts)]
@@ -136,6 +138,8 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
     bodies = build_bodies(scene, registry)
     elastic = build_interface(scene, registry, bodies.solids)
     window = _window(scene, bodies, elastic)
+    if elastic is not None and elastic.line and elastic.datum is None:
+        elastic = replace(elastic, datum=window.grid.size[0])
     sources = place_sources(scene, registry, bodies, elastic, window, initial)
     cells = cut_cells(scene, bodies, window, sources, initial)
     wear = wear_model(scene, registry)

@@ -89,6 +89,7 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     SceneError
         No points, or more than the memory of this machine can hold.
     """
+    request = _in_plane(request) if grid.line else request
     _refuse_many(request, grid)
     if request.shape in ("line", "points"):
         return RegionLattice(
@@ -97,11 +98,11 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     depths = _depths(request)
     x, y, origin, finer = grid.x, grid.y, [0.0, 0.0], [1, 1]
     if request.start is not None or request.refinement is not None:
-        finer = [request.refinement or 1] * 2
+        finer = [1 if grid.line else request.refinement or 1, request.refinement or 1]
+        across, along = _spans(request, grid)
         (x, origin[1]), (y, origin[0]) = (
-            _between(axis, pitch, finer[0], span)
-            for axis, pitch, span in zip((grid.x, grid.y), (grid.dx, grid.dy), _spans(request, grid), strict=True)
-        )
+            _between(grid.x, grid.dx, finer[1], across), _between(grid.y, grid.dy, finer[0], along),
+        )  # fmt: skip
     if request.shape == "plane" and request.normal == "x":
         x, finer[1] = np.array([request.at]), 1
         origin[1] = _snap((request.at - grid.x[0]) / grid.dx)
@@ -113,6 +114,19 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     )
 
 
+def _in_plane(request: StressRequest) -> StressRequest:
+    """Request with all places at y = 0: fields in plane strain are the same for all y."""
+    changes: dict[str, object] = {}
+    if request.shape == "plane" and request.normal == "y":
+        changes["position"] = 0.0
+    for name in ("start", "end"):
+        if (corner := getattr(request, name)) is not None:
+            changes[name] = (corner[0], 0.0, corner[2])
+    if request.points is not None:
+        changes["points"] = [(x, 0.0, z) for x, _, z in request.points]
+    return request.model_copy(update=changes)
+
+
 def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
     """First and last of the points along x, and along y, numbered from the window's first; one across a plane."""
     low, high = request.start or (-np.inf, -np.inf, 0.0), request.end or (np.inf, np.inf, 0.0)
@@ -120,7 +134,7 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
     finer = request.refinement or 1
     return [
         (0, 0)  # the position counts
-        if axis == normal
+        if axis == normal or (axis == 1 and grid.line)
         else _span(first - 0.5 * pitch, pitch / finer, count * finer, (low[axis], high[axis]))
         for axis, (first, pitch, count) in enumerate(
             ((float(grid.x[0]), grid.dx, grid.nx), (float(grid.y[0]), grid.dy, grid.ny))

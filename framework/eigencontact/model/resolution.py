@@ -17,6 +17,7 @@ __all__ = [
     "cells_above",
     "cells_across",
     "cells_per_radius",
+    "edges_of_cells",
     "error_above",
     "percent",
     "pressure_error",
@@ -51,8 +52,7 @@ def pressure_error(cells: float) -> float:
 
 def cells_per_radius(contact: ContactEstimate, grid: Grid) -> float:
     """Cells to the half of the narrower side of a contact."""
-    wide, high = contact.extent
-    return 0.5 * min(wide / grid.dx, high / grid.dy)
+    return 0.5 * min(extent / edge for extent, edge in zip(contact.extent, grid.edges, strict=False))
 
 
 def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
@@ -68,22 +68,34 @@ def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
         radius = 0.5 * min(contact.extent)
         raise SceneError(
             f"grid must have at least {COARSEST:g} cells to a radius of the contact (got {cells:.2g}: cells of "
-            f"{readable(max(grid.dx, grid.dy), 'm')} for an expected {readable(radius, 'm')}; the largest pressure may "
+            f"{readable(max(grid.edges), 'm')} for an expected {readable(radius, 'm')}; the largest pressure may "
             f"be wrong by {percent(pressure_error(cells))}); give cells of {readable(radius / FINE, 'm')}, a smaller "
             'window, grid = "auto", or numerics.allow-coarse = true'
         )
 
 
-def cells_across(source: Source) -> float:
+def cells_across(source: Source, grid: Grid) -> float:
     """Cells across the narrowest extent of a region that is cut into cells; infinity for one that is not."""
     if source.lattice is None:
         return inf
     low, high = source.shape.bounds
     extents = zip(low, high, source.lattice.edges[::-1], strict=True)
-    return min((hi - lo) / edge for lo, hi, edge in extents)
+    cells = [(hi - lo) / edge for lo, hi, edge in extents]
+    return min(cells[axis] for axis in _axes(grid))
 
 
-def refuse_coarse_regions(sources: Iterable[Source]) -> None:
+def edges_of_cells(source: Source, grid: Grid) -> list[float]:
+    """Edges of the cells of a region along the axes on which it ends [m]."""
+    assert source.lattice is not None
+    return [source.lattice.edges[2 - axis] for axis in _axes(grid)]
+
+
+def _axes(grid: Grid) -> tuple[int, ...]:
+    """Axes on which regions end: those of a line contact have no end along y."""
+    return (0, 2) if grid.line else (0, 1, 2)
+
+
+def refuse_coarse_regions(sources: Iterable[Source], grid: Grid) -> None:
     """Refuse cells wider than a region, which acts through them by its volume alone.
 
     Raises
@@ -92,10 +104,10 @@ def refuse_coarse_regions(sources: Iterable[Source]) -> None:
         Naming the region.
     """
     for source in sources:
-        cells = cells_across(source)
+        cells = cells_across(source, grid)
         if cells < 1.0 - _ROUND_OFF:
             assert source.lattice is not None
-            edges = " x ".join(readable(edge, "m") for edge in source.lattice.edges[::-1])
+            edges = " x ".join(readable(edge, "m") for edge in edges_of_cells(source, grid))
             raise SceneError(
                 f"{source.where} ({source.name!r}) must have at least 1 cell across its narrowest extent (got "
                 f"{cells:.2g} of {edges}); give a finer grid or numerics.inclusion-pitch, or set "

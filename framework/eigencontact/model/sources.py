@@ -17,6 +17,7 @@ from eigencontact.core.material import Material
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
+from eigencontact.model.cross_section import CrossSection
 from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape, LinearLaw
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import eigenstrain_table
@@ -243,6 +244,8 @@ def build_inclusions(
         entry = registry.get("inclusion-shape", item.type, where=where)
         for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where, item.beside)
+            if scene.grid.line:
+                shape = _cross_section(shape, where)
             name = item.name or f"{item.type} {number + 1}"
             name += f", {copy + 1}" if item.centers is not None else ""
             facts: dict[str, Any] = {"name": name, "where": where, "key": item.type, "body": item.body}
@@ -254,6 +257,14 @@ def build_inclusions(
                 _refuse_above((prescribed if law is None else inhomogeneities)[-1])
     _refuse_clashes(inhomogeneities)
     return tuple(prescribed), tuple(inhomogeneities)
+
+
+def _cross_section(shape: InclusionShape, where: str) -> CrossSection:
+    """Region without end along y of a line contact; a shape that y = 0 does not cut has none."""
+    low, high = shape.bounds
+    rule = "cut by the plane y = 0 in a line contact, where its cross-section counts"
+    require(low[1] < 0.0 < high[1], where, "extent along y", (low[1], high[1]), rule)
+    return CrossSection(solid=shape)
 
 
 def build_patches(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[Source, ...]:
@@ -323,6 +334,8 @@ def region_of_patch(scene: Scene, number: int, grid: Grid | None) -> Patch:
     sizes = patch.size or (grid.size if grid is not None else (0.0, 0.0))
     middles = patch.center or (grid.center if grid is not None else (0.0, 0.0))
     spans = [(middle - 0.5 * size, middle + 0.5 * size) for middle, size in zip(middles, sizes, strict=True)]
+    if scene.grid.line:
+        spans[1] = (-0.5, 0.5)
     return Patch(((spans[0][0], spans[1][0], 0.0), (spans[0][1], spans[1][1], patch.depth)))
 
 

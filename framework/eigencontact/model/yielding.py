@@ -180,7 +180,8 @@ def _box_where(
             if zone is not None:
                 if closed and not zone.closed:
                     got, advice = _pressed(trial, load, elastic, scene)
-                    got += f"the plastic zone is larger than {_sizes(*(zone.high - zone.low))}"
+                    sides = (zone.high - zone.low)[[0, 2] if grid.line else slice(None)]
+                    got += f"the plastic zone is larger than {_sizes(*sides)}"
                     raise SceneError(f"{trial.where} must yield near the contact alone (got {got}); {advice}")
                 zones.append((zone.low, zone.high))
         return _around(zones)
@@ -194,9 +195,11 @@ def _box_where(
         box = _around([box, *(clipped for shape in beside if (clipped := _clipped_bounds(shape, far)))]) or box
     low, high = box
     margin = scene.numerics.law_room * (high - low)
-    margin += max(trial.law.averaged.values(), default=0.0)
+    if grid.line:
+        margin[1] = 0.0
+    margin[[0, 2] if grid.line else slice(None)] += max(trial.law.averaged.values(), default=0.0)
     (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
-    cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.dx, grid.dy))
+    cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.edges))
     if scene.numerics.inclusion_pitch is None and cells > most(BYTES_OF_LAW_CELL):
         hardest = max(loads, key=lambda load: float(load[1]["p"].max()))
         got, advice = _pressed(trial, hardest, elastic, scene)
@@ -262,8 +265,10 @@ def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator
         nx, ny = (int(np.ceil(1.5 * extent / edge)) for extent in contact.extent)
         center = (0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1))
         window = Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
+        if grid.line:
+            window = Grid(nx=nx, ny=1, dx=edge, dy=1.0, center=(center[0], 0.0), line=True)
         # A periodic contact that nearly fills its window is solved in all of it.
-        whole = periodic and max(nx * edge / grid.size[0], ny * edge / grid.size[1]) > 1.0
+        whole = periodic and max(a / b for a, b in zip(window.sides, grid.sides, strict=True)) > 1.0
         place = grid if whole else window
         solution = coarse_contact(place, separation, normal, control, periodic=whole, cells=6 * ACROSS)
         # Without convergence, the largest pressure everywhere is on the safe side.

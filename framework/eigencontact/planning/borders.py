@@ -130,7 +130,7 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
 
 def _near(model: Model, body: int, points: FloatArray) -> Iterator[tuple[int, Source]]:
     """Inclusions of a body, by number from 1, whose bounds come within a cell of the box around points (3, n)."""
-    room = max(model.grid.dx, model.grid.dy, *(s.lattice.edges[0] for s in model.cells.inhomogeneities if s.lattice))
+    room = max(*model.grid.edges, *(s.lattice.edges[0] for s in model.cells.inhomogeneities if s.lattice))
     inclusions = [source for source in model.sources if source.body == body and _is_inclusion(source)]
     for number, source in enumerate(inclusions, 1):
         low, high = np.array(source.shape.bounds)

@@ -10,7 +10,14 @@ from eigencontact.core.units import readable, time_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
 from eigencontact.model.words import body_in_words, layers_in_words
-from eigencontact.planning.facts import contact_as_data, expected_lines, geometry_lines, largest_loads, law_lines
+from eigencontact.planning.facts import (
+    contact_as_data,
+    expected_lines,
+    geometry_lines,
+    grid_lines,
+    largest_loads,
+    law_lines,
+)
 from eigencontact.planning.memory import run_bytes
 from eigencontact.scene.steps import segments_of, spaced_by_radius
 from eigencontact.warnings_.before import worst_above
@@ -54,17 +61,14 @@ class PlanWords:
 
 def plan_words(plan: Plan) -> PlanWords:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
-    scene, grid, model = plan.scene, plan.grid, plan.model
+    scene, model = plan.scene, plan.model
     layers = layers_in_words(model.bodies.solids, periodic=scene.numerics.boundary == "periodic")
-    width, height = grid.size
-    pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
     facts = [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
         *law_lines(model),
         *geometry_lines(model),
-        f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {model.window.reason}",
-        f"window      {readable(width, 'm')} x {readable(height, 'm')}",
+        *grid_lines(model),
         f"numerics    {_numerics(plan)}",
         *(f"            {precision}" for precision in plan.precisions),
         *([f"friction    {model.friction}"] if model.friction is not None else []),
@@ -116,6 +120,7 @@ def as_data(plan: Plan) -> dict[str, object]:
             "cells": [plan.grid.nx, plan.grid.ny],
             "spacing": [plan.grid.dx, plan.grid.dy],
             "center": list(plan.grid.center),
+            "line": plan.grid.line,
             "reason": plan.model.window.reason,
         },
         "steps": plan.steps,
@@ -226,7 +231,8 @@ def _inclusions(plan: Plan) -> list[str]:
         from eigencontact.model.boxes import box_of_inhomogeneities
 
         box = box_of_inhomogeneities(sources)
-        edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
+        dz, *_ = box.lattice.edges
+        edges = " x ".join(readable(edge, "m") for edge in (*plan.grid.edges, dz))
         worst = worst_above(plan.model, body)
         above = "" if worst is None else f"; pressure above them within some {percent(worst.error)}"
         lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}{above}")

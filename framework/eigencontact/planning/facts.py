@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.units import readable
+from eigencontact.core.units import per_length, readable
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import cells_per_radius
 from eigencontact.model.words import nested_parameters, parameters, sizes, unit_of
@@ -11,10 +11,27 @@ from eigencontact.plugin import ConstitutiveLaw
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.contact_estimate import ContactEstimate
 
-__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "law_lines"]
+__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "grid_lines", "largest_loads", "law_lines"]
 
 #: Sides of a contact that differ by less are those of a circle.
 _ROUND = 0.1
+
+
+def grid_lines(model: Model) -> list[str]:
+    """Cells and window; of a line contact also what its loads and displacements mean."""
+    grid, reason = model.grid, model.window.reason
+    pitch, window = (" x ".join(readable(side, "m") for side in sides) for sides in (grid.edges, grid.sides))
+    if not grid.line:
+        return [f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {reason}", f"window      {window}"]
+    lines = [
+        f"grid        {grid.nx} strips of {pitch}; {reason}",
+        f"window      {window}",
+        "length      infinite: line contact in plane strain, loads, work and areas per metre",
+    ]
+    if model.interface is not None and model.interface.datum is not None:
+        named = "grid.datum-depth" if model.scene.grid.datum_depth is not None else "the width of the window"
+        lines.append(f"datum       displacements against the depth of {readable(model.interface.datum, 'm')} ({named})")
+    return lines
 
 
 def geometry_lines(model: Model) -> list[str]:
@@ -44,6 +61,7 @@ def largest_loads(scene: Scene) -> str:
     texts = []
     for name, field in Step.model_fields.items():
         unit = unit_of(field.annotation)
+        unit = per_length(unit) if scene.grid.line else unit
         values = [abs(value) for step in scene.ramps if unit and (value := getattr(step, name)) is not None]
         if any(values):
             texts.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")
@@ -59,16 +77,19 @@ def expected_lines(model: Model) -> list[str]:
     is_round = abs(wide - high) < _ROUND * max(wide, high)
     sides = " x ".join(readable(side, "m") for side in contact.extent)
     size = f"radius {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {sides}"
+    if model.grid.line:
+        size = f"half width {readable(0.5 * wide, 'm')}"
     cells = cells_per_radius(contact, model.grid)
     restriction = ", without what lies in the bodies" if model.sources else ""
-    words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a radius"
+    half = "half width" if model.grid.line else "radius"
+    words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a {half}"
     return [f"expected    {words} (an estimate{restriction})"]
 
 
 def contact_as_data(contact: ContactEstimate, grid: Grid) -> dict[str, object]:
     """Expected contact as plain data [m, Pa]."""
     return {
-        "extent": list(contact.extent),
+        "extent": list(contact.extent[: len(grid.edges)]),
         "max_pressure": contact.peak,
         "cells_per_radius": cells_per_radius(contact, grid),
     }

@@ -127,7 +127,7 @@ def _layer_that_fills(model: Model) -> Inhomogeneity | None:
         if source.material != "isotropic":
             continue
         low, high = source.shape.bounds
-        slack = _SNAP * max(grid.size)
+        slack = _SNAP * max(grid.sides)
         fills = low[0] <= x0 + slack and low[1] <= y0 + slack and high[0] >= x1 - slack and high[1] >= y1 - slack
         z = (np.arange(8) + 0.5) / 8 * high[2]
         y, x = grid.axes()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from eigencontact.core.cautions import Caution, LeftOut
@@ -85,7 +85,16 @@ class Plan:
     @property
     def numbers(self) -> dict[str, Number]:
         """Every scalar that a step may have, by name, in order of execution."""
-        return by_name(number for block in self.blocks for number in block.numbers)
+        return by_name(self._declared(number for block in self.blocks for number in block.numbers))
+
+    @property
+    def observed(self) -> dict[str, Number]:
+        """Numbers of the observers, by name."""
+        return by_name(self._declared(number for observer in self.model.observers for number in observer.numbers))
+
+    def _declared(self, numbers: Iterable[Number]) -> Iterable[Number]:
+        """Numbers, per length in a line contact."""
+        return (number.per_length() for number in numbers) if self.grid.line else numbers
 
     @property
     def precisions(self) -> list[Precision]:
@@ -114,7 +123,7 @@ class Plan:
 
         grid = self.grid
         rows = [
-            ("cells", f"{grid.nx} x {grid.ny} of {readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"),
+            ("cells", f"{grid.nx} x {grid.ny} of {' x '.join(readable(edge, 'm') for edge in grid.edges)}"),
             ("load steps", str(self.steps)),
             ("blocks", ", ".join(block.name for block in self.blocks)),
             ("kernels", str(sum(kernel.count for kernel in self.kernels))),

@@ -69,7 +69,7 @@ def run_info(plan: Plan) -> RunInfo:
         sliding=_sliding(plan.scene),
         prestrained=_prestrained(plan.scene),
         numbers=plan.numbers,
-        observed={number.name: number for observer in model.observers for number in observer.numbers},
+        observed=plan.observed,
         every_history=plan.scene.output.history == "all",
         plan=asdict(plan_words(plan)),
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import floor, log10
+from math import floor, inf, log10
 
-from eigencontact.core.units import readable
+from eigencontact.core.units import per_length, readable
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.model import Model
@@ -28,17 +28,18 @@ def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSma
     if step.control is None:
         return problem
     name, value, unit = _driven(step.control)
+    unit = per_length(unit) if model.grid.line else unit
     fits = load_that_fits(model, step)
     lower = f"lower the {name}"
     if fits is None:
         lower = f"no {name} from {readable(_LEAST * value, unit)} on keeps it inside, as for surfaces flat on the whole"
     elif value:
         lower += f" (about {readable(fits, unit)} fits)"
-    width, height = (readable(side, "m") for side in model.grid.size)
+    window = " x ".join(readable(side, "m") for side in model.grid.sides)
     edges = " and ".join(problem.sides)
     return DomainTooSmall(
         f"contact must stay inside the window (in load step {step.index}, at {name} {readable(value, unit)}, it reaches"
-        f" its edge along {edges}; the window is {width} x {height}, {model.window.reason}); {lower}, {_wider(model)},"
+        f" its edge along {edges}; the window is {window}, {model.window.reason}); {lower}, {_wider(model)},"
         " set numerics.boundary = 'periodic' if the surfaces repeat, or numerics.allow-contact-at-edge = true if the"
         " bodies end there",
         problem.sides,
@@ -92,7 +93,9 @@ def load_that_fits(model: Model, step: Step) -> float | None:
         if contact is None:
             return True
         (width, height), (x, y) = model.grid.size, model.grid.center
-        edge = 1e-9 * max(width, height)
+        edge = 1e-9 * max(model.grid.sides)
+        if model.grid.line:
+            height = inf
         return (
             min(contact.x0 - x + 0.5 * width, x + 0.5 * width - contact.x1) > edge
             and min(contact.y0 - y + 0.5 * height, y + 0.5 * height - contact.y1) > edge

@@ -30,6 +30,9 @@ class SurfaceInfluence(Component, ABC):
     mirror_symmetric : bool
         True where the medium is its own mirror image in x and in y; the framework then stores and samples one
         quadrant of each influence coefficient. Set False for general anisotropy.
+    has_strips : bool
+        True where half widths ``(a, inf)`` give the field of a strip in plane strain, which line contacts need. The
+        displacement of a strip has a free constant, proportional to the load on it.
 
     Examples
     --------
@@ -44,6 +47,7 @@ class SurfaceInfluence(Component, ABC):
     kind: ClassVar[str] = "surface-influence"
     traction: ClassVar[str]
     mirror_symmetric: ClassVar[bool] = True
+    has_strips: ClassVar[bool] = False
 
     @abstractmethod
     def displacement(

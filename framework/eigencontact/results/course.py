@@ -72,7 +72,7 @@ def driven_motions(history: Mapping[str, FloatArray]) -> list[str]:
     return motions
 
 
-def course_table(history: Sequence[Mapping[str, Any]]) -> str:
+def course_table(history: Sequence[Mapping[str, Any]], units: Mapping[str, str] | None = None) -> str:
     """Table of a history, at most 80 columns wide: all steps of a few; of many the first, the last and turns.
 
     With friction the load, the motions that are driven and their forces, the part of the contact that sticks and the
@@ -83,6 +83,8 @@ def course_table(history: Sequence[Mapping[str, Any]]) -> str:
     ----------
     history : sequence of mapping
         Numbers of every step by name, in order, as in ``summary["history"]`` of a run.
+    units : mapping of str to str, optional
+        SI unit of each number that has another one than in three dimensions: those of a line contact.
 
     Returns
     -------
@@ -105,7 +107,9 @@ def course_table(history: Sequence[Mapping[str, Any]]) -> str:
     motions = driven_motions(columns)
     rows, cut = _rows(columns, motions)
     steps = ["step", "", *(f"{columns['step'][row]:.0f}" for row in rows)]
-    texts = [_texts(heading, unit, values, rows) for heading, unit, values in _table_columns(columns, motions)]
+    texts = [
+        _texts(heading, unit, values, rows) for heading, unit, values in _table_columns(columns, motions, units or {})
+    ]
     if cut:
         for column in (steps, *texts):
             column.insert(2 + len(rows) // 2, "..." if column is steps else "")
@@ -138,7 +142,9 @@ def _number(value: Any) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _table_columns(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> list[tuple[str, str, FloatArray]]:
+def _table_columns(
+    columns: Mapping[str, FloatArray], motions: Sequence[str], units: Mapping[str, str]
+) -> list[tuple[str, str, FloatArray]]:
     """Heading, unit and values of each column."""
     choice = [("load", "N", "normal_load")]
     if "slip_fraction" in columns:
@@ -149,13 +155,15 @@ def _table_columns(columns: Mapping[str, FloatArray], motions: Sequence[str]) ->
             choice.append(("radius", "m", "contact_radius"))
     else:
         choice += [("approach", "m", "approach"), ("radius", "m", "contact_radius"), ("pressure", "Pa", "max_pressure")]
-    columns_of_table = [(heading, unit, columns[name]) for heading, unit, name in choice if name in columns]
+    columns_of_table = [
+        (heading, units.get(name, unit), columns[name]) for heading, unit, name in choice if name in columns
+    ]
     if "slip_fraction" in columns:
         touches = columns["normal_load"] > 0.0
         columns_of_table.append(("stick", "%", np.where(touches, 100.0 * (1.0 - columns["slip_fraction"]), np.nan)))
         work = friction_work(columns)
         assert work is not None
-        columns_of_table.append(("work", "J", work))
+        columns_of_table.append(("work", units.get("dissipated_energy", "J"), work))
     if "max_worn_depth" in columns:
         columns_of_table.append(("worn", "m", columns["max_worn_depth"]))
     if "cycles" in columns and np.nanmax(columns["cycles"], initial=0.0) > 1.0:

@@ -78,6 +78,7 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
         **({"precisions": json.dumps(info.precisions)} if info.precisions else {}),
         **({} if info.contact_modulus is None else {"contact_modulus": info.contact_modulus}),
         "cell_size": np.array([info.grid.dx, info.grid.dy]),
+        **({"line": 1} if info.grid.line else {}),
         "load_steps": info.steps,
         "regions": json.dumps(described),
         **({"inclusions": json.dumps(info.inclusions)} if info.inclusions else {}),

@@ -9,6 +9,7 @@ from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.labels import ordinal
+from eigencontact.scene.line import check_line
 from eigencontact.scene.steps import Step, expected_points, named_ramps
 from eigencontact.scene.table import ComponentTable
 
@@ -30,6 +31,7 @@ def check_contents(scene: Scene) -> None:
             "contact, [[inclusions]] or [[eigenstrain]] for the field of a prescribed eigenstrain"
         )
     _check_steps(scene)
+    check_line(scene)
     for name in type(scene).model_fields:
         value = getattr(scene, name)
         for table in value if isinstance(value, list) else [value]:

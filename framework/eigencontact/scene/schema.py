@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
-from eigencontact.core.quantities import DataFile
+from eigencontact.core.quantities import DataFile, loads_per_length
 from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError
 from eigencontact.hooks.files import with_files
@@ -48,6 +48,9 @@ class GridSpec(Table):
     Without a contact an automatic grid follows the inclusions: see `eigencontact.model.regions`. ``grid = "auto"`` is
     the grid without any key.
 
+    A grid of infinite length makes a line contact in plane strain: its cells are strips along y, geometries count at
+    y = 0, and loads, work and areas are per metre of the length.
+
     Parameters
     ----------
     cells : int or (int, int), optional
@@ -62,6 +65,12 @@ class GridSpec(Table):
         Of an automatic grid: cells from the middle of the largest contact to its edge, the nearer one.
     margin : float
         Of an automatic grid: extent of the window in extents of the largest contact.
+    length : "infinite", optional
+        Length of the contact along y. ``"infinite"`` makes a line contact; `cells`, `size` and `spacing` are then those
+        along x.
+    datum_depth : float, optional
+        Of a line contact: depth of the points in each body against which the surfaces move [m], by default the width of
+        the window. In plane strain displacements have no limit far away, so an approach needs this depth.
     """
 
     cells: Annotated[tuple[int, int] | None, BeforeValidator(both_alike)] = None
@@ -70,6 +79,8 @@ class GridSpec(Table):
     center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
     cells_per_contact_radius: Annotated[float, AfterValidator(at_least(1.0))] = 32.0
     margin: Annotated[float, AfterValidator(at_least(1.0))] = 1.5
+    length: Literal["infinite"] | None = None
+    datum_depth: PositiveLength | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -87,7 +98,21 @@ class GridSpec(Table):
             raise ValueError("of at least 1 cell each way")
         if self.cells is not None and max(self.cells) > LARGEST:
             raise ValueError(f"of at most {LARGEST:g} cells each way")
+        if self.datum_depth is not None and not self.line:
+            raise ValueError("of length = 'infinite' beside datum-depth, which line contacts alone need")
+        if self.line:
+            pairs = {name: getattr(self, name) for name in ("cells", "size", "spacing")}
+            wrong = next((name for name, pair in pairs.items() if pair is not None and pair[0] != pair[1]), None)
+            if wrong is not None:
+                raise ValueError(f"of one value of {wrong}, that along x, with length = 'infinite'")
+            if self.center[1] != 0.0:
+                raise ValueError("centred at y = 0 with length = 'infinite'")
         return self
+
+    @property
+    def line(self) -> bool:
+        """Whether the cells are strips without end along y."""
+        return self.length is not None
 
     @property
     def automatic(self) -> bool:
@@ -293,7 +318,8 @@ class Scene(Table):
         refuse_deep(data)
         data = plain(data)
         try:
-            super().__init__(**with_tables(type(self), data))
+            with loads_per_length(line=_is_line(data.get("grid"))):
+                super().__init__(**with_tables(type(self), data))
         except ValidationError as problem:
             with labels_in_messages(data):
                 find_unknown(data, type(self))
@@ -372,6 +398,12 @@ class Scene(Table):
             if not request["name"]:  # made of shape and body, and no valid name of a scene
                 del request["name"]
         return tables
+
+
+def _is_line(grid: Any) -> bool:
+    """Whether the table of a grid, checked or not, is that of a line contact."""
+    length = grid.get("length") if isinstance(grid, dict) else getattr(grid, "length", None)
+    return length is not None
 
 
 def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:

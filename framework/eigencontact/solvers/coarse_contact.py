@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -34,7 +35,7 @@ def coarse_contact(
     """Grid of at most `cells` each way over the window of `grid`, and its pressure [Pa]; None without convergence."""
     width, height = grid.size
     nx, ny = min(grid.nx, cells), min(grid.ny, cells)
-    coarse = Grid(nx=nx, ny=ny, dx=width / nx, dy=height / ny, center=grid.center)
+    coarse = replace(grid, nx=nx, ny=ny, dx=width / nx, dy=height / ny)
     y, x = coarse.axes()
     h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
     options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
@@ -64,9 +65,13 @@ def estimate_contact(
     if box is None:
         return None
     left, bottom = float(coarse.x[0]) - 0.5 * coarse.dx, float(coarse.y[0]) - 0.5 * coarse.dy
+    x0, x1 = left + box.x0 * coarse.dx, left + box.x1 * coarse.dx
+    if grid.line:
+        half = 0.5 * (x1 - x0)
+        return ContactEstimate(x0, x1, -half, half, float(pressure.max()))
     return ContactEstimate(
-        left + box.x0 * coarse.dx,
-        left + box.x1 * coarse.dx,
+        x0,
+        x1,
         bottom + box.y0 * coarse.dy,
         bottom + box.y1 * coarse.dy,
         float(pressure.max()),
@@ -77,18 +82,23 @@ def close_estimate(
     grid: Grid, separation: Separation, coefficients: Coefficients, control: Control
 ) -> ContactEstimate | None:
     """Contact on cells that fit it, whatever the window of `grid`; None without contact."""
-    return settled_estimate(grid.center, separation, coefficients, control, max(grid.size))
+    return settled_estimate(grid.center, separation, coefficients, control, max(grid.sides), line=grid.line)
 
 
 def settled_estimate(
-    place: tuple[float, float], separation: Separation, coefficients: Coefficients, control: Control, start: float
+    place: tuple[float, float],
+    separation: Separation,
+    coefficients: Coefficients,
+    control: Control,
+    start: float,
+    *,
+    line: bool = False,
 ) -> ContactEstimate | None:
     """Contact on a window that it fills by a third to four fifths; the search begins with a side of `start` [m]."""
     size = np.array([start, start])
     center = np.array(place, dtype=float)
     for _ in range(60):
-        cell = size / _CELLS
-        grid = Grid(nx=_CELLS, ny=_CELLS, dx=cell[0], dy=cell[1], center=(float(center[0]), float(center[1])))
+        grid = _cells(_CELLS, size / _CELLS, center, line=line)
         estimate = estimate_contact(grid, separation, coefficients, control, periodic=False)
         if estimate is None:
             return None
@@ -98,8 +108,7 @@ def settled_estimate(
         edge = 0.5 - np.abs(middle - center) / size - 0.5 * share
         if np.all(share < 0.8) and np.all(share > 0.3) and np.all(edge > 0.02):
             # Once more on finer cells: a box of whole cells overstates the contact by about one of them.
-            cell = 1.25 * extent / _FINER
-            close = Grid(nx=_FINER, ny=_FINER, dx=cell[0], dy=cell[1], center=(float(middle[0]), float(middle[1])))
+            close = _cells(_FINER, 1.25 * extent / _FINER, middle, line=line)
             return estimate_contact(close, separation, coefficients, control, periodic=False, cells=_FINER)
         if np.all(share <= 2.5 / _CELLS):
             size = size / 8.0
@@ -110,3 +119,10 @@ def settled_estimate(
         if np.any(share < 0.3):
             center = np.where(share < 0.3, middle, center)
     return None
+
+
+def _cells(count: int, edges: FloatArray, center: FloatArray, *, line: bool) -> Grid:
+    """Cells with the edges (dx, dy) [m] around a middle, `count` each way; one row of strips of a line contact."""
+    if line:
+        return Grid(nx=count, ny=1, dx=float(edges[0]), dy=1.0, center=(float(center[0]), 0.0), line=True)
+    return Grid(nx=count, ny=count, dx=edges[0], dy=edges[1], center=(float(center[0]), float(center[1])))

@@ -311,7 +311,7 @@ class CoarseToFine:
     def _load_error(self, forces: list[float]) -> float:
         """Largest relative error of the prescribed forces; moments relative to the load at half the window."""
         load = abs(self.free.get(0, forces[0]))
-        arm = 0.5 * max(self.grid.size)
+        arm = 0.5 * max(self.grid.sides)
         errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
         return max(errors, default=0.0)
 
@@ -324,13 +324,15 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
     DomainTooSmall
         There is pressure in the outermost cells.
     """
-    sides = {"x": pressure[:, [0, -1]], "y": pressure[[0, -1]]}
+    sides = {"x": pressure[:, [0, -1]]}
+    if not grid.line:
+        sides["y"] = pressure[[0, -1]]
     touched = [name for name, edge in sides.items() if np.any(edge > 0)]
     if touched:
-        width, height = grid.size
+        sizes = " x ".join(f"{size:.4g} m" for size in grid.sides)
         raise DomainTooSmall(
             f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
-            f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
+            f"is {sizes}); enlarge grid size, lower the load, or set "
             "numerics.allow-contact-at-edge = true if the bodies end there",
             touched,
         )

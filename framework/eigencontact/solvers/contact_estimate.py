@@ -9,7 +9,7 @@ __all__ = ["ContactEstimate"]
 
 @dataclass(frozen=True, slots=True)
 class ContactEstimate:
-    """Bounding box of the contact [m], and its largest pressure [Pa]."""
+    """Bounding box of the contact [m], and its largest pressure [Pa]; a line contact counts as long as it is wide."""
 
     x0: float
     x1: float

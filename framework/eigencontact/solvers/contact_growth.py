@@ -5,8 +5,9 @@ Of a gap h̄(r), the mean over the directions around the middle of the contact, 
     approach(a) = a ∫_0^{π/2} h̄'(a sin θ) dθ
     load(a)     ∝ a² ∫_0^{π/2} h̄'(a sin θ) sin²θ dθ
 
-which is a² and a³ of a sphere, a and a² of a cone. Increments need no more: layers, eigenstrain and yielding make them
-somewhat uneven, not wrong.
+which is a² and a³ of a sphere, a and a² of a cone. In a line contact ``load(a) ∝ a ∫_0^{π/2} h̄'(a sin θ) sin θ dθ``,
+a² of a cylinder, and the approach depends on a depth; that of bodies of revolution stands for it. Increments need no
+more: layers, eigenstrain and yielding make them somewhat uneven, not wrong.
 
 References
 ----------
@@ -99,7 +100,9 @@ class ContactGrowth:
         return (*ends[1:-1].tolist(), 1.0)
 
 
-def contact_growth(separation: Separation, contact: ContactEstimate, control: Control) -> ContactGrowth | None:
+def contact_growth(
+    separation: Separation, contact: ContactEstimate, control: Control, *, line: bool = False
+) -> ContactGrowth | None:
     """Growth of a contact whose gap rises in all directions from the middle; None of others, which have no one radius.
 
     Parameters
@@ -110,11 +113,13 @@ def contact_growth(separation: Separation, contact: ContactEstimate, control: Co
         The largest contact of the load history.
     control : Control
         Under which it is that large.
+    line : bool
+        Whether it is a line contact, with two directions.
     """
     wide, high = contact.extent
     middle = _lowest(separation, contact)
     end = 0.5 * np.sqrt(wide * high)
-    angles = 2.0 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+    angles = np.array([0.0, np.pi]) if line else 2.0 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
 
     def gap(r: FloatArray) -> FloatArray:
         """Gap above the middle along each direction, ``(directions, *r.shape)``."""
@@ -132,7 +137,9 @@ def contact_growth(separation: Separation, contact: ContactEstimate, control: Co
     at = np.multiply.outer(radius, np.sin(theta))
     slope = np.mean(gap(at * (1.0 + _STEP)) - gap(at * (1.0 - _STEP)), axis=0) / (2.0 * _STEP * at)
     approach = radius * (slope @ weights)
-    load = radius**2 * (slope @ (weights * np.sin(theta) ** 2))
+    load = (
+        radius * (slope @ (weights * np.sin(theta))) if line else radius**2 * (slope @ (weights * np.sin(theta) ** 2))
+    )
     if np.any(np.diff(approach) < 0.0) or np.any(np.diff(load) < 0.0):
         return None
     scale = 1.0 if control.normal_load is None else control.normal_load / float(load[-1])

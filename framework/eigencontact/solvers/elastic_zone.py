@@ -69,16 +69,19 @@ class ElasticStress:
         self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
 
     def at(self, edges: tuple[float, float], loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
-        """Mandel stress ``(6, count, count)`` [Pa] about loaded cells of edges (dx, dy) [m], at the depth `z` [m]."""
-        stress = np.zeros((6, count, count))
+        """Mandel stress ``(6, count, count)`` [Pa] about loaded cells of edges (dx, dy) [m], at the depth `z` [m].
+
+        Strips have an infinite edge along y and stress ``(6, 1, count)``.
+        """
+        stress = np.zeros((6, _rows(edges, count), count))
         for name, field in loaded.items():
             self._add(stress, name, edges, field, z)
         stress[3:] *= SQRT2
         return stress
 
     def _add(self, stress: FloatArray, name: str, edges: tuple[float, float], field: FloatArray, z: float) -> None:
-        count = stress.shape[1]
-        before = self._known.setdefault((name, *edges, field.shape, count, z), [])
+        counts = stress.shape[1:]
+        before = self._known.setdefault((name, *edges, field.shape, counts, z), [])
         for earlier_field, caused in before:
             if np.array_equal(earlier_field, field):
                 stress += caused
@@ -88,8 +91,8 @@ class ElasticStress:
                 return
         # Offsets from loaded cells to the points: all that a sum over the cells needs.
         y, x = (
-            (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
-            for loads, edge in zip(field.shape, edges[::-1], strict=True)
+            (np.arange(1 - loads, count) + 0.5 * (loads - count)) * (edge if edge < np.inf else 1.0)
+            for loads, count, edge in zip(field.shape, counts, edges[::-1], strict=True)
         )
         half = (0.5 * edges[0], 0.5 * edges[1])
         tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
@@ -112,7 +115,8 @@ def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, fact
         inside = _inside(exceeds, edges, loaded, elastic, count, factor)
         if not inside.any():
             return zone
-        closed = not any(np.any(rim) for rim in (inside[-1], inside[:, [0, -1]], inside[:, :, [0, -1]]))
+        rims = [inside[-1], inside[:, :, [0, -1]], *([inside[:, [0, -1]]] if inside.shape[1] > 1 else [])]
+        closed = not any(np.any(rim) for rim in rims)
         low, high = _bounds(inside, middle, edges)
         if zone is not None:
             low, high = np.minimum(low, zone.low), np.maximum(high, zone.high)
@@ -133,7 +137,7 @@ def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float
     depths = (np.arange(count // 2) + 0.5) * edges[0]
     stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in depths], axis=1).reshape(6, -1)
     largest = np.argsort(np.linalg.norm(stress, axis=0))[-_LARGEST:]
-    stress, z, fraction = stress[:, largest], np.repeat(depths, count**2)[largest], 1.0
+    stress, z, fraction = stress[:, largest], np.repeat(depths, count * _rows(edges, count))[largest], 1.0
     for _ in range(_HALVINGS):
         violations = exceeds(fraction * stress, z)
         if not violations.any():
@@ -155,7 +159,12 @@ def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str,
         return None
     middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
     loaded = {name: field[box.y0 : box.y1, box.x0 : box.x1] for name, field in fields.items()}
-    return middle, (window.dx, window.dy), loaded
+    return middle, (window.dx, np.inf if window.line else window.dy), loaded
+
+
+def _rows(edges: tuple[float, float], count: int) -> int:
+    """Places along y of a box of the search; one of strips."""
+    return count if edges[1] < np.inf else 1
 
 
 def _places(loaded: Mapping[str, FloatArray]) -> int:
@@ -170,6 +179,11 @@ def _coarser(
     """Loaded cells joined two by two each way: the forces remain, and far away nothing else counts."""
     odd_y, odd_x = (size % 2 for size in loaded["p"].shape)
     joined = {}
+    if edges[1] == np.inf:
+        for name, field in loaded.items():
+            even = np.pad(field, ((0, 0), (0, odd_x)))
+            joined[name] = 0.5 * (even[:, ::2] + even[:, 1::2])
+        return middle + 0.5 * np.array([odd_x * edges[0], 0.0]), (2.0 * edges[0], np.inf), joined
     for name, field in loaded.items():
         even = np.pad(field, ((0, odd_y), (0, odd_x)))
         joined[name] = 0.25 * (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2])
@@ -184,21 +198,24 @@ def _inside(
     count: int,
     factor: float,
 ) -> BoolArray:
-    """Whether stress exceeds the limit in coarse cells ``(nz, count, count)`` about the loaded ones."""
-    depths = (np.arange(count // 2) + 0.5) * edges[0]
-    out = np.empty((depths.size, count, count), dtype=bool)
+    """Whether stress exceeds the limit in coarse cells ``(nz, count, count)`` about the loaded ones; strips: one row."""
+    depths, rows = (np.arange(count // 2) + 0.5) * edges[0], _rows(edges, count)
+    out = np.empty((depths.size, rows, count), dtype=bool)
     # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
-    for first in range(0, depths.size, together := max(1, _AT_ONCE // count**2)):
+    for first in range(0, depths.size, together := max(1, _AT_ONCE // (rows * count))):
         some = depths[first : first + together]
         stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in some], axis=1)
         tried = factor * stress.reshape(6, -1)
-        out[first : first + together] = exceeds(tried, np.repeat(some, count**2)).reshape(-1, count, count)
+        out[first : first + together] = exceeds(tried, np.repeat(some, rows * count)).reshape(-1, rows, count)
     return out
 
 
 def _bounds(inside: BoolArray, middle: FloatArray, edges: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Bounds (x, y, z) [m] of the cells inside."""
-    count = inside.shape[1]
+    count = inside.shape[2]
+    if edges[1] == np.inf:  # the one row counts as a metre
+        edges = (edges[0], 1.0)
+        middle = np.array([middle[0], 0.5 * (count - 1)])
     spans = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
     sides = np.array([edges[0], edges[1], edges[0]])
     starts = np.array([middle[0] - 0.5 * count * edges[0], middle[1] - 0.5 * count * edges[1], 0.0])

@@ -100,7 +100,7 @@ class ImagePressure:
         """Add the field of the pressure ``(ny, nx)`` to ``(3 or 6, n)`` at scattered points, cell by cell."""
         if not load.any():
             return
-        grid, widths = self.grid, (0.5 * self.grid.dx, 0.5 * self.grid.dy)
+        grid, widths = self.grid, self.grid.half_widths
         turned, names = load[::-1, ::-1], self._names(quantity)
         x, y, z = points
 
@@ -123,7 +123,7 @@ class ImagePressure:
         grid, names = self.grid, self._names(quantity)
         layout = Layout(grid.shape, (out.shape[2], out.shape[3]), origin)
         convolver = Convolver(layout, threads=self.threads)
-        x, y, widths = layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
+        x, y, widths = layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, grid.half_widths
         for k, depth in enumerate(depths):
             tables = self.kernel.sample(_kernel_of(quantity), names, x, y, abs(float(depth)), widths, self.material)
             unit = float(np.abs(tables).max())

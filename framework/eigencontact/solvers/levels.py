@@ -19,7 +19,7 @@ def coarse_factors(grid: Grid) -> tuple[int, int] | None:
     Only the finer direction of stretched cells is merged, until they are nearly square.
     """
     merge_y = grid.ny >= 2 * COARSEST and grid.dy <= 1.5 * grid.dx
-    merge_x = grid.nx >= 2 * COARSEST and grid.dx <= 1.5 * grid.dy
+    merge_x = grid.nx >= 2 * COARSEST and (grid.line or grid.dx <= 1.5 * grid.dy)
     return (2 if merge_y else 1, 2 if merge_x else 1) if merge_y or merge_x else None
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.halfspace.endless import EndlessCell
 from eigencontact.halfspace.forms import Kernel
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.solvers.eigenstrain import VolumeField
@@ -46,6 +47,9 @@ class MeanVolumeField(VolumeField):
     ) -> NDArray[np.float64]:
         edges = [axis[1] - axis[0] for axis in nodes]
         rules = [_rule(float(edge / min(edges))) for edge in edges]
+        if isinstance(cell, EndlessCell):
+            rules = [_rule(float(edge / min(edges[0], edges[2]))) for edge in edges]
+            rules[1] = [(0.0, 1.0)]
         if group[0][0] == "image":
             rules[2] = [(0.0, 1.0)]
         out = np.zeros((len(group), *(axis.size - 1 for axis in nodes)))

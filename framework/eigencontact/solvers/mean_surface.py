@@ -63,9 +63,11 @@ class MeanStressKernel:
         count = _FLUSH if z < 0.75 * self._height else _POINTS
         points, weights = np.polynomial.legendre.leggauss(count)
         rule = list(zip(0.5 * points, 0.5 * weights, strict=True))
+        dx, dy = (2.0 * half if half < np.inf else 0.0 for half in half_widths)
         out = np.zeros((len(components), y.size, x.size))
-        for (k, of_z), (j, of_y), (i, of_x) in product(rule, repeat=3):
-            at = x + 2.0 * i * half_widths[0], y + 2.0 * j * half_widths[1], z + k * self._height
+        # The stress under strips is the same all along them.
+        for (k, of_z), (j, of_y), (i, of_x) in product(rule, rule if dy else [(0.0, 1.0)], rule):
+            at = x + i * dx, y + j * dy, z + k * self._height
             out += of_z * of_y * of_x * self._kernel.table(components, *at, half_widths)
         return out
 
@@ -125,7 +127,7 @@ class SurfaceAndCells:
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
         (dx, dy, _), z = self.cells.pitch, float(self.cells.centres(2)[layer])
         x, y = self._down.x.lattice * dx, self._down.y.lattice * dy
-        tables = kernel.table(list(COMPONENTS), x, y, z, (0.5 * dx, 0.5 * dy))
+        tables = kernel.table(list(COMPONENTS), x, y, z, self.grid.half_widths)
         for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
             parity = kernel.parity(name)
             down = self._down.spectrum(table, parity, precision=self._precision)

@@ -43,7 +43,7 @@ def offsets(layout: Layout) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
 def sampled(coefficients: Coefficients, grid: Grid, ny: int, nx: int) -> FloatArray:
     """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells."""
     x, y = np.arange(nx, dtype=np.float64) * grid.dx, np.arange(ny, dtype=np.float64) * grid.dy
-    return coefficients.table(x, y, (0.5 * grid.dx, 0.5 * grid.dy))
+    return coefficients.table(x, y, grid.half_widths)
 
 
 class BoxOperator:

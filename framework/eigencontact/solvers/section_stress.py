@@ -63,7 +63,7 @@ class SectionStress:
         self._parities = [[kernel.parity(name) for name in self._names] for kernel in kernels]
         x, y = (self._offsets, self._row.lattice) if self._across else (self._row.lattice, self._offsets)
         reach = max(float(np.abs(x).max()) * grid.dx, float(np.abs(y).max()) * grid.dy)
-        prepared = all_tables(kernels, self.depths, (0.5 * grid.dx, 0.5 * grid.dy), reach, self._threads)
+        prepared = all_tables(kernels, self.depths, grid.half_widths, reach, self._threads)
         #: Transformed kernels ``(components, tractions, rows across, wavenumbers)`` at each depth.
         self._kernels: list[NDArray[Any]] = [np.empty(0)] * self.depths.size
         in_parallel(self._threads, [partial(self._fill, k, prepared) for k in range(self.depths.size)])

@@ -248,8 +248,10 @@ class SubsurfaceStress:
         dx, dy = self.grid.dx, self.grid.dy
         x, y = self._layout.x.lattice * dx, self._layout.y.lattice * dy
         below, left = mirrored(y), mirrored(x)
+        if self.grid.line:
+            y = np.zeros_like(y)  # the field of strips is the same at all y
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        prepared = all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
+        prepared = all_tables(kernels, self.depths, self.grid.half_widths, reach, self._threads)
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):
@@ -327,7 +329,7 @@ def stress_at_points(
         return out
     # Offsets (point minus cell) ascend when the cells are taken in descending order.
     y, x = grid.y[box.slices[0]][::-1], grid.x[box.slices[1]][::-1]
-    half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
+    half_widths = grid.half_widths
     loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]
     workers = threads or available_threads()
     for begin in range(0, len(points), _POINTS):

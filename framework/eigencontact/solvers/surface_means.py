@@ -31,7 +31,7 @@ _PLACES = (-2.0 / 3.0, 2.0 / 3.0)
 
 def depth_of_means(grid: Grid) -> float:
     """Depth above which the stress by tractions on these cells is a mean over cells [m]."""
-    return _SHALLOW * min(grid.dx, grid.dy)
+    return _SHALLOW * min(grid.edges)
 
 
 class CellMeans:
@@ -53,8 +53,10 @@ class CellMeans:
         self, _components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> TableAt:
         """Tables at several depths; see `HasDepths`."""
-        points = [(i * half_widths[0], j * half_widths[1]) for i, j in product(_PLACES, _PLACES)]
-        inner = tables_at(self._kernel, depths, half_widths, reach + max(half_widths))
+        # The field of strips is the same all along them.
+        across, along = ([place * half for place in _PLACES] if half < np.inf else [0.0] for half in half_widths)
+        points = list(product(across, along))
+        inner = tables_at(self._kernel, depths, half_widths, reach + max(*across, *along))
         return lambda number, x, y: np.mean([inner(number, x + i, y + j) for i, j in points], axis=0)
 
     def responses(

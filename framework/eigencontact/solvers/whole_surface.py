@@ -105,7 +105,7 @@ class WholeSurface:
         x = grid.x[0] + grid.dx * (np.arange(grid.nx + int(np.ptp(columns))) + columns[0] - columns.max())
         y = grid.y[0] + grid.dy * (np.arange(grid.ny + int(np.ptp(rows))) + rows[0] - rows.max())
         ligament = system.centers[number, 2] - system.radii[number]
-        wide = max(grid.dx, grid.dy) / max(ligament, 1e-3 * system.radii[number])
+        wide = max(grid.edges) / max(ligament, 1e-3 * system.radii[number])
         order = int(np.clip(np.ceil(_FEW * wide), _FEW, _MOST))
         nodes, weights = np.polynomial.legendre.leggauss(order)
         basis, shape = system.bases[number], system.shapes[number]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
+from eigencontact.viz.friction import dissipation_map, dissipation_profile, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
 from eigencontact.viz.history import history_panels, history_words, load_history, vanishes, varies, zones_change
 from eigencontact.viz.outline import coatings
@@ -25,7 +25,7 @@ from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.rolling import coverage_map, passing_history, passing_varies, rolls, struck
 from eigencontact.viz.section import drawable, equivalent_of, stress_section
-from eigencontact.viz.style import moment, save
+from eigencontact.viz.style import is_line, moment, save
 from eigencontact.viz.surface import (
     cause,
     displacement_profiles,
@@ -131,15 +131,17 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
         homogeneous = homogeneous_words(dataset)
         beside = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else beside
         when, lines = moment(dataset, loaded), "; dashed lines are inclusions below" if outlined else ""
-        sentence = f"Contact pressure, cut to the contact{when}{lines}."
-        yield "pressure.png", sentence, partial(pressure_map, dataset, loaded)
-        sentence = f"Contact pressure along x and y{beside}{when}; markers are computed cells."
+        if not is_line(dataset):
+            sentence = f"Contact pressure, cut to the contact{when}{lines}."
+            yield "pressure.png", sentence, partial(pressure_map, dataset, loaded)
+        sentence = f"Contact pressure {_along(dataset)}{beside}{when}; markers are computed cells."
         yield "pressure-profiles.png", sentence, partial(pressure_profiles, dataset, loaded)
     if not vanishes(dataset, ["residual_displacement_z"], step):
         when, lines = moment(dataset, step), "; lines are outlines of the inclusions from above" if outlined else ""
         sentence = f"Displacement of the surface out of the body by {cause(dataset)}{when}{lines}."
-        yield "uplift.png", sentence, partial(uplift_map, dataset, step)
-        sentence = f"Surface displacement by {cause(dataset)} along x and y{when}."
+        if not is_line(dataset):
+            yield "uplift.png", sentence, partial(uplift_map, dataset, step)
+        sentence = f"Surface displacement by {cause(dataset)} {_along(dataset)}{when}."
         yield "uplift-profiles.png", sentence, partial(displacement_profiles, dataset, step)
 
 
@@ -202,11 +204,13 @@ def _friction(dataset: Results, step: int) -> Iterator[Picture]:
     beside = " beside the closed form" if closed_form else ""
     when = moment(dataset, step)
     if not vanishes(dataset, ["shear_x", "shear_y"], step):
-        yield "shear.png", f"Shear traction as arrows over stick and slip{when}.", partial(shear_map, dataset, step)
-        sentence = f"Shear traction along x and y{beside}, and the bound of friction{when}."
+        if not is_line(dataset):
+            yield "shear.png", f"Shear traction as arrows over stick and slip{when}.", partial(shear_map, dataset, step)
+        sentence = f"Shear traction {_along(dataset)}{beside}, and the bound of friction{when}."
         yield "shear-profiles.png", sentence, partial(shear_profiles, dataset, step)
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
-        yield "dissipation.png", f"Work of friction for each area{when}.", partial(dissipation_map, dataset, step)
+        draw = dissipation_profile if is_line(dataset) else dissipation_map
+        yield "dissipation.png", f"Work of friction for each area{when}.", partial(draw, dataset, step)
     if dataset.sizes["step"] < LOOP_STEPS:
         return
     if is_a_loop(dataset):
@@ -222,13 +226,14 @@ def _wear(dataset: Results, step: int) -> Iterator[Picture]:
     if not wears(dataset):
         return
     when = moment(dataset, step)
-    yield "worn-depth.png", f"Depth that both bodies together have lost{when}.", partial(worn_map, dataset, step)
-    sentence = f"Surfaces of both bodies before and after they wore, and the worn depth, along x and y{when}."
+    if not is_line(dataset):
+        yield "worn-depth.png", f"Depth that both bodies together have lost{when}.", partial(worn_map, dataset, step)
+    sentence = f"Surfaces of both bodies before and after they wore, and the worn depth, {_along(dataset)}{when}."
     yield "worn-profiles.png", sentence, partial(worn_profiles, dataset, step)
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
-        sentence = f"Worn surfaces over the interfaces of layers and coatings, along x and y{when}."
+        sentence = f"Worn surfaces over the interfaces of layers and coatings, {_along(dataset)}{when}."
         yield "worn-coating.png", sentence, partial(worn_coating, dataset, step)
-    if several_exposed(dataset, step):
+    if several_exposed(dataset, step) and not is_line(dataset):
         sentence = f"Materials at the surface, by name{when}; the line is the outline of the contact."
         yield "exposed-materials.png", sentence, partial(exposed_map, dataset, step)
     if dataset.sizes["step"] >= LOOP_STEPS:
@@ -236,6 +241,11 @@ def _wear(dataset: Results, step: int) -> Iterator[Picture]:
         yield "wear-history.png", sentence, partial(wear_history, dataset)
     if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
         yield "wear-loops.png", "Loops of chosen cycles over each other.", partial(worn_loops, dataset)
+
+
+def _along(dataset: Results) -> str:
+    """Lines of the profiles, in words."""
+    return "along x" if is_line(dataset) else "along x and y"
 
 
 def _holds(dataset: Results, name: str, step: int) -> bool:

@@ -12,7 +12,7 @@ from eigencontact.results.cycles import friction_work, skips_cycles
 from eigencontact.viz.errors import draw_band, errors_of, with_error
 from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through, runs_of
 from eigencontact.viz.looks import legend_below
-from eigencontact.viz.style import COLOURS, instant, paper_style, scale_for
+from eigencontact.viz.style import COLOURS, instant, paper_style, scale_for, si_unit
 from eigencontact.viz.window import class_patches, contact_window, draw_classes, is_ragged, masked_map, view_of
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ __all__ = [
     "ZONES",
     "ZONE_COLOURS",
     "dissipation_map",
+    "dissipation_profile",
     "driven",
     "friction_heading",
     "history_of",
@@ -49,11 +50,11 @@ _NEGLIGIBLE = 0.05
 ZONES = ("open", "slip", "stick")
 #: Grey, and light tints of orange and blue that the colour-blind tell apart.
 ZONE_COLOURS = ("#EDEDED", "#F5C26B", "#8DBFE0")
-#: By direction: load, displacement, units of both, words for both.
+#: By direction: load, displacement, words for both.
 MODES = {
-    "x": ("tangential_load_x", "shift_x", ("N", "m"), ("Tangential load $Q_x$", "Shift $\\delta_x$")),
-    "y": ("tangential_load_y", "shift_y", ("N", "m"), ("Tangential load $Q_y$", "Shift $\\delta_y$")),
-    "twist": ("torsion_moment", "twist", ("N m", "rad"), ("Torsion moment $M_z$", "Twist $\\varphi_z$")),
+    "x": ("tangential_load_x", "shift_x", ("Tangential load $Q_x$", "Shift $\\delta_x$")),
+    "y": ("tangential_load_y", "shift_y", ("Tangential load $Q_y$", "Shift $\\delta_y$")),
+    "twist": ("torsion_moment", "twist", ("Torsion moment $M_z$", "Twist $\\varphi_z$")),
 }
 
 
@@ -154,27 +155,62 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
 
     Where cycles are skipped the map is that of the solved increments, as its title says, beside the work in all.
     """
-    density = _field(dataset, "dissipated_energy_density", step)
-    density = np.where(density > 1e-6 * density.max(), density, 0.0)  # what the solver's error leaves is not work
+    density = _density(dataset, step)
     contact = _field(dataset, "contact_zone", step) > 0.5
-    history = history_of(dataset)
-    skips, work = skips_cycles(history), friction_work(history)
-    title = friction_heading(dataset, step, f"Work of friction {'in the solved increments' if skips else 'so far'}")
-    if work is not None:
-        title += f"\n{scale_for([work[step]], 'J').text(work[step])} in all"
-    if work is not None and skips:
-        spent = float(history["dissipated_energy"][step])
-        title += f", with skipped cycles; {scale_for([spent], 'J').text(spent)} in the solved increments"
-    title = with_error(title, dataset, "dissipated_energy_density", step)
     return masked_map(
         contact_window(dataset, contact | (density > 0)),
         density,
         unit="J/m2",
         label="Dissipated energy",
-        title=title,
+        title=_dissipation_title(dataset, step),
         outline=contact,
         empty="no slip",
     )
+
+
+def dissipation_profile(dataset: Results, step: int = -1) -> Figure:
+    """Work of friction for each area up to a step along x, for line contacts; the stick zone is tinted."""
+    density, zone = _density(dataset, step), _field(dataset, "contact_zone", step)
+    view = view_of((zone > 0.5) | (density > 0))
+    (line,) = lines_through(dataset, (0, 0), view)
+    work = scale_for(density, "J/m2")
+    with paper_style():
+        figure = line_figure(1, 2.9)
+        axes, length = figure.add_subplot(), scale_for(line.edges, "m")
+        _tint_stick(axes, zone[line.where], length(line.edges))
+        every = max(1, -(-line.at.size // MARKERS))
+        axes.plot(length(line.at), work(density[line.where]), "o-", color=COLOURS[0], markevery=every)
+        errors = errors_of(dataset, "dissipated_energy_density", step)
+        if errors is not None:
+            draw_band(axes, length(line.at), density[line.where], errors[line.where], work, COLOURS[0])
+        line.finish(axes, length, _field(dataset, "pressure", step))
+        axes.set_xlim(*length(line.edges[[0, -1]]))
+        axes.set_ylim(bottom=0.0)
+        axes.set(ylabel=f"Dissipated energy [{work.unit}]")
+        legend_of_panels(figure, [axes], str)
+        figure.suptitle(_dissipation_title(dataset, step))
+    return figure
+
+
+def _density(dataset: Results, step: int) -> NDArray[Any]:
+    """Work of friction for each area; what the error of the solver leaves is not work."""
+    density = _field(dataset, "dissipated_energy_density", step)
+    return np.where(density > 1e-6 * density.max(), density, 0.0)
+
+
+def _dissipation_title(dataset: Results, step: int) -> str:
+    """Title with the work in all."""
+    history = history_of(dataset)
+    skips, work = skips_cycles(history), friction_work(history)
+    title = friction_heading(dataset, step, f"Work of friction {'in the solved increments' if skips else 'so far'}")
+    if work is not None:
+        unit = si_unit(dataset, "dissipated_energy")
+        title += f"\n{scale_for([work[step]], unit).text(work[step])} in all"
+    if work is not None and skips:
+        spent = float(history["dissipated_energy"][step])
+        words = scale_for([spent], si_unit(dataset, "dissipated_energy")).text(spent)
+        title += f", with skipped cycles; {words} in the solved increments"
+    return with_error(title, dataset, "dissipated_energy_density", step)
 
 
 def shear_profiles(dataset: Results, step: int = -1) -> Figure:
@@ -278,15 +314,15 @@ def driven(dataset: Results) -> list[str]:
 
 def friction_heading(dataset: Results, step: int, subject: str) -> str:
     """Title of a picture: its subject, the normal load, and the tangential load or torsion moment."""
-    loads_in_title = [("normal_load", "P", "N")]
+    loads_in_title = [("normal_load", "P")]
     loads = driven(dataset)
     if set(loads) & {"x", "y"}:
-        loads_in_title.append(("tangential_load", "Q", "N"))
+        loads_in_title.append(("tangential_load", "Q"))
     if "twist" in loads:
-        loads_in_title.append(("torsion_moment", "M", "N m"))
+        loads_in_title.append(("torsion_moment", "M"))
     entries = []
-    for name, symbol, unit in loads_in_title:
+    for name, symbol in loads_in_title:
         values = np.asarray(dataset[name].values, dtype=float)
         value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
-        entries.append(f"{symbol} = {scale_for([value], unit).text(value)}")
+        entries.append(f"{symbol} = {scale_for([value], si_unit(dataset, name)).text(value)}")
     return f"{subject} at {', '.join(entries)}{instant(dataset, step)}"

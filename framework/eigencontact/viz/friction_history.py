@@ -12,7 +12,7 @@ from eigencontact.viz.frame import draw_way
 from eigencontact.viz.friction import MODES, ZONE_COLOURS, ZONES, driven, history_of
 from eigencontact.viz.history import Strand, draw_strands, varies
 from eigencontact.viz.lines import SurfaceLine, surface_line_at
-from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for, si_unit
 from eigencontact.viz.window import class_patches, is_ragged, view_of
 from eigencontact.viz.worn import solved_cycles
 
@@ -59,10 +59,10 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
     with paper_style():
         figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4, on)
         for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
-            load, way, units, labels = MODES[mode]
+            load, way, labels = MODES[mode]
             forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
             cycle = last_cycle(history_of(dataset), "twist" if mode == "twist" else "shift")
-            scales = scale_for(ways, units[1]), scale_for(forces, units[0])
+            scales = scale_for(ways, si_unit(dataset, way)), scale_for(forces, si_unit(dataset, load))
             if on is None:
                 _loop(figure, axes, scales[0](ways), scales[1](forces), cycle, strands_of(cycles_with_loops(dataset)))
             else:
@@ -116,7 +116,8 @@ def _energy_words(dataset: Results, modes: list[str]) -> str:
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
     sentence = f"Cycle of steps {steps[0]} to {steps[1]}"
     if np.isfinite(cycle.dissipated):
-        sentence += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
+        unit = si_unit(dataset, "dissipated_energy")
+        sentence += f": work of friction {scale_for([cycle.dissipated], unit).text(cycle.dissipated)}"
     more = []
     if len(modes) == 1:
         ratio = "4 M\\varphi" if twisted else "4 Q\\delta"
@@ -131,7 +132,7 @@ def _spent_words(dataset: Results, step: int) -> str:
     work = friction_work(history_of(dataset))
     if work is None:
         return "Load and displacement"
-    return f"Work of friction {scale_for([work[step]], 'J').text(work[step])}"
+    return f"Work of friction {scale_for([work[step]], si_unit(dataset, 'dissipated_energy')).text(work[step])}"
 
 
 def zone_strip(dataset: Results) -> Figure:
@@ -180,16 +181,14 @@ def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], SurfaceLine]:
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
     """Draw the loads that change over the steps, relative to their largest size in the legend."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
-    curves = [("normal_load", "$P$", "N", "0.35", ":")]
-    curves += [
-        (MODES[mode][0], symbols[mode], MODES[mode][2][0], COLOURS[n], "-") for n, mode in enumerate(driven(dataset))
-    ]
-    for name, symbol, unit, colour, style in curves:
+    curves = [("normal_load", "$P$", "0.35", ":")]
+    curves += [(MODES[mode][0], symbols[mode], COLOURS[n], "-") for n, mode in enumerate(driven(dataset))]
+    for name, symbol, colour, style in curves:
         values = np.asarray(dataset[name].values, dtype=float)
         largest = float(np.abs(values).max())
         if largest == 0 or not varies(values):  # a constant course is a line at 1
             continue
-        word = f"{symbol} (largest {scale_for([largest], unit).text(largest)})"
+        word = f"{symbol} (largest {scale_for([largest], si_unit(dataset, name)).text(largest)})"
         marker = "o" if len(steps) <= MARKERS else ""
         axes.plot(
             steps, values / largest, style, label=word, marker=marker, markersize=2.4, linewidth=1.0, color=colour

@@ -9,7 +9,7 @@ import numpy as np
 
 from eigencontact.viz.errors import draw_band, history_errors
 from eigencontact.viz.frame import draw_way
-from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
+from eigencontact.viz.style import COLOURS, is_line, new_figure, paper_style, scale_for, si_unit
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, wears
 
 if TYPE_CHECKING:
@@ -70,9 +70,10 @@ class Quantity:
     errors: NDArray[np.float64] | None = None
 
     @classmethod
-    def stored(cls, dataset: Results, name: str, words: str, unit: str) -> Quantity:
+    def stored(cls, dataset: Results, name: str, words: str) -> Quantity:
         """Quantity of a variable of the results."""
-        return cls(np.asarray(dataset[name].values, dtype=float), words, unit, history_errors(dataset, name))
+        values, unit = np.asarray(dataset[name].values, dtype=float), si_unit(dataset, name)
+        return cls(values, words, unit, history_errors(dataset, name))
 
     def at(self, steps: NDArray[np.intp]) -> Quantity:
         """The same in some steps."""
@@ -146,7 +147,8 @@ def history_panels(dataset: Results) -> list[Panel]:
         start = first_touch(dataset)
     panels = [Panel(x.from_start(start), y.from_start(None if start is None else 0.0), start is not None, steps)]
     if area_varies(dataset) and not worn:  # the history of wear shows the area
-        panels.append(Panel(force, Quantity.stored(dataset, "contact_area", "Contact area", "m2"), False, steps))
+        words = "Contact width" if is_line(dataset) else "Contact area"
+        panels.append(Panel(force, Quantity.stored(dataset, "contact_area", words), False, steps))
     return panels
 
 
@@ -183,15 +185,15 @@ def first_touch(dataset: Results) -> float | None:
 
 def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
     """Force and displacement that change most through the history."""
-    pairs = [("normal_load", "approach", "Normal load", "Approach", "N", "m")]
+    pairs = [("normal_load", "approach", "Normal load", "Approach")]
     if not varies(dataset["normal_load"].values):
         for axis in "yx":
             names = f"moment_{axis}", f"tilt_{axis}"
             if names[0] in dataset and np.ptp(dataset[names[1]].values) > 0 and varies(dataset[names[0]].values):
-                pairs.insert(0, (*names, f"Moment about {axis}", f"Tilt about {axis}", "N m", "rad"))
+                pairs.insert(0, (*names, f"Moment about {axis}", f"Tilt about {axis}"))
                 break
-    force, way, load, motion, force_unit, way_unit = pairs[0]
-    return Quantity.stored(dataset, force, load, force_unit), Quantity.stored(dataset, way, motion, way_unit)
+    force, way, load, motion = pairs[0]
+    return Quantity.stored(dataset, force, load), Quantity.stored(dataset, way, motion)
 
 
 def varies(values: ArrayLike, share: float = CONSTANT) -> bool:

@@ -25,6 +25,7 @@ from eigencontact.viz.style import (
     place,
     plane_figure,
     scale_for,
+    si_unit,
 )
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
     if touch is not None:
         loads, depths, last = np.append(0.0, loads), np.append(touch, depths), last + 1
         errors = None if errors is None else np.append(0.0, errors)
-    force, length = scale_for(loads, "N"), scale_for(depths, "m")
+    force, length = scale_for(loads, si_unit(dataset, "normal_load")), scale_for(depths, "m")
     with paper_style():
         figure = new_figure(4.4, 3.2, on)
         axes = figure.add_subplot()

@@ -34,6 +34,7 @@ __all__ = [
     "draw_cross",
     "heading",
     "instant",
+    "is_line",
     "label_plane",
     "lift_colours",
     "moment",
@@ -43,6 +44,7 @@ __all__ = [
     "plane_figure",
     "save",
     "scale_for",
+    "si_unit",
 ]
 
 #: Negative values below this part of the largest are what a solver leaves of zero.
@@ -105,6 +107,16 @@ def scale_for(values: ArrayLike, unit: str) -> Scale:
     if unit in ("m", "m2"):  # no kilometres of contact
         exponent = min(exponent, 0)
     return Scale(10.0**-exponent, _PREFIXES[exponent // power] + unit.replace("m2", "m²").replace("m3", "m³"))
+
+
+def is_line(dataset: Results) -> bool:
+    """Whether the results are those of a line contact, whose surface is one row of strips."""
+    return bool(dataset.attrs.get("line", 0))
+
+
+def si_unit(dataset: Results, name: str) -> str:
+    """SI unit of a stored variable: that of a line contact is per length."""
+    return str(dataset[name].attrs.get("units", "unknown"))
 
 
 def colour_range(values: ArrayLike) -> tuple[str, float, float]:
@@ -228,7 +240,7 @@ def heading(dataset: Results, step: int, subject: str) -> str:
     title = subject
     if "normal_load" in dataset:
         load = float(dataset["normal_load"][step])
-        title += f" at {scale_for([load], 'N').text(load)}"
+        title += f" at {scale_for([load], si_unit(dataset, 'normal_load')).text(load)}"
     return title + instant(dataset, step)
 
 

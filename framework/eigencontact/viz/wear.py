@@ -13,7 +13,7 @@ from eigencontact.viz.history import draw_strands
 from eigencontact.viz.lines import SurfaceLine, drawn_once, line_figure, lines_through, middle
 from eigencontact.viz.outline import coatings, inclusion_segments, paths_of
 from eigencontact.viz.rolling import rolls
-from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, scale_for
+from eigencontact.viz.style import COLOURS, instant, is_line, new_figure, paper_style, scale_for, si_unit
 from eigencontact.viz.window import contact_window, masked_map
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces
 
@@ -73,7 +73,7 @@ def _heading(dataset: Results, step: int) -> str:
     if deepest == 0.0:
         return f"Wear{instant(dataset, step)}\nnothing lost so far"
     cubes, length = (
-        scale_for(dataset[name].values, unit) for name, unit in (("worn_volume", "m3"), ("max_worn_depth", "m"))
+        scale_for(dataset[name].values, si_unit(dataset, name)) for name in ("worn_volume", "max_worn_depth")
     )
     return f"Wear{instant(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
 
@@ -238,18 +238,19 @@ def wear_history(dataset: Results) -> Figure:
     steps = _worn_steps(dataset, values)
     along = scale_for(values, unit)
     at = along(values[steps])
+    line = is_line(dataset)
     shown = (
-        ("worn_volume", "Worn volume", "m3"),
-        ("max_worn_depth", "Largest worn depth", "m"),
-        ("max_pressure", "Largest pressure", "Pa"),
-        ("contact_area", "Contact area", "m2"),
+        ("worn_volume", "Worn area" if line else "Worn volume"),
+        ("max_worn_depth", "Largest worn depth"),
+        ("max_pressure", "Largest pressure"),
+        ("contact_area", "Contact width" if line else "Contact area"),
     )
     with paper_style():
         figure = new_figure(6.6, 4.6)
         panels = figure.subplots(2, 2, sharex=True)
-        for n, (axes, (name, what, si)) in enumerate(zip(panels.ravel(), shown, strict=True)):
+        for n, (axes, (name, what)) in enumerate(zip(panels.ravel(), shown, strict=True)):
             numbers = np.asarray(dataset[name].values, dtype=float)[steps]
-            scale = scale_for(numbers, si)
+            scale = scale_for(numbers, si_unit(dataset, name))
             every = max(1, -(-steps.size // MARKERS))
             axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=every)
             errors = history_errors(dataset, name)
@@ -292,9 +293,9 @@ def loop_cycles(dataset: Results) -> list[SolvedCycle]:
 def worn_loops(dataset: Results) -> Figure:
     """Loops of chosen cycles over each other, coloured by how many cycles were done."""
     mode = driven(dataset)[0]
-    load, way, units, words = MODES[mode]
+    load, way, words = MODES[mode]
     forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
-    force, length = scale_for(forces, units[0]), scale_for(ways, units[1])
+    force, length = scale_for(forces, si_unit(dataset, load)), scale_for(ways, si_unit(dataset, way))
     with paper_style():
         figure = new_figure(5.4, 3.6)
         axes = figure.add_subplot()

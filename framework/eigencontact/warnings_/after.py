@@ -90,7 +90,7 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
             break
     loaded = [row for row in history if row["tangential_load"] > 0 or row["torsion_moment"]]
     rings = [row["slip_fraction"] * np.sqrt(row["contact_area_counted"] / np.pi) for row in loaded]
-    width = max(rings, default=np.inf) / (2.0 * max(model.grid.dx, model.grid.dy))
+    width = max(rings, default=np.inf) / (2.0 * max(model.grid.edges))
     if width < 1.0:
         words = (
             f"the ring that slips is {width:.2g} cells wide at most: stick radius, work of friction and loops are not "
@@ -161,7 +161,7 @@ def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
     place = _place_of_largest(region)
     where = ", ".join(readable(value, "m") for value in place)
     grid = model.grid
-    edge = max(grid.dx, grid.dy)
+    edge = max(grid.edges)
     if model.friction is not None and place[2] < 0.5 * edge and _at_the_edge(model, last, place):
         words = (
             f"the largest von Mises stress, at ({where}), lies at the edge of a contact with friction, where it "

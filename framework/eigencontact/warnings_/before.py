@@ -19,6 +19,7 @@ from eigencontact.model.resolution import (
     cells_above,
     cells_across,
     cells_per_radius,
+    edges_of_cells,
     error_above,
     percent,
     pressure_error,
@@ -162,7 +163,7 @@ def worst_above(model: Model, body: int) -> Above | None:
         if source.lattice is None or height < _FLUSH * source.lattice.edges[0] or not source.law.linear:
             continue
         ratios = ratios_of.setdefault(id(source.law), stiffness_ratios(matrix, source.law, sources))
-        candidates.append(Above(source, float(height / max(source.lattice.edges)), ratios))
+        candidates.append(Above(source, float(height / max(edges_of_cells(source, model.grid))), ratios))
     return max(candidates, key=lambda above: above.error, default=None)
 
 
@@ -177,7 +178,11 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
                 f"{percent(PROMISE)} takes {cells_above(PROMISE, *worst.ratios):.2g} cells"
             )
             yield Caution("inclusion-cells", words, worst.error)
-    few = [(cells_across(source), source.name) for source in model.sources if not isinstance(source.shape, Patch)]
+    few = [
+        (cells_across(source, model.grid), source.name)
+        for source in model.sources
+        if not isinstance(source.shape, Patch)
+    ]
     cells, name = min(few, default=(np.inf, ""))
     if cells < _ACROSS * (1.0 - 1e-6):
         words = (
@@ -190,7 +195,7 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
 def _of_the_laws(model: Model) -> Iterator[Caution]:
     """Warn about the shortest averaging radius of laws that spans few cells."""
     lengths = [
-        (radius / max(source.lattice.edges), radius, source.name)
+        (radius / max(edges_of_cells(source, model.grid)), radius, source.name)
         for source in model.cells.inhomogeneities
         if source.lattice is not None
         for radius in source.law.averaged.values()
@@ -217,7 +222,9 @@ def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
     if not nonlinear or contact is None:
         return
     radius = 0.25 * sum(contact.extent)
-    cells, name = min((radius / max(source.lattice.edges), source.name) for source in nonlinear if source.lattice)
+    cells, name = min(
+        (radius / max(edges_of_cells(source, model.grid)), source.name) for source in nonlinear if source.lattice
+    )
     error = _OF_THE_PRINT / cells
     if error > PROMISE:
         words = (

@@ -1,4 +1,4 @@
-"""Cylinder of finite length, lying on the plane."""
+"""Cylinder lying on the plane, of finite length or without end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Cylinder(Geometry):
     radius : float
         R [m], in the plane across the axis.
     length : float
-        L [m], of the straight part, centred.
+        L [m], of the straight part, centred; ``"infinite"`` by default.
     end_radius : float
         Radius [m] of the rounding beyond the straight part, as a parabola: h grows by (|η| - L/2)² / (2 end_radius)
         with continuous slope. 0 means sharp ends: beyond them there is no surface, and the separation jumps up by
@@ -44,14 +44,15 @@ class Cylinder(Geometry):
     )
 
     radius: Length
-    length: Length
+    length: Length = np.inf
     end_radius: Length = 0.0
     angle: Angle = 0.0
     center: tuple[Length, Length] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         check_length(self.key, "radius", self.radius)
-        check_length(self.key, "length", self.length)
+        if self.length != np.inf:
+            check_length(self.key, "length", self.length)
         rule = "finite and not negative [m] (0: sharp ends)"
         require(0 <= self.end_radius < np.inf, self.key, "end_radius", self.end_radius, rule)
         check_angle(self.key, self.angle)

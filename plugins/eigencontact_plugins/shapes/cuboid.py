@@ -27,7 +27,7 @@ from eigencontact.plugin import (
     rotation_matrix,
     turned_derivatives,
 )
-from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
+from eigencontact_plugins.shapes.cuboid_corner import Corner, LineCorner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
 
 __all__ = ["Cuboid"]
@@ -175,13 +175,20 @@ class Cuboid(InclusionShape):
         """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
 
         Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells. Computed in the
-        precision of the coordinates, `numpy.longdouble` included.
+        precision of the coordinates, `numpy.longdouble` included. All y may be infinite: then it is that of a rectangle
+        in the plane of x and z, the cross-section of a cell without end.
         """
         x, y, z = (np.asarray(t, dtype=np.result_type(t, float)) for t in (x, y, z))
-        corner = Corner(x, y, z)
-        out = np.empty((len(orders), *corner.R.shape), corner.R.dtype)
+        endless = bool(np.isinf(y).all())
+        corner = LineCorner(x, z) if endless else Corner(x, y, z)
+        out = np.empty((len(orders), *np.broadcast_shapes(x.shape, y.shape, z.shape)), corner.R.dtype)
         for row, order in enumerate(orders):
-            out[row] = corner_derivative(potential, order, corner)
+            if not endless:
+                out[row] = corner_derivative(potential, order, corner)
+            elif order[1]:
+                out[row] = 0.0
+            else:
+                out[row] = np.sign(y) * corner_derivative(potential, order, corner)
         return out
 
     def far_field(self) -> PointSources:

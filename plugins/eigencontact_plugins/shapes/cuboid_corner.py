@@ -28,7 +28,7 @@ import numpy as np
 
 from eigencontact.plugin import FloatArray, Order
 
-__all__ = ["Corner", "corner_derivative"]
+__all__ = ["Corner", "LineCorner", "corner_derivative"]
 
 
 #: Smallest R and R + x_i in a logarithm or a quotient, in the unit of length of the coordinates.
@@ -108,6 +108,54 @@ class Corner:
         (x, y, z), (x2, y2, _) = self.x, self.squares
         first, second = (x2, y2) if i == 0 else (y2, x2)
         return np.asarray(np.arctan2(x * y * (x2 + y2), self.plus(2) * (first * self.R + second * z)))
+
+
+class LineCorner(Corner):
+    """The same for y = ∞: the odd part along y of each expression, without terms in y alone or in x or z alone.
+
+    The sum over the corners at ±∞ removes the rest. What formulas multiply with y has no such part: y counts as 0.
+    """
+
+    def __init__(self, x: FloatArray, z: FloatArray) -> None:
+        super().__init__(x, np.zeros((), np.result_type(x, z)), z)
+        self.rho2: FloatArray = np.maximum(self.squares[0] + self.squares[2], FLOOR**2)
+        self.nothing: FloatArray = np.zeros(self.R.shape, self.R.dtype)
+        self.R = self.nothing
+
+    def u(self) -> FloatArray:
+        """See `Corner.u`."""
+        return self.nothing
+
+    def plus(self, i: int) -> FloatArray:  # noqa: ARG002
+        """See `Corner.plus`."""
+        return np.full_like(self.nothing, np.inf)
+
+    def L(self, i: int) -> FloatArray:
+        """See `Corner.L`."""
+        return np.asarray(-0.5 * np.log(self.rho2)) if i == 1 else self.nothing
+
+    def A(self, i: int) -> FloatArray:
+        """See `Corner.A`."""
+        if i == 1:
+            return self.nothing
+        sign, other = np.sign(self.x[i]), self.x[2 - i]
+        return np.asarray(np.arctan2(other * sign + self.nothing, np.abs(self.x[i])))
+
+    def g(self, i: int) -> FloatArray:
+        """See `Corner.g`."""
+        return np.asarray(-1.0 / self.rho2) if i == 1 else self.nothing
+
+    def k(self, i: int) -> FloatArray:
+        """See `Corner.k`."""
+        return np.asarray(-2.0 / self.rho2**2) if i == 1 else self.nothing
+
+    def M(self) -> FloatArray:
+        """See `Corner.M`."""
+        return self.nothing
+
+    def E(self, i: int) -> FloatArray:
+        """See `Corner.E`."""
+        return self.A(2) if i == 0 else self.nothing
 
 
 Formula = Callable[[Corner, int, int, int], FloatArray]

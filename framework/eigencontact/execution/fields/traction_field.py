@@ -66,7 +66,10 @@ class TractionField(Cause):
         stress = not {"stress", "strain"}.isdisjoint(request.fields)
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
-            quantity: [StressCoefficients(interface.influences[t.name], body, quantity) for t in self._tractions]
+            quantity: [
+                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum)
+                for t in self._tractions
+            ]
             for quantity in self._quantities
         }
         self.requires = frozenset(item.field for item in self._tractions)
@@ -199,7 +202,8 @@ class TractionField(Cause):
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
-        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin))
+        data = tuple(kernel.datum for kernel in self._kernels[quantity])
+        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:

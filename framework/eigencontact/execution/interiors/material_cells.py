@@ -203,13 +203,16 @@ class MaterialCells:
     def rim(self, width: tuple[int, int, int] = (1, 1, 1)) -> NDArray[np.bool_]:
         """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound.
 
-        A rim of several cells along z, y, x is one of all neighbourhoods that reach beyond the bounds.
+        A rim of several cells along z, y, x is one of all neighbourhoods that reach beyond the bounds; one row of
+        cells without end along y has none there, 0.
         """
         out = np.zeros(self.shape, dtype=bool)
         for source in self._sources:
             if source.guessed and source.lattice is not None:
                 cells, (k, j, i) = out[place_in(self._box, source.lattice)], width
-                cells[-k:] = cells[:, :j] = cells[:, -j:] = cells[:, :, :i] = cells[:, :, -i:] = True
+                cells[-k:] = cells[:, :, :i] = cells[:, :, -i:] = True
+                if j:
+                    cells[:, :j] = cells[:, -j:] = True
         return out
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:

@@ -96,7 +96,9 @@ class SweptCells(Cells):
         self._cut = CutCells.all_of(self._content, self._half_space.material)
         self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
-        self._rim = self._content.rim(self._averages.width).ravel()
+        deep, across, wide = self._averages.width
+        self._width = (deep, 0 if self._grid.line else across, wide)
+        self._rim = self._content.rim(self._width).ravel()
         matrix = self._half_space.material
         self._faces = linked_cells(self._content, whole, self._places, matrix)
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
@@ -240,7 +242,7 @@ class SweptCells(Cells):
         reached &= self._rim
         if reached.any():
             cells = np.argwhere(reached.reshape(self._content.shape))
-            raise self._outgrown(enlarged(self._box.lattice, cells, self._averages.width))
+            raise self._outgrown(enlarged(self._box.lattice, cells, self._width))
 
     def _outgrown(self, lattice: Lattice) -> Outgrown:
         """Event of a box that must grow to fill a lattice as well."""

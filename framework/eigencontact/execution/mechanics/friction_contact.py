@@ -49,7 +49,7 @@ from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Numerics, Step
-from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.contact_area import contact_area, radius_of_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.tangential.control import MODES, mode_fields
 
@@ -79,7 +79,8 @@ FRICTION_NUMBERS = (
     Number(name="shift_magnitude", unit="m", meaning="shift, magnitude", headline=True, label="shift"),
     Number(name="torsion_moment", unit="N m", meaning="torsion moment about the z axis, on body 1"),
     Number(name="twist", unit="rad", meaning="twist of body 2 against body 1 about the z axis, from x to y"),
-    Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area", scatters=True),
+    Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area", scatters=True,
+           in_line="half width of the stick zone"),
     Number(
         name="slip_fraction", unit="1", meaning="slipping part of the contact area", headline=True, scatters=True
     ),
@@ -343,7 +344,7 @@ class ContactWithFriction(Contact):
         whole = contact_area(loaded, self._grid, periodic=self._periodic)
         inner = contact_area(stick, self._grid, periodic=self._periodic)
         return {
-            "stick_radius": float(np.sqrt(max(inner, 0.0) / np.pi)),
+            "stick_radius": radius_of_area(max(inner, 0.0), self._grid),
             "slip_fraction": float(np.clip(1.0 - inner / whole, 0.0, 1.0)) if whole > 0 else 0.0,
         }
 

@@ -25,7 +25,7 @@ from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.window import Window
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
-from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.contact_area import contact_area, line_contact_area, radius_of_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalSolver
 from eigencontact.solvers.solution import NormalSolution
@@ -47,20 +47,26 @@ __all__ = [
 #: Scalars of every contact.
 NORMAL_NUMBERS = (
     Number(name="normal_load", unit="N", meaning="normal load", headline=True),
-    Number(name="approach", unit="m", meaning="approach of distant points", headline=True),
+    Number(
+        name="approach", unit="m", meaning="approach of distant points", headline=True,
+        in_line="approach at the datum depth",
+    ),
     Number(name="tilt_x", unit="rad", meaning="tilt about the x axis"),
     Number(name="tilt_y", unit="rad", meaning="tilt about the y axis"),
     Number(name="moment_x", unit="N m", meaning="moment about the x axis"),
     Number(name="moment_y", unit="N m", meaning="moment about the y axis"),
     Number(
         name="contact_radius", unit="m", meaning="radius of the circle of equal contact area", headline=True,
-        scatters=True,
+        scatters=True, in_line="half width of the contact",
     ),
     Number(
         name="contact_area", unit="m2", meaning="contact area, corrected for cells cut by the edge of the contact",
-        headline=True, scatters=True,
+        headline=True, scatters=True, in_line="contact width",
     ),
-    Number(name="contact_area_counted", unit="m2", meaning="area of the loaded cells", scatters=True),
+    Number(
+        name="contact_area_counted", unit="m2", meaning="area of the loaded cells", scatters=True,
+        in_line="width of the loaded cells",
+    ),
     Number(
         name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True, label="largest pressure"
     ),
@@ -187,7 +193,7 @@ def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:
 
 def cell_deflection(coefficients: PairCoefficients, grid: Grid) -> float:
     """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
-    return float(coefficients.table(np.zeros(1), np.zeros(1), (0.5 * grid.dx, 0.5 * grid.dy))[0, 0])
+    return float(coefficients.table(np.zeros(1), np.zeros(1), grid.half_widths)[0, 0])
 
 
 def normal_work(solution: NormalSolution) -> dict[str, float]:
@@ -201,7 +207,10 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
     certificate = solution.report.certificate
     assert certificate is not None
     loaded = solution.pressure > 0
-    area = contact_area(loaded, grid, periodic=periodic)
+    if grid.line:
+        area = line_contact_area(solution.pressure, grid, periodic=periodic)
+    else:
+        area = contact_area(loaded, grid, periodic=periodic)
     return {
         "normal_load": solution.normal_load,
         "approach": solution.approach,
@@ -211,7 +220,7 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
         "moment_y": solution.moment_y,
         "contact_area": area,
         "contact_area_counted": float(np.count_nonzero(loaded)) * grid.cell_area,
-        "contact_radius": float(np.sqrt(area / np.pi)),
+        "contact_radius": radius_of_area(area, grid),
         "max_pressure": float(solution.pressure.max()),
         "gap_residual": certificate.gap,
         "penetration_residual": certificate.penetration,

@@ -122,8 +122,7 @@ class TangentialDisplacement(Block):
                 response = pair.response(kx[None, :], ky[:, None])
                 spectrum = layout.spectrum_from_response(response, pair.parity, precision=precision)
             else:
-                half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
-                table = pair.table(layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, half_widths)
+                table = pair.table(layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, grid.half_widths)
                 spectrum = layout.spectrum(table, pair.parity, precision=precision)
             kernels.append([spectrum])
         return _ConvolvedPressure(Convolver(layout, precision=precision, threads=self._numerics.threads), kernels)
@@ -204,7 +203,7 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     first, *more = interface.geometries
     geometry: object = RevolutionSum.of(interface.geometries) if more else first
     reference = None
-    if not (model.scene.losses or model.periodic) and isinstance(geometry, HasReferencePressure):
+    if not (model.scene.losses or model.periodic or grid.line) and isinstance(geometry, HasReferencePressure):
         simpler = "without inclusions and eigenstrain" if model.sources else ""
         simpler = "on the bare substrate" if layered_bodies(interface.solids) else simpler
         reference = ReferencePressure(geometry, first.key, grid, interface.solids, simpler)

@@ -19,6 +19,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
+from eigencontact.halfspace.endless import EndlessCell
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.installed import CellMaker, installed_cell
@@ -76,7 +77,8 @@ class HalfSpace:
     @property
     def cell(self) -> Any:
         """One cell, below the surface."""
-        return self.maker((0.0, 0.0, 0.5), (1.0, 1.0, 1.0))
+        cell = self.maker((0.0, 0.0, 0.5), (1.0, 1.0, 1.0))
+        return EndlessCell(cell) if self.grid.line else cell
 
     def options(self, quantity: str) -> dict[str, Any]:
         """Arguments that every operator on cells takes."""

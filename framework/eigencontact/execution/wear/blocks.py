@@ -30,7 +30,8 @@ __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 #: Scalars of surfaces that wear.
 _NUMBERS = (
     Number(
-        name="worn_volume", unit="m3", meaning="volume that both bodies have lost", headline=True
+        name="worn_volume", unit="m3", meaning="volume that both bodies have lost", headline=True,
+        in_line="worn area",
     ),
     Number(
         name="max_worn_depth", unit="m", meaning="largest depth that both bodies together have lost", headline=True

@@ -97,7 +97,7 @@ class WornLayers:
     def __init__(self, media: Mapping[int, LayeredMedium], interface: Interface, grid: Grid, allowed: float) -> None:
         self._media, self._interface, self._allowed = media, interface, allowed
         self._lost, self.solids = dict.fromkeys(media, 0.0), interface.solids
-        reach, finest = max(grid.size), min(grid.dx, grid.dy)
+        reach, finest = max(grid.sides), min(grid.edges)
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
     def begin(self, step: Step, state: WornState) -> None:
@@ -159,7 +159,9 @@ class WornLayers:
         for name, along in (("p", "z"), ("q_x", "x")):
             if name in self._interface.influences:
                 first, second = (
-                    PairCoefficients(self._interface.influences[name], self._thinned(depths), along)
+                    PairCoefficients(
+                        self._interface.influences[name], self._thinned(depths), along, self._interface.datum
+                    )
                     .response(k, still)
                     .real
                     for depths in (losses, new_losses)

@@ -1,0 +1,46 @@
+"""What a line contact cannot have, or needs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from eigencontact.scene.steps import named_ramps
+
+if TYPE_CHECKING:
+    from eigencontact.scene.schema import Scene
+
+__all__ = ["check_line"]
+
+#: Loads and motions that turn the body out of its plane, or move it along its length.
+_ACROSS = frozenset({"moment-x", "tilt-x", "torsion-moment", "twist", "travel-y"})
+#: Motions against the inside of the bodies.
+_AGAINST_DEPTH = frozenset({"approach", "shift-x", "shift-y"})
+
+
+def check_line(scene: Scene) -> None:
+    """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
+    if not scene.grid.line:
+        return
+    if scene.inclusions and not scene.numerics.in_cells:
+        raise ValueError(
+            "!numerics.inclusion-resolution must be 'cells' in a line contact (got wholes): no plane strain of wholes "
+            "is known"
+        )
+    if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
+        raise ValueError(
+            f"!numerics.half-space must be 'exact' or 'full-space' in a line contact (got {scene.numerics.half_space!r})"
+        )
+    for where, step in named_ramps(scene.steps):
+        across = [name for name in step.prescribed if name in _ACROSS]
+        if across:
+            raise ValueError(
+                f"!{where} must not prescribe {across[0]} in a line contact (got grid.length = 'infinite'): plane "
+                "strain has no turn about x or z and no motion of the geometry along y; leave it out"
+            )
+        moved = [name for name in step.prescribed if name in _AGAINST_DEPTH]
+        if moved and scene.grid.datum_depth is None:
+            raise ValueError(
+                f"!{where} must not prescribe {moved[0]} in a line contact without grid.datum-depth (got none): in "
+                "plane strain displacements have no limit far away, so name the depth of the points that move "
+                "by it, or give the load"
+            )
