@@ -205,11 +205,11 @@ class Grid:
             If a point lies outside the mesh.
         """
         lr, lz = self.lines
-        outside = (r < 0) | (r > lr[-1]) | (z < lz[0]) | (z > lz[-1]) | ~np.isfinite(r + z)
+        outside = (r < lr[0]) | (r > lr[-1]) | (z < lz[0]) | (z > lz[-1]) | ~np.isfinite(r + z)
         if np.any(outside):
             k = int(np.flatnonzero(outside)[0])
             raise ValueError(
-                f"points must be in the body, 0 <= r <= {lr[-1]:g} and 0 <= z <= {lz[-1]:g} "
+                f"points must be in the body, {lr[0]:g} <= r <= {lr[-1]:g} and 0 <= z <= {lz[-1]:g} "
                 f"(got r = {r[k]:g}, z = {z[k]:g}); use a larger reach"
             )
         i = np.clip(np.searchsorted(lr, r, side="right") - 1, 0, len(lr) - 2)
@@ -291,7 +291,7 @@ def build(r: FloatArray, z: FloatArray, fits: Sequence[Fit], size: float, divisi
     places[:, mesh.dofs.element_dofs] = nodes
     mesh = MeshQuad2(places, mesh.t, sort_t=False)
     rim = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].reshape(2, -1)
-    on_rim = (rim[0] == 0) | (rim[0] == r[-1]) | (rim[1] == z[0]) | (rim[1] == z[-1])
+    on_rim = (rim[0] == r[0]) | (rim[0] == r[-1]) | (rim[1] == z[0]) | (rim[1] == z[-1])
     if not np.all(on_rim):
         raise ValueError("blocks of the mesh must meet (got open edges inside the body); report this mesh")
     return Grid(

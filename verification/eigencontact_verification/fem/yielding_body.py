@@ -70,15 +70,18 @@ class YieldingBody:
         """Weight r dA of each integration point, (elements, 9)."""
         return np.asarray(self.basis.dx * np.asarray(self.basis.global_coordinates())[0])
 
+    def hoop(self, value: FloatArray) -> FloatArray:
+        """Strain tt of each unknown, from the values of its u_r at the integration points, (18, elements, 9)."""
+        return value / np.asarray(self.basis.global_coordinates())[0]
+
     @cached_property
     def strains(self) -> FloatArray:
         """Strain (rr, tt, zz, sqrt2 rz) of each unknown, (elements, 9, 4, 18)."""
         basis = self.basis
         value = np.array([np.asarray(shape)[0] for (shape,) in basis.basis])
         grad = np.array([shape.grad for (shape,) in basis.basis])
-        hoop = value / np.asarray(basis.global_coordinates())[0]
         sheared = (grad[:, 0, 1] + grad[:, 1, 0]) / np.sqrt(2.0)
-        found = np.stack((grad[:, 0, 0], hoop, grad[:, 1, 1], sheared)).transpose(2, 3, 0, 1)
+        found = np.stack((grad[:, 0, 0], self.hoop(value), grad[:, 1, 1], sheared)).transpose(2, 3, 0, 1)
         volume = found[:, :, :3].sum(axis=2)
         local = np.stack(np.meshgrid(_PLACES, _PLACES)).reshape(2, -1)
         linear = np.vstack((np.ones(9), local))

@@ -1,0 +1,408 @@
+"""Contact along a line with friction, solved by finite elements of both bodies: load control, implicit steps, Newton.
+
+Surface nodes of the two meshes face each other (small displacement). With the overlap
+``o = d - g(x) - u_z1 - u_z2`` and the relative shift ``t = s + u_x2 - u_x1``, d and s being the rigid motion of body 2,
+the pressure is a stiff spring, ``p = max(0, k o)``, and the shear on body 1 a stiff spring that gives way,
+``q = k (t - slip)`` within ``|q| <= friction p``: a return mapping along the line, implicit as that of the plastic
+strain. Forces at nodes are those of Simpson's rule, as in `yielding_contact`. No influence coefficient enters: forces
+per length reach the surface by the equilibrium of d and s, and the far boundary by Flamant's field.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import block_diag, csc_matrix, csr_matrix, diags
+from scipy.sparse.linalg import splu
+from skfem import FacetBasis, LinearForm
+
+from eigencontact_verification.fem.line_contact_model import LineBody, LineContact, LineStep
+from eigencontact_verification.fem.plane_strain import (
+    PlaneBody,
+    line_force_displacement,
+    line_force_stress,
+    stretched_displacement,
+)
+from eigencontact_verification.fem.yielding_law import State
+
+__all__ = ["LineBody", "LineContact", "LineMoment", "LineSolution", "LineStep", "solve_line_contact"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Largest force that may be left at an unknown, as a part of the load; iterations; times that a step may be halved.
+_LEFT, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
+#: Stiffness of contact and stick in contact moduli over the size of the fine elements.
+_STIFF = 1e4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LineMoment:
+    """The bodies at the end of an increment.
+
+    Attributes
+    ----------
+    step : LineStep
+    pressure, shear, slip : (n,) float64
+        At `LineSolution.x`: on body 1; slip of body 2 over body 1 since they touched [Pa, Pa, m].
+    stick : (n,) bool
+        Nodes in contact that the last increment did not shift.
+    displacement : (unknowns + 2,) float64
+        Of both bodies, u_x and u_z; last the rigid motion of body 2 into and along body 1.
+    stresses : tuple of (4, elements, 9) float64
+        xx, yy, zz, sqrt2 xz at the integration points of each body.
+    states : tuple
+        What the laws remember, by body.
+    iterations : int
+        Linear systems solved for it.
+    """
+
+    step: LineStep
+    pressure: FloatArray
+    shear: FloatArray
+    slip: FloatArray
+    stick: NDArray[np.bool_]
+    displacement: FloatArray
+    stresses: tuple[FloatArray, ...] = field(repr=False)
+    states: tuple[tuple[State, ...], ...] = field(repr=False)
+    iterations: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LineSolution:
+    """Everything after each step.
+
+    Attributes
+    ----------
+    model : LineContact
+    bodies : tuple of PlaneBody
+    x, weight : (n,) float64
+        Nodes of the surface where contact is looked for, ascending, and their shares of its length [m].
+    moments : tuple of LineMoment
+        One for each step that was asked for.
+    seconds : float
+    """
+
+    model: LineContact
+    bodies: tuple[PlaneBody, ...]
+    x: FloatArray
+    weight: FloatArray
+    moments: tuple[LineMoment, ...]
+    seconds: float
+
+    def stress(self, points: ArrayLike, moment: int = -1, body: int = 1) -> FloatArray:
+        """Stress xx, yy, zz, xz (4, n) at points (x, z), (n, 2), z into body 1 or upwards into body 2 [Pa].
+
+        Of body 2 in the axes of body 1: its xz changes sign, because its z points the other way.
+        """
+        found = self.bodies[body - 1].read(self.moments[moment].stresses[body - 1], points)
+        found[3] *= (1 if body == 1 else -1) / np.sqrt(2.0)
+        return found
+
+    def plastic_strain(self, points: ArrayLike, moment: int = -1, body: int = 1) -> FloatArray:
+        """Equivalent plastic strain (n,) at points (x, z), (n, 2)."""
+        mesh = self.bodies[body - 1]
+        return mesh.read(mesh.of_state(self.moments[moment].states[body - 1]), points)
+
+    def contact(self, moment: int = -1) -> tuple[float, float]:
+        """Ends of the contact: where the squared pressure of the last nodes inside, with straight lines, is zero."""
+        return self._ends(self.moments[moment].pressure ** 2)
+
+    def stick(self, moment: int = -1) -> tuple[float, float]:
+        """Ends of the stick zone, where ``(friction p - |q|)²`` is zero (a root's distance from full friction)."""
+        now = self.moments[moment]
+        return self._ends(np.where(now.stick, self.model.friction * now.pressure - np.abs(now.shear), 0.0) ** 2)
+
+    def _ends(self, value: FloatArray) -> tuple[float, float]:
+        """Where a function that is positive between two places and straight beside them rises from 0 and falls to 0."""
+        inside = np.flatnonzero(value > 0)
+        if inside.size < 4:
+            return (float(self.x[inside].min(initial=0.0)), float(self.x[inside].max(initial=0.0)))
+        first, last = int(inside[0]), int(inside[-1])
+        ends = []
+        for part, low, high in (
+            (np.s_[first : first + 4], self.x[max(first - 1, 0)], self.x[first]),
+            (np.s_[last - 3 : last + 1], self.x[last], self.x[min(last + 1, len(self.x) - 1)]),
+        ):
+            slope, start = np.polyfit(self.x[part] - self.x[first], value[part], 1)
+            ends.append(float(np.clip(self.x[first] - start / slope, low, high)))
+        return ends[0], ends[1]
+
+
+def solve_line_contact(model: LineContact, steps: Sequence[LineStep]) -> LineSolution:
+    """Follow one step after another, each an increment of backward Euler.
+
+    Parameters
+    ----------
+    model : LineContact
+        What touches.
+    steps : sequence of LineStep
+        Loads at the end of each increment.
+
+    Raises
+    ------
+    ValueError
+        Loads that cannot be carried (`LineContact.check`), or contact that reaches the ends of the window.
+    ArithmeticError
+        An increment has no solution although it was halved five times.
+
+    Examples
+    --------
+    >>> flat = LineBody(young_modulus=0.91, poisson_ratio=0.3)  # contact modulus 1
+    >>> model = LineContact(bodies=(flat,), gap=lambda x: x**2 / 2, window=(-1.5, 1.5), fine=0.25, reach=50.0)
+    >>> hertz = solve_line_contact(model, [LineStep(normal=np.pi / 4)])
+    >>> round(float(hertz.moments[0].pressure.max()), 2)
+    0.5
+    """
+    start = time.perf_counter()
+    steps = tuple(steps)
+    model.check(steps)
+    solver = _Solver(model=model, bodies=model.meshed(), largest=max((step.normal for step in steps), default=0.0))
+    moments = tuple(solver.follow(steps))
+    seconds = time.perf_counter() - start
+    x, weight = solver.x, solver.weight
+    return LineSolution(model=model, bodies=solver.bodies, x=x, weight=weight, moments=moments, seconds=seconds)
+
+
+@dataclass(kw_only=True, eq=False)
+class _Solver:
+    """Unknowns are those of the first body, of the second, the depth d and the shift s."""
+
+    model: LineContact
+    bodies: tuple[PlaneBody, ...]
+    largest: float
+    spent: int = 0
+
+    @cached_property
+    def facets(self) -> tuple[FloatArray, IntArray, FloatArray]:
+        """Weights (nodes,) by u_z's number, those numbers by rising x, and the numbers of u_x beside them."""
+        basis = self.bodies[0].basis
+        mesh, (low, high) = basis.mesh, self.model.window
+        edges = mesh.boundary_facets()
+        ends = mesh.p[:, mesh.facets[:, edges]]
+        tiny = 1e-9 * (high - low)
+        kept = np.all(ends[1] == 0, axis=0) & np.all((ends[0] > low - tiny) & (ends[0] < high + tiny), axis=0)
+        edges, length = edges[kept], np.abs(np.diff(ends[0][:, kept], axis=0))[0]
+        corners = mesh.facets[:, edges]
+        across = np.concatenate((*basis.nodal_dofs[1][corners], basis.facet_dofs[1][edges]))
+        along = np.concatenate((*basis.nodal_dofs[0][corners], basis.facet_dofs[0][edges]))
+        weight = np.bincount(across, np.concatenate((length / 6, length / 6, length * 4 / 6)), minlength=basis.N)
+        across, first = np.unique(across, return_index=True)
+        order = np.argsort(basis.doflocs[0, across])
+        across = across[order]
+        return weight[across], across, along[first][order]
+
+    @property
+    def weight(self) -> FloatArray:
+        return self.facets[0]
+
+    @cached_property
+    def x(self) -> FloatArray:
+        return np.asarray(self.bodies[0].basis.doflocs[0, self.facets[1]])
+
+    @cached_property
+    def gap(self) -> FloatArray:
+        return np.asarray(self.model.gap(self.x), dtype=float)
+
+    @cached_property
+    def stiffness(self) -> float:
+        return _STIFF * self.model.contact_modulus * self.model.divisions / self.model.fine
+
+    @cached_property
+    def count(self) -> int:
+        """Unknowns of one body."""
+        return int(self.bodies[0].basis.N)
+
+    @cached_property
+    def overlaps(self) -> csr_matrix:
+        """Overlap of each node by the unknowns, without the gap."""
+        return self._relative(self.facets[1], (-1.0, -1.0), -2)
+
+    @cached_property
+    def shifts(self) -> csr_matrix:
+        """Relative shift of each node by the unknowns."""
+        return self._relative(self.facets[2], (-1.0, 1.0), -1)
+
+    def _relative(self, numbers: IntArray, signs: tuple[float, float], rigid: int) -> csr_matrix:
+        n, bodies = len(numbers), len(self.bodies)
+        columns = [k * self.count + numbers for k in range(bodies)] + [np.full(n, self.size + rigid)]
+        values = np.repeat([*signs[:bodies], 1.0], n)
+        rows = np.tile(np.arange(n), bodies + 1)
+        return csr_matrix((values, (rows, np.concatenate(columns))), shape=(n, self.size))
+
+    @property
+    def size(self) -> int:
+        return len(self.bodies) * self.count + 2
+
+    @cached_property
+    def horizontal(self) -> NDArray[np.bool_]:
+        basis = self.bodies[0].basis
+        found = np.zeros(basis.N, dtype=bool)
+        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
+            found[dofs[0]] = True
+        return found
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """Unknowns of one body that the far field moves: all of the outer boundary, or three that stop rigid motion."""
+        x, z = self.bodies[0].basis.doflocs
+        reach = self.model.reach
+        if self.model.outer == "fixed":
+            return np.asarray((np.abs(x) == reach) | (z == reach))
+        corner = (z == reach) & (np.abs(x) == reach)
+        return np.asarray(corner & ~(self.horizontal & (x > 0)))
+
+    def far(self, step: LineStep) -> FloatArray:
+        """Displacement (unknowns + 2,) of what is held, zero elsewhere."""
+        found = np.zeros(self.size)
+        here = np.flatnonzero(self.held)
+        x, z = self.bodies[0].basis.doflocs[:, here]
+        for k, (body, bulk) in enumerate(zip(self.model.bodies, step.bulk, strict=False)):
+            moduli = body.young_modulus, body.poisson_ratio
+            both = line_force_displacement(step.normal, (step.shear, -step.shear)[k], *moduli, x, z)
+            both = both + stretched_displacement(bulk, *moduli, x, z)
+            found[k * self.count + here] = np.where(self.horizontal[here], *both)
+        return found
+
+    def outer_loads(self, step: LineStep) -> FloatArray:
+        """Forces (unknowns + 2,) on free sides and base, and the loads of d and s."""
+        found = np.zeros(self.size)
+        found[-2:] = step.normal, step.shear
+        if self.model.outer == "free":
+            for k in range(len(self.bodies)):
+                part = np.s_[k * self.count : (k + 1) * self.count]
+                found[part] = self._traction(step.normal, (step.shear, -step.shear)[k], step.bulk[k])
+        return found
+
+    def _traction(self, normal: float, shear: float, bulk: float) -> FloatArray:
+        basis, reach = self.bodies[0].basis, self.model.reach
+
+        def work(v: object, w: object) -> object:
+            return w.t_x * v[0] + w.t_z * v[1]  # type: ignore[attr-defined, index]
+
+        outer = basis.mesh.facets_satisfying(lambda x: (np.abs(x[0]) == reach) | (x[1] == reach), boundaries_only=True)
+        rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+        (n_x, n_z), (x, z) = np.asarray(rim.normals), np.asarray(rim.global_coordinates())
+        s_xx, s_zz, s_xz = line_force_stress(normal, shear, x, z)
+        loads = {"t_x": (s_xx + bulk) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
+        return np.asarray(LinearForm(work).assemble(rim, **loads))
+
+    def follow(self, steps: Sequence[LineStep]) -> Iterator[LineMoment]:
+        none = np.zeros(len(self.x))
+        now = LineMoment(
+            step=LineStep(normal=0.0),
+            pressure=none,
+            shear=none,
+            slip=none,
+            stick=none > 0,
+            displacement=np.zeros(self.size),
+            stresses=tuple(np.zeros(body.prestrain.shape) for body in self.bodies),
+            states=tuple(body.rest() for body in self.bodies),
+        )
+        for step in steps:
+            self.spent = 0
+            now = self.advance(now, step)
+            if now.pressure[0] or now.pressure[-1]:
+                raise ValueError(f"line contact window must hold the contact (got {self.model.window}); widen it")
+            yield now
+
+    def advance(self, before: LineMoment, step: LineStep, halvings: int = _HALVINGS) -> LineMoment:
+        found = self.newton(before, step)
+        if found is not None:
+            return found
+        if not halvings:
+            raise ArithmeticError(
+                f"line contact must have a solution between {before.step} and {step} (got none in {_ITERATIONS} "
+                "iterations); take smaller increments"
+            )
+        old = before.step
+        half = LineStep(
+            normal=(old.normal + step.normal) / 2,
+            shear=(old.shear + step.shear) / 2,
+            bulk=((old.bulk[0] + step.bulk[0]) / 2, (old.bulk[1] + step.bulk[1]) / 2),
+        )
+        return self.advance(self.advance(before, half, halvings - 1), step, halvings - 1)
+
+    def newton(self, before: LineMoment, step: LineStep) -> LineMoment | None:
+        """Newton's iteration on the semi-smooth equations; None where it does not converge."""
+        u = before.displacement + self.far(step) - self.far(before.step)
+        if step.normal and not before.step.normal:
+            u[-2] = self.first_depth(u, step.normal)
+        free = np.concatenate((np.tile(~self.held, len(self.bodies)), [step.normal > 0, self.rubs and step.normal > 0]))
+        loads, free = self.outer_loads(step), np.flatnonzero(free)
+        scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
+        for tried in range(_ITERATIONS):
+            try:
+                parts = [
+                    body.forces(u[k * self.count : (k + 1) * self.count], states)
+                    for k, (body, states) in enumerate(zip(self.bodies, before.states, strict=True))
+                ]
+            except ArithmeticError:
+                return None
+            p, q, slip, slopes = self.tractions(u, before.slip, parted=not step.normal)
+            rest = loads - np.concatenate([part[0] for part in parts] + [np.zeros(2)])
+            rest -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
+            rest = rest[free]
+            if tried and np.abs(rest).max() <= _LEFT * scale:
+                moved = np.abs(slip - before.slip) > 0
+                return LineMoment(
+                    step=step,
+                    pressure=p,
+                    shear=q,
+                    slip=slip,
+                    stick=(p > 0) & ~moved,
+                    displacement=u,
+                    stresses=tuple(part[3] for part in parts),
+                    states=tuple(part[2] for part in parts),
+                    iterations=self.spent,
+                )
+            if step.normal and not np.any(p):
+                return None
+            self.spent += 1
+            matrix = block_diag([part[1] for part in parts] + [csc_matrix((2, 2))], format="csr")
+            normal, shear, cross = (diags(self.weight * slope) for slope in slopes)
+            matrix = matrix + self.overlaps.T @ normal @ self.overlaps
+            matrix = matrix + self.shifts.T @ (shear @ self.shifts + cross @ self.overlaps)
+            try:
+                step_u = splu(matrix[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+            except RuntimeError:  # every node slips: the halved step keeps some that stick
+                return None
+            u[free] += step_u.solve(rest)
+            if not np.all(np.isfinite(u)):
+                return None
+        return None
+
+    @property
+    def rubs(self) -> bool:
+        return self.model.friction > 0
+
+    def tractions(
+        self, u: FloatArray, slip: FloatArray, *, parted: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
+        """Pressure, shear, slip, and the slopes of pressure by overlap, of shear by shift and of shear by overlap."""
+        k, mu = self.stiffness, self.model.friction
+        p = np.zeros(len(self.x)) if parted else np.maximum(0.0, k * (self.overlaps @ u - self.gap))
+        shift = self.shifts @ u
+        trial = k * (shift - slip)
+        sticks = np.abs(trial) <= mu * p
+        q = np.where(sticks, trial, mu * p * np.sign(trial))
+        touched = p > 0
+        stuck = sticks & touched
+        after = np.where(stuck, slip, shift - q / k)
+        slopes = k * touched, k * stuck, np.where(touched & ~sticks, mu * k * np.sign(trial), 0.0)
+        return p, q, after, slopes
+
+    def first_depth(self, u: FloatArray, load: float) -> float:
+        """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
+        height = self.gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
+        for depth in np.sort(height)[1:]:
+            over = np.maximum(0.0, depth - height)
+            width = self.weight[over > 0].sum() / 2
+            if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ over) / width >= load:
+                return float(depth)
+        return float(height.max())
