@@ -28,13 +28,14 @@ def check_line(scene: Scene) -> None:
         )
     if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
         raise ValueError(
-            f"!numerics.half-space must be 'exact' or 'full-space' in a line contact (got {scene.numerics.half_space!r})"
+            "!numerics.half-space must be 'exact' or 'full-space' in a line contact (got "
+            f"{scene.numerics.half_space!r})"
         )
     across_bulk = [name for name in scene.bulk_at_rest if not name.endswith("_xx")]
     if across_bulk:
         raise ValueError(
-            f"!{across_bulk[0].replace('_', '-')} must be left out in a line contact (got grid.length = 'infinite'): in "
-            "plane strain the bulk stress yy follows from xx, and xy has nothing to do with the plane"
+            f"!{across_bulk[0].replace('_', '-')} must be left out in a line contact (got grid.length = 'infinite'): "
+            "in plane strain the bulk stress yy follows from xx, and xy has nothing to do with the plane"
         )
     for where, step in named_ramps(scene.steps):
         across = [name for name in step.prescribed if name in _ACROSS]
