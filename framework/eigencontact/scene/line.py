@@ -28,7 +28,8 @@ def check_line(scene: Scene) -> None:
         )
     if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
         raise ValueError(
-            f"!numerics.half-space must be 'exact' or 'full-space' in a line contact (got {scene.numerics.half_space!r})"
+            "!numerics.half-space must be 'exact' or 'full-space' for eigenstrain below a line contact "
+            f"(got {scene.numerics.half_space!r})"
         )
     for where, step in named_ramps(scene.steps):
         across = [name for name in step.prescribed if name in _ACROSS]
