@@ -190,5 +190,5 @@ def test_refusals_of_regions():
     whole = {"inclusion-resolution": {"whole": 2}}
     with pytest.raises(SceneError, match="must be 'cells' in a line contact"):
         ec.load_scene(loaded | {"inclusions": strained, "numerics": whole})
-    with pytest.raises(SceneError, match="must be 'exact' or 'full-space' in a line contact"):
+    with pytest.raises(SceneError, match="must be 'exact' or 'full-space' for eigenstrain below a line contact"):
         ec.load_scene(loaded | {"inclusions": strained, "numerics": {"half-space": "image-pressure"}})

@@ -34,7 +34,8 @@ OCTAVE = 8.0
 # Layers thinner than this part of the reach are refused: the logarithmic grid that joins both grows by decades.
 THIN = 1e9
 # Half length of a strip in the smooth part, in parts of the longest length that counts. That part decays along the
-# strip; what is beyond falls with the inverse of the length, and three lengths extrapolate it (`StretchedNodes.strips`).
+# strip; what is beyond falls with the inverse of the length, and three lengths extrapolate it: see
+# `StretchedNodes.strips`.
 LONG = 1e3
 # Memory of the smooth fields that are kept for further cells, components and steps [bytes]; a depth takes some 100 kB.
 KEPT = 1e8

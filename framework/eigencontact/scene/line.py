@@ -28,8 +28,8 @@ def check_line(scene: Scene) -> None:
         )
     if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
         raise ValueError(
-            "!numerics.half-space must be 'exact' or 'full-space' in a line contact (got "
-            f"{scene.numerics.half_space!r})"
+            "!numerics.half-space must be 'exact' or 'full-space' for eigenstrain below a line contact "
+            f"(got {scene.numerics.half_space!r})"
         )
     across_bulk = [name for name in scene.bulk_at_rest if not name.endswith("_xx")]
     if across_bulk:

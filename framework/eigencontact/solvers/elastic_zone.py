@@ -198,7 +198,7 @@ def _inside(
     count: int,
     factor: float,
 ) -> BoolArray:
-    """Whether stress exceeds the limit in coarse cells ``(nz, count, count)`` about the loaded ones; strips: one row."""
+    """Whether stress exceeds the limit in coarse cells ``(nz, count or 1, count)`` about the loaded ones."""
     depths, rows = (np.arange(count // 2) + 0.5) * edges[0], _rows(edges, count)
     out = np.empty((depths.size, rows, count), dtype=bool)
     # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
