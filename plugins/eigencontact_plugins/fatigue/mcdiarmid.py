@@ -30,7 +30,8 @@ class McDiarmid(FatigueCriterion):
 
     Where several planes have the largest shear amplitude, the one with the larger normal stress counts. This is the
     criterion of 1991. The limit t is one number here; McDiarmid distinguishes limits of cracks along the surface and
-    into the body. A later version of his (1994) takes the plane on which the whole expression is largest, like Findley.
+    into the body. Where two planes have nearly the same shear amplitude, a small change of the stress exchanges them, and
+    the value jumps by the difference of their normal stresses. A later version of his (1994) takes the plane on which the whole expression is largest, like Findley.
 
     Parameters
     ----------
