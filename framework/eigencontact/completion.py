@@ -22,7 +22,7 @@ _KEY = re.compile(r"""^    key(?:: ClassVar\[str\])? = ["']([^"'\n]+)["']""", re
 
 
 #: Class with its base, and a field of it with its annotation, in the modules of the scene.
-_CLASS = re.compile(r"^class (\w+)\((\w+)\):(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
+_CLASS = re.compile(r"^class (\w+)\(([\w, ]+)\):(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^    (\w+): (.+)", re.MULTILINE)
 
 
@@ -46,7 +46,13 @@ def tables(incomplete: str) -> list[str]:
     """Tables of a scene that begin so."""
     modules = sorted((files("eigencontact") / "scene").iterdir(), key=lambda item: item.name)
     texts = "\n".join(item.read_text(encoding="utf-8") for item in modules if item.name.endswith(".py"))
-    classes = {name: _FIELD.findall(body) for name, _, body in _CLASS.findall(texts)}
+    own_fields = {
+        name: (re.findall(r"\w+", bases), _FIELD.findall(body)) for name, bases, body in _CLASS.findall(texts)
+    }
+    classes = {
+        name: [*fields, *(item for base in bases if base in own_fields for item in own_fields[base][1])]
+        for name, (bases, fields) in own_fields.items()
+    }
     return _beginning(_tables_of("Scene", "", classes, frozenset()), incomplete)
 
 

@@ -71,7 +71,7 @@ def _regions(scene: Scene, key: str, prefix: str, observer: Observer) -> dict[st
     if not observer.regions:
         return {}
     tables = [{**table, "name": f"{prefix}_{name}"} for name, table in observer.regions.items()]
-    bare = scene.model_dump(by_alias=True, exclude_none=True, exclude={"observers", "stress"})
+    bare = scene.model_dump(by_alias=True, exclude_none=True, exclude={"observers", "stress", "fatigue"})
     try:
         checked = Scene(**bare, stress=tables).stress
     except SceneError as problem:

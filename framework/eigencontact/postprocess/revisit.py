@@ -90,7 +90,7 @@ def plan_of_region(
     SceneError, ResultsError
         See `revisit`.
     """
-    scene = Scene(**{**tables, "stress": [dict(region)], "observers": []})
+    scene = Scene(**{**tables, "stress": [dict(region)], "observers": [], "fatigue": []})
     label = scene.stress[0].label
     if label in stored:
         raise SceneError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")

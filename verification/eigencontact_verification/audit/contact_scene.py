@@ -91,7 +91,7 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
     from eigencontact.model.sources import build_sources
     from eigencontact.scene.schema import Scene
 
-    scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": []})
+    scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": [], "fatigue": []})
     _refuse(scene)
     registry = scene.known_plugins()
     solids = bodies_of(scene, registry)

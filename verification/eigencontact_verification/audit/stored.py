@@ -147,7 +147,7 @@ def read_step(path: str | Path, step: int | None = None) -> StoredStep:
             raise ResultsError(f"--step must be one of the stored steps {steps[0]} to {steps[-1]} (got {number})")
         at = steps.index(number)
         tables = tomllib.loads(str(data.attrs["scene"]))
-        scene = Scene(**{**tables, "stress": [], "observers": []})
+        scene = Scene(**{**tables, "stress": [], "observers": [], "fatigue": []})
         surface, earlier, scalars, history = {}, {}, {}, {}
         histories: tuple[int, ...] = ()
         if "history_step" in data.variables:
