@@ -1,7 +1,7 @@
-"""Two spheres closer than a radius, half a contact radius deep: sign of their interaction by solid elements (figure 3.35).
+"""Two spheres closer than a radius, half a contact radius deep: sign of their interaction by solid elements.
 
-The text has two soft spheres relax the shear stress between them, and two stiff ones raise it. Elements and program have
-it the other way round. Both runs of a pair use one mesh, so that the errors of the cut elements nearly drop out.
+Figure 3.35: the text has two soft spheres relax the shear stress between them, and two stiff ones raise it; elements
+and program have it the other way round. Both runs of a pair use one mesh: errors of cut elements nearly drop out.
 """
 
 import numpy as np

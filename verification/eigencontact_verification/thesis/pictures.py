@@ -26,6 +26,8 @@ __all__ = ["draw_pictures", "picture_name"]
 SIZE, DOTS = (3.3, 2.5), 120
 #: Colours that a picture keeps: a third of its bytes, and no difference that is seen.
 COLOURS = 64
+#: Labels that have room in it, each once.
+MOST_LABELS = 6
 
 
 def picture_name(entry: Entry) -> str:
@@ -101,8 +103,11 @@ def _drawn(entry: Entry, study: Study, found: Sequence[Finished]) -> Figure | No
     with paper_style():
         figure = draw_study(small, found)
         axes = figure.axes[0]
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=6, framealpha=0.7, handlelength=1.5)
+        labels = dict(reversed(list(zip(*reversed(axes.get_legend_handles_labels()), strict=True))))
+        if labels:
+            few = list(labels)[:MOST_LABELS]
+            legend = axes.legend([labels[one] for one in few], few, fontsize=6, framealpha=0.7, handlelength=1.5)
+            legend.set_in_layout(False)
     return figure
 
 
