@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from eigencontact.library.inclusions import inclusion_field
     from eigencontact.library.result import ContactResult
     from eigencontact.library.voxels import Voxels
+    from eigencontact.postprocess.crack import crack
     from eigencontact.postprocess.fatigue import fatigue
     from eigencontact.postprocess.plot import plot
     from eigencontact.postprocess.stored_run import open_results, region
@@ -41,6 +42,7 @@ __all__ = [
     "NotConverged",
     "Scene",
     "Voxels",
+    "crack",
     "explain",
     "fatigue",
     "inclusion_field",
@@ -61,7 +63,7 @@ __version__ = "0.1.0"
 # Public names and the module that defines each: resolved on first use, so that importing the package stays light.
 _HOMES = dict.fromkeys(("explain", "load_scene", "plan", "run"), "app")
 _HOMES |= {"open_results": "postprocess.stored_run", "region": "postprocess.stored_run", "plot": "postprocess.plot"}
-_HOMES |= {"fatigue": "postprocess.fatigue"}
+_HOMES |= {"crack": "postprocess.crack", "fatigue": "postprocess.fatigue"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "library.inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
 _HOMES |= {"HalfSpace": "library.bodies", "Layered": "library.bodies", "Voxels": "library.voxels"}

@@ -27,7 +27,7 @@ QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing 
 #: Commands by purpose, in the order of the help; commands that other packages add come last.
 PANELS = {
     "Scenes": ("gallery", "schema", "explain"),
-    "Solve and look": ("run", "plot", "fatigue", "report"),
+    "Solve and look": ("run", "plot", "fatigue", "crack", "report"),
     "Vary parameters": ("sweep", "study", "tradeoff"),
     "Verify": ("verify", "campaign", "extremes"),
     "Plugins": ("plugins", "new-plugin", "check"),

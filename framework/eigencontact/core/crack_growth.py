@@ -1,4 +1,4 @@
-"""Ranges of stress intensity factors over a cycle, thresholds of short cracks, and the length at which a crack stops."""
+"""Ranges of stress intensity factors over a cycle, thresholds of short cracks, and the length of arrest."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def factor_ranges(factors: FloatArray) -> FactorRanges:
 
     Notes
     -----
-    A negative K_I closes the tip and counts as zero: ``dK_I = max(K_I, 0) - min(K_I, 0 from above)``, as in ASTM E 647
-    for ratios below zero. K_II counts with its whole range, also while the faces touch: their friction is left out, so
+    A negative K_I closes the tip and counts as zero: ``dK_I`` is the range of ``max(K_I, 0)``, as in ASTM E 647 for
+    ratios below zero. K_II counts with its whole range, also while the faces touch: their friction is left out, so
     the range of closed faces is an upper bound. ``dK_eff = sqrt(dK_I^2 + dK_II^2)`` is that of the same energy release
     in plane strain.
 
@@ -66,8 +66,8 @@ def short_crack_length(long_crack_threshold: float, limit_amplitude: float, shap
     long_crack_threshold : float
         Threshold range of long cracks [Pa sqrt(m)].
     limit_amplitude : float
-        Stress amplitude [Pa] that a smooth specimen endures, fully reversed. It is the tensile part of the range, as the
-        range of K_I is.
+        Stress amplitude [Pa] that a smooth specimen endures, fully reversed. It is the tensile part of the range, as
+        the range of K_I is.
     shape : float
         Factor F of the crack, ``K = F sigma sqrt(pi a)`` [-].
 

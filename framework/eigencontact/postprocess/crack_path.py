@@ -11,7 +11,7 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tensors import from_mandel
 from eigencontact.core.units import readable
-from eigencontact.errors import SceneError, shown
+from eigencontact.errors import SceneError
 from eigencontact.postprocess.stress_cycle import CycleOfRegion, cycle_of_region
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class CrackPath:
     length: float
 
     def at(self, distances: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """x and z at distances from the mouth [m]."""
+        """X and z at distances from the mouth [m]."""
         return self.x + distances * np.sin(self.angle), distances * np.cos(self.angle)
 
 
@@ -97,8 +97,8 @@ def path_stress(
         edge = 0.5 * (values[1] - values[0]) if values.size > 1 else np.inf
         if not values[0] - edge <= min(places) <= max(places) <= values[-1] + edge:
             raise SceneError(
-                f"path must stay within {axis} = {readable(float(values[0]), 'm')} to {readable(float(values[-1]), 'm')}"
-                f" (got {', '.join(readable(at, 'm') for at in places)}); give a shorter length or another place"
+                f"path must stay within {axis} = {readable(float(values[0]), 'm')} to "
+                f"{readable(float(values[-1]), 'm')} (got {', '.join(readable(at, 'm') for at in places)}); give a shorter length or another place"
             )
     if region is None and source is not None:
         distances = path.length * np.linspace(0.0, 1.0, _POINTS) ** 2
@@ -141,7 +141,8 @@ def _in_section(section: CycleOfRegion, path: CrackPath) -> tuple[FloatArray, Fl
     plane = float(y.flat[0])
     if abs(plane - path.y) > pitch:
         raise SceneError(
-            f"place must lie in the plane of region {name!r}, y = {readable(plane, 'm')} (got y = {readable(path.y, 'm')})"
+            f"place must lie in the plane of region {name!r}, y = {readable(plane, 'm')} (got y = "
+            f"{readable(path.y, 'm')})"
         )
     distances = np.linspace(0.0, path.length, max(8, int(2 * path.length / pitch) + 1))
     way = dict(zip("xz", path.at(distances), strict=True))

@@ -11,7 +11,7 @@ import typer
 from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
 
-__all__ = ["fatigue"]
+__all__ = ["fatigue", "parameters_of", "steps_of"]
 
 
 def fatigue(
@@ -66,9 +66,9 @@ def fatigue(
         add_plugin_files(plugin or [])
         found = evaluate(
             results,
-            {"type": criterion, **_parameters(changes or [])},
+            {"type": criterion, **parameters_of(changes or [])},
             region=region,
-            cycle=_steps(cycle),
+            cycle=steps_of(cycle),
             distance=distance,
             method=method,  # type: ignore[arg-type]
             folder=output or results_file(results).parent,
@@ -80,7 +80,8 @@ def fatigue(
             typer.echo(line)
 
 
-def _parameters(changes: list[str]) -> dict[str, Any]:
+def parameters_of(changes: list[str]) -> dict[str, Any]:
+    """Parameters of a component from `key=value` texts."""
     from eigencontact.errors import SceneError
 
     out: dict[str, Any] = {}
@@ -95,7 +96,7 @@ def _parameters(changes: list[str]) -> dict[str, Any]:
     return out
 
 
-def _steps(text: str) -> Any:
+def steps_of(text: str) -> Any:
     """A word, or the numbers of two steps; others are refused where the steps are known."""
     first, colon, last = text.partition(":")
     return (int(first), int(last)) if colon and first.strip().isdigit() and last.strip().isdigit() else text
