@@ -89,16 +89,16 @@ def path_stress(
     Raises
     ------
     SceneError
-        A path that leaves the region or the window; a region that is no section; a cycle of one step.
+        A place outside the window; a path that leaves the region; a region that is no section; a cycle of one step.
     """
-    window = [np.asarray(dataset[axis].values) for axis in "xy"]
-    for axis, values, places in (("x", window[0], (path.x, float(path.at(np.array(path.length))[0]))),
-                                 ("y", window[1], (path.y,))):  # fmt: skip
-        edge = 0.5 * (values[1] - values[0]) if values.size > 1 else np.inf
-        if not values[0] - edge <= min(places) <= max(places) <= values[-1] + edge:
+    for axis, place in (("x", path.x), ("y", path.y)):
+        cells = np.asarray(dataset[axis].values)
+        if cells.size > 1 and not abs(2 * place - cells[0] - cells[-1]) <= cells[-1] - cells[0] + 2 * (
+            cells[1] - cells[0]
+        ):
             raise SceneError(
-                f"path must stay within {axis} = {readable(float(values[0]), 'm')} to "
-                f"{readable(float(values[-1]), 'm')} (got {', '.join(readable(at, 'm') for at in places)}); give a shorter length or another place"
+                f"place must lie within the window, {axis} = {readable(float(cells[0]), 'm')} to "
+                f"{readable(float(cells[-1]), 'm')} (got {readable(place, 'm')})"
             )
     if region is None and source is not None:
         distances = path.length * np.linspace(0.0, 1.0, _POINTS) ** 2

@@ -27,6 +27,8 @@ _CURVES = (
 
 def draw_crack(answer: xarray.Dataset, summary: Mapping[str, Any], path: Path) -> str:
     """Store the picture of `eigencontact.crack`; returns what it shows."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     lengths = answer["length"].values
     scale = scale_for(lengths, "m")
     stop = summary["arrest_length"]
@@ -41,6 +43,10 @@ def draw_crack(answer: xarray.Dataset, summary: Mapping[str, Any], path: Path) -
             axes.axvline(scale(stop), color="grey", linewidth=1, linestyle=":")
             size = float(np.interp(stop, lengths, answer["threshold"].values)) / 1e6
             axes.plot(scale(stop), size, "o", color="black", label=f"stops at {readable(stop, 'm')}")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(f"length of the crack [{scale.unit}]")
         axes.set_ylabel(r"range of stress intensity [MPa$\sqrt{\mathrm{m}}$]")
         axes.legend()
