@@ -200,6 +200,7 @@ def crack(
             x, y, slope = _hot_spot(source or dataset, criterion, region, cycle, slope, _cell(dataset))
         if slope is None:
             raise SceneError("angle must be given with at: between the crack and the inward normal (got none)")
+        edge_crack(slope)  # refuses thin wedges before stress is found
         path = CrackPath(x, y, slope, longest)
         afresh = source is not None and (region is None or criterion is not None)
         stress = path_stress(dataset, path, None if afresh else region, cycle, source if afresh else None, body)

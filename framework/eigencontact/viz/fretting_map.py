@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import xarray
+    from matplotlib.axes import Axes
+
+    from eigencontact.core.array_types import FloatArray
 
 __all__ = ["draw_fretting_map"]
 
@@ -54,7 +57,7 @@ def draw_fretting_map(dataset: xarray.Dataset, path: Path) -> str:
     return sentence
 
 
-def _limits(axes, table: xarray.Dataset, x, y) -> str:  # type: ignore[no-untyped-def] # noqa: ANN001
+def _limits(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> str:
     """Line of the fatigue limit, and hatching where a crack grows without end; returns what it shows."""
     words = ""
     if "utilisation" in table:
@@ -67,6 +70,6 @@ def _limits(axes, table: xarray.Dataset, x, y) -> str:  # type: ignore[no-untype
         grows = np.isinf(table["arrest_length"].values).astype(float)
         if grows.any():
             axes.contourf(x, y, grows, levels=[0.5, 1.5], colors="none", hatches=["///"])
-        axes.fill_between([], [], [], facecolor="none", edgecolor="black", hatch="///", label="crack grows")
-        words += ", hatching where a crack grows"
+            axes.fill_between([], [], [], facecolor="none", edgecolor="black", hatch="///", label="crack grows")
+            words += ", hatching where a crack grows"
     return words
