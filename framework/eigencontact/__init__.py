@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from eigencontact.postprocess.stored_run import open_results, region
     from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
+    from eigencontact.sweeps.fretting_map import fretting_map
     from eigencontact.sweeps.sweep import sweep
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "crack",
     "explain",
     "fatigue",
+    "fretting_map",
     "inclusion_field",
     "load_scene",
     "make",
@@ -66,6 +68,7 @@ __version__ = "0.1.0"
 _HOMES = dict.fromkeys(("explain", "load_scene", "plan", "run"), "app")
 _HOMES |= {"open_results": "postprocess.stored_run", "region": "postprocess.stored_run", "plot": "postprocess.plot"}
 _HOMES |= {name: f"postprocess.{name}" for name in ("fatigue", "crack", "shakedown")}
+_HOMES |= {"fretting_map": "sweeps.fretting_map"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "library.inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
 _HOMES |= {"HalfSpace": "library.bodies", "Layered": "library.bodies", "Voxels": "library.voxels"}

@@ -28,7 +28,7 @@ QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing 
 PANELS = {
     "Scenes": ("gallery", "schema", "explain"),
     "Solve and look": ("run", "plot", "fatigue", "crack", "shakedown", "report"),
-    "Vary parameters": ("sweep", "study", "tradeoff"),
+    "Vary parameters": ("sweep", "map", "study", "tradeoff"),
     "Verify": ("verify", "campaign", "extremes"),
     "Plugins": ("plugins", "new-plugin", "check"),
     "Housekeeping": ("cache",),

@@ -1,143 +1,120 @@
-"""Cracks of a run: factors by a weight function, mirror, fate against thresholds, refusals, command."""
+"""Cracks of stored results: stress along the path, mirror symmetry, thresholds of a caller, refusals, the command."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.postprocess.crack_threshold import Threshold
+from eigencontact.halfspace.edge_crack import edge_crack
 
-STEPS = [{"normal-load": 0.65}, {"normal-load": 0.1}]
-LONG = {"long-crack-range": "5 MPa*m^0.5", "limit-range": "400 MPa"}
-
-
-def scene(**changes):
-    base = ec.load_scene("hertz", ["grid.cells-per-contact-radius=10", "stress.0.depth-cells=30"]).resolved()
-    return {**base, "steps": STEPS, **changes}
+LIMITS = {"length": "20 um", "threshold": "2 MPa sqrt(m)", "limit_amplitude": "400 MPa", "cycle": "all"}
 
 
 @pytest.fixture(scope="module")
-def pressed():
-    return ec.run(scene())
+def folder(tmp_path_factory):
+    """A sphere that is pressed on steel and pulled to and fro, stored with the plane y = 0."""
+    changes = ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=20", "output.pictures=false"]
+    scene = ec.load_scene("cattaneo-mindlin", changes).resolved()
+    steps = [{"normal-load": 12.307}, {"tangential-load-x": 3.0}, {"tangential-load-x": -3.0}]
+    place = tmp_path_factory.mktemp("crack")
+    ec.run({**scene, "steps": steps}, place).dataset.close()
+    return place
 
 
-def test_the_factor_is_that_of_a_weight_function(pressed):
-    """Universal weight function of an edge crack along the normal (G. Shen, G. Glinka 1991), good to 3e-3."""
-    length, place = 8e-6, 5e-6
-    answer = ec.crack(pressed, at=place, region="section", cycle="all", lengths=[length])
-    stress = pressed.dataset["section_stress"].sel(component="xx").isel(step=0)
-    depths = stress["section_z"].values
-    along = [np.interp(place, stress["section_x"].values, row) for row in stress.transpose("section_z", "section_x")]
-
-    root = np.linspace(0, 1, 20001)  # of 1 - x / a, which takes the singularity out
-    rest = root**2
-    weight = np.sqrt(2 / (np.pi * length)) * (1 + 0.0719768 * root + 0.246984 * rest + 0.514465 * root**3)
-    expected = np.trapezoid(2 * length * weight * np.interp(length * (1 - rest), depths, along), root)
-    assert answer.dataset["mode_1"].values[0, 0] == close(expected, rel=3e-3)
-
-
-def test_a_mirrored_crack_has_mirrored_factors(pressed):
-    right = ec.crack(pressed, at=4e-6, angle="20 deg", region="section", cycle="all").dataset
-    left = ec.crack(pressed, at=-4e-6, angle=-np.radians(20), region="section", cycle="all").dataset
-    scale = float(abs(right.mode_1).max())
-    np.testing.assert_allclose(left.mode_1, right.mode_1, rtol=0, atol=1e-6 * scale)
-    np.testing.assert_allclose(left.mode_2, -right.mode_2, rtol=0, atol=1e-6 * scale)
+def test_factors_are_those_of_the_stress_along_the_path(folder):
+    """At 20 degrees, with the stress that another region at the points of the crack gives."""
+    angle = np.radians(20.0)
+    answer = ec.crack(folder, at=("-18 um", 0), angle=angle, **LIMITS)
+    longest = 20e-6
+    weights = edge_crack(angle)
+    distances = longest * weights.places
+    points = [[-18e-6 + s * np.sin(angle), 0.0, s * np.cos(angle)] for s in distances]
+    with ec.region(folder, {"name": "own", "shape": "points", "points": points}, step=2) as data:
+        xx, _, zz, _, xz, _ = data.own_stress.values[0].reshape(6, -1)
+    n, t = np.array([-np.cos(angle), np.sin(angle)]), np.array([np.sin(angle), np.cos(angle)])
+    tensor = np.array([[xx, xz], [xz, zz]])
+    normal, shear = (np.einsum("i,ijp,j->p", way, tensor, n) for way in (n, t))
+    expected = weights.factors(longest, normal, shear)
+    computed = [float(answer.dataset[name].sel(step=2)[-1]) for name in ("mode_1", "mode_2")]
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=2e-3 * np.abs(expected).max())
 
 
-def test_ranges_are_those_of_the_cycle_and_closed_cracks_have_none(pressed):
-    answer = ec.crack(pressed, at=0.0, angle="10 deg", region="section", cycle="all").dataset
-    assert np.all(answer.mode_1 < 0)  # pressed from above
-    np.testing.assert_array_equal(answer.mode_1_range, 0.0)
-    np.testing.assert_allclose(answer.effective_range, abs(answer.mode_2[0] - answer.mode_2[1]), rtol=1e-13)
+def test_mirrored_cracks_under_a_symmetric_cycle_are_alike(folder):
+    left, right = (
+        ec.crack(folder, at=(f"{sign * 18} um", 0), angle=f"{sign * 20} deg", region="section", **LIMITS).dataset
+        for sign in (-1, 1)
+    )
+    np.testing.assert_allclose(left.mode_1.sel(step=2), right.mode_1.sel(step=3), rtol=2e-3, atol=2e4)
+    np.testing.assert_allclose(left.mode_2.sel(step=2), -right.mode_2.sel(step=3), rtol=2e-3, atol=2e4)
+
+
+def test_section_and_fresh_points_agree(folder):
+    place = {"at": ("-18 um", 0), "angle": 0}
+    fresh, section = (ec.crack(folder, **place, region=name, **LIMITS).dataset for name in (None, "section"))
+    scale = float(fresh.effective_range.max())
+    np.testing.assert_allclose(section.effective_range, fresh.effective_range, rtol=0, atol=0.06 * scale)
+
+
+def test_threshold_of_the_caller_decides_the_arrest(folder):
+    place = {"at": ("-21 um", 0), "angle": 0, "length": "20 um", "cycle": "all", "mode": "opening", "region": "section"}
+    ranges = ec.crack(folder, threshold="1 Pa sqrt(m)", **place).dataset
+    halfway = float(ranges.mode_1_range[20])
+    assert ranges.mode_1_range.values[:20].min() > halfway > ranges.mode_1_range.values[21] > 0
+    answer = ec.crack(folder, threshold=lambda lengths, ratios: np.full(lengths.shape, halfway), **place)  # noqa: ARG005
+    assert answer.summary["outcome"] == "stops"
+    assert answer.summary["arrest_length"] == close(float(ranges.length[20]), rel=1e-9)
+
+
+def test_hot_spot_gives_the_plane_of_the_criterion(folder):
+    criterion = {"type": "findley", "slope": 0.3, "limit-amplitude": "500 MPa"}
+    spot = ec.fatigue(folder, criterion, region="section", cycle="all").summary
+    answer = ec.crack(folder, criterion=criterion, region="section", **LIMITS).summary
+    assert answer["place"] == spot["place"][:2]
+    across = np.array([spot["normal"][0], spot["normal"][2]])
+    along = np.array([np.sin(answer["angle"]), np.cos(answer["angle"])])
+    assert abs(across @ along) < 1e-12
+    assert {caution["code"] for caution in answer["warnings"]} >= {"crack-plane-strain"}
 
 
 @pytest.mark.parametrize(
-    ("limit", "fate"), [(lambda a: 0 * a + 1e12, "does not start"), (lambda a: 0 * a, "grows"), (None, "unknown")]
-)
-def test_fate(pressed, limit, fate):
-    assert ec.crack(pressed, at=6.5e-6, region="section", cycle="all", threshold=limit).summary["fate"] == fate
-
-
-def test_a_crack_stops_where_its_range_meets_the_threshold(pressed):
-    free = ec.crack(pressed, at=6.5e-6, region="section", cycle="all").dataset
-    sizes, span = free["length"].values, free["effective_range"].values
-
-    def rule(length):
-        return 1.5 * span.max() * length / sizes[-1]
-
-    stopped = ec.crack(pressed, at=6.5e-6, region="section", cycle="all", threshold=rule).summary
-    assert stopped["fate"] == "stops"
-    assert sizes[0] < stopped["arrest_length"] < sizes[-1]
-    assert np.interp(stopped["arrest_length"], sizes, span) == close(rule(stopped["arrest_length"]), rel=1e-9)
-
-
-def test_a_hot_spot_gives_place_plane_and_cycle(pressed):
-    criterion = {"type": "findley", "slope": 0.3, "limit-amplitude": "3 GPa"}
-    hot = ec.fatigue(pressed, criterion, region="section", cycle="all")
-    answer = ec.crack(pressed, start=hot)
-    across, _, down = hot.summary["normal"]
-    assert answer.summary["place"] == hot.summary["place"][0]
-    assert np.sin(answer.summary["angle"]) * across + np.cos(answer.summary["angle"]) * down == close(
-        0, rel=0, abs=1e-12
-    )
-    assert answer.summary["steps"] == hot.summary["steps"]
-
-
-def test_thresholds_of_short_and_long_cracks():
-    smooth, sharp = (
-        Threshold(long_crack_range=5e6, limit_range=4e8, curve=name) for name in ("el-haddad", "kitagawa-takahashi")
-    )
-    for rule in (smooth, sharp):
-        assert rule(np.array([1e3]))[0] == close(5e6, rel=1e-6)
-        short = np.array([1e-12])
-        assert rule(short)[0] == close(1.1215 * 4e8 * np.sqrt(np.pi * short[0]), rel=1e-6)
-    meeting = np.array([smooth.intrinsic_length])
-    assert smooth(meeting)[0] == close(5e6 / np.sqrt(2), rel=1e-12)
-    assert sharp(meeting)[0] == close(5e6, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
+    ("changes", "words"),
     [
-        ({}, "at must be given"),
-        ({"at": "1 m"}, "at must lie within 'section'"),
-        ({"at": 0.0, "angle": "80 deg"}, "crack.inclination must be within -65 and 65 degrees"),
-        ({"at": 0.0, "lengths": ["1 m"]}, "lengths must end within the region"),
-        ({"at": 0.0, "lengths": [2e-6, 1e-6]}, "lengths must be positive and growing"),
-        ({"at": 0.0, "compare": "shear"}, "compare must be 'effective' or 'opening'"),
-        ({"at": 0.0, "threshold": {"long-crack-range": 1.0}}, "threshold.limit-range must be given"),
-        ({"at": 0.0, "threshold": {**LONG, "curv": "x"}}, "threshold.curv must be one of"),
-        ({"at": 0.0, "threshold": {**LONG, "limit-range": "-1 Pa"}}, "threshold.limit-range must be positive"),
-        ({"at": 0.0, "threshold": lambda a: -a}, "threshold must return a finite value >= 0"),
-        ({"start": {"place": 1}}, "start must be what fatigue returned"),
-        ({"at": "1 um", "cycle": "last"}, "cycle must be given"),
+        ({"at": ("1 um", 0, "2 um")}, "at must lie on the surface, at depth 0 (got 2 um)"),
+        ({"at": ("1 m", 0)}, "place must lie within the window, x = "),
+        ({"at": None}, "crack must start at a place (at) or at the hot spot"),
+        ({"angle": None}, "angle must be given with at"),
+        ({"angle": "80 deg"}, "crack.angle must be within 1.309 of the normal [rad]"),
+        ({"threshold": "-2 MPa sqrt(m)"}, "threshold must be positive and finite"),
+        ({"threshold": "2 MPa"}, "threshold must be a stress times a root of metres"),
+        ({"rule": "el-hadad"}, "did you mean 'el-haddad'?"),
+        ({"mode": "shear"}, "mode must be 'both' or 'opening'"),
+        ({"length": "0.2 mm", "region": "section"}, "path must stay within region 'section'"),
+        ({"cycle": (2, 2)}, "cycle must have two load steps or more"),
+        ({"cycle": "last"}, "cycle must be given where the load history has no closed cycle"),
     ],
 )
-def test_refusals(pressed, options, words):
-    with pytest.raises(ec.EigencontactError, match=words):
-        ec.crack(pressed, **{"region": "section", "cycle": "all", **options})
+def test_refusals(folder, changes, words):
+    arguments = {"at": ("-18 um", 0), "angle": 0, **LIMITS, **changes}
+    with pytest.raises(ec.EigencontactError) as caught:
+        ec.crack(folder, **arguments)
+    assert words in str(caught.value)
 
 
-def test_a_line_is_no_section():
-    line = {"name": "axis", "shape": "line", "start": [0, 0, 0], "end": [0, 0, 1e-5], "count": 5}
-    answer = ec.run(scene(stress=[line]))
-    with pytest.raises(ec.EigencontactError, match="region must be a section in x and z"):
-        ec.crack(answer, at=0.0, cycle="all")
+def test_command_stores_table_and_picture(folder, capsys):
+    from eigencontact.postprocess.crack_command import crack
 
-
-def test_command_stores_factors_picture_and_summary(tmp_path):
-    ec.run({**scene(), "output": {"pictures": False}}, tmp_path / "run")
-    options = ["--at", "6.5 um", "--angle", "15 deg", "--cycle", "all", "--region", "section"]
-    options += ["--long-crack-range", "5 MPa*m^0.5", "--limit-range", "400 MPa"]
-    command = [Path(sys.executable).with_name("eigencontact"), "crack", tmp_path / "run", *options]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-    assert done.returncode == 0, done.stderr
-    stored = json.loads((tmp_path / "run" / "crack-section.json").read_text(encoding="utf-8"))
-    assert stored["angle"] == close(np.radians(15), rel=1e-12)
-    assert stored["fate"] in ("does not start", "stops", "grows")
-    assert {path.suffix for path in (tmp_path / "run").glob("crack-section.*")} == {".nc", ".json", ".png"}
+    crack(
+        folder,
+        at="-18 um, 0 um",
+        angle="10 deg",
+        length="20 um",
+        threshold="2 MPa sqrt(m)",
+        cycle="all",
+        region="section",
+    )
+    assert "dK_eff" in capsys.readouterr().out
+    stored = json.loads((folder / "crack.json").read_text(encoding="utf-8"))
+    assert stored["outcome"] in ("does not grow", "stops", "grows")
+    assert (folder / "crack.png").stat().st_size > 10_000

@@ -21,10 +21,10 @@ LARGEST = 1e30
 #: A number as text: a point before decimals, no separators, no leading zeros, nothing to compute.
 NUMBER = re.compile(r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = r"[^\W\d_][^\W\d]*"
-_FACTOR = rf"(?:{_NAME}|°)(?:(?:\^|\*\*)(?:[+-]?[1-9]|0\.5)|[²³])?"
+_FACTOR = rf"(?:{_NAME}|°)(?:(?:\^|\*\*)[+-]?[1-9]|[²³])?"
 _PRODUCT = rf"{_FACTOR}(?:(?:\s*[*·]\s*|\s+){_FACTOR})*"
-#: A unit as text: names, each with a power of one digit or a root, multiplied or divided, in the end by a product in
-#: brackets; ``/K`` and ``1/K`` alike.
+#: A unit as text: names, each with a power of one digit, multiplied or divided, in the end by a product in brackets;
+#: ``/K`` and ``1/K`` alike.
 _UNIT = re.compile(rf"(?:1?\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*(?:\s*/\s*\({_PRODUCT}\))?")
 
 

@@ -1,9 +1,10 @@
-"""Whether a crack stops: stress intensity factors of an edge crack over a stored cycle, against a threshold."""
+"""Whether a crack that starts at the surface grows or stops: stored stress of a cycle against a threshold."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -13,14 +14,20 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.cautions import Caution
+from eigencontact.core.crack_growth import (
+    FactorRanges,
+    arrest_length,
+    el_haddad,
+    factor_ranges,
+    kitagawa_takahashi,
+    short_crack_length,
+)
 from eigencontact.core.units import parse_quantity, readable
-from eigencontact.errors import SceneError, shown
-from eigencontact.postprocess.crack_path import CrackPath, stress_on_path
-from eigencontact.postprocess.crack_threshold import Threshold
-from eigencontact.postprocess.fatigue import Fatigue
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.halfspace.edge_crack import edge_crack
+from eigencontact.postprocess.crack_path import CrackPath, PathStress, path_stress
+from eigencontact.postprocess.fatigue import fatigue
 from eigencontact.postprocess.plot import opened
-from eigencontact.postprocess.stress_cycle import cycle_of_region
-from eigencontact.solvers.edge_crack import EdgeCrack
 
 if TYPE_CHECKING:
     import xarray
@@ -29,25 +36,29 @@ if TYPE_CHECKING:
 
 __all__ = ["Crack", "crack"]
 
-#: Lengths of a crack, evenly spaced in their logarithm.
-_LENGTHS = 60
-#: The shortest crack, in spacings of the points of the region: nearer to its mouth the stress is not resolved.
-_SHORTEST = 2.0
-#: Ranges that may be compared with a threshold.
-_COMPARED = {"effective": "effective_range", "opening": "mode_1_range"}
+#: Crack lengths of a table, of equal ratio.
+_LENGTHS = 81
+#: Shortest crack as a part of the longest; never shorter than a cell, whose stress is one value.
+_SHORTEST = 0.01
+_RULES = {"el-haddad": el_haddad, "kitagawa-takahashi": kitagawa_takahashi}
+#: How texts end that are stresses times the square root of a length in metres.
+_ROOT = re.compile(r"\s*[*·]?\s*(?:√m|sqrt\(m\)|m\^0\.5|m\*\*0\.5|m\^\(1/2\)|m\*\*\(1/2\))$")
+#: Thresholds of a stranger: of lengths [m] and ratios R [-], in Pa sqrt(m).
+Threshold = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
 class Crack:
-    """Answer of `crack`.
+    """Ranges of stress intensity of a crack over its length, and whether it stops.
 
     Attributes
     ----------
     dataset : xarray.Dataset
-        Over ``length`` [m]: ``mode_1_range``, ``mode_2_range``, ``effective_range`` and ``threshold`` [Pa sqrt(m)],
-        ``load_ratio``; ``mode_1`` and ``mode_2`` over ``step`` and ``length``.
+        Over ``length`` [m]: ``mode_1_range``, ``mode_2_range``, ``effective_range``, ``threshold`` [Pa sqrt(m)] and
+        ``ratio`` [-]; by step ``mode_1`` and ``mode_2``, of faces that do not touch.
     summary : dict
-        ``fate`` ("does not start", "stops" or "grows"), ``arrest_length`` [m], place, angle, cycle, ``warnings``.
+        ``outcome`` (``"does not grow"``, ``"stops"`` or ``"grows"``), ``arrest_length`` [m] (None if none stops it),
+        ``place`` [m], ``angle`` [rad], ``warnings``.
     files : dict
         Files that were stored, and what they show.
     """
@@ -58,22 +69,30 @@ class Crack:
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
-        summary = self.summary
-        place, angle = readable(summary["place"], "m"), np.degrees(summary["angle"])
-        fate = {
-            "does not start": f"does not start: the range is below the threshold at {readable(summary['first'], 'm')}",
-            "stops": "stops at a length of " + readable(summary["arrest_length"] or 0.0, "m"),
-            "grows": f"grows up to {readable(summary['last'], 'm')}, the longest that was looked at",
-            "unknown": "has no threshold to compare with",
-        }[summary["fate"]]
-        where = f"{summary['axis']} = {place}, {angle:.3g} degrees from the normal, in {summary['region']!r}"
-        span, length = summary["largest_range"] / 1e6, readable(summary["worst_length"], "m")
-        largest = f"largest range {span:.4g} MPa m^0.5 at a length of {length}"
-        return [
-            f"crack at {where}: {fate}",
-            largest,
-            *(f"warning: {caution['words']}" for caution in summary["warnings"]),
-        ]
+        content = self.summary
+        place = ", ".join(readable(at, "m") for at in content["place"])
+        lengths = self.dataset["length"].values
+        ends = {
+            "does not grow": f"does not grow: its range is below the threshold from {readable(lengths[0], 'm')} on",
+            "stops": f"stops at a length of {readable(content['arrest_length'] or 0.0, 'm')}",
+            "grows": f"grows beyond {readable(lengths[-1], 'm')}: its range exceeds the threshold at all lengths",
+        }
+        head = (
+            f"a crack from ({place}) at {np.degrees(content['angle']):.3g} deg to the normal, over steps "
+            f"{content['steps'][0]} to {content['steps'][-1]}, {ends[content['outcome']]}"
+        )
+        return [head, *(f"warning: {caution['words']}" for caution in content["warnings"])]
+
+    def table(self) -> str:
+        """Ranges at some lengths as text."""
+        rows = ["     length    dK_I   dK_II  dK_eff  threshold  [MPa sqrt(m)]      R"]
+        for k in np.linspace(0, self.dataset.sizes["length"] - 1, 9).astype(int):
+            row = self.dataset.isel(length=int(k))
+            names = ("mode_1_range", "mode_2_range", "effective_range", "threshold")
+            values = [float(row[name]) / 1e6 for name in names]
+            length = readable(float(row["length"]), "m")
+            rows.append("{:>11}{:8.3g}{:8.3g}{:8.3g}{:11.3g}{:22.3g}".format(length, *values, float(row["ratio"])))
+        return "\n".join(rows)
 
     def __repr__(self) -> str:
         return f"Crack({'; '.join(self.lines())})"
@@ -82,46 +101,58 @@ class Crack:
 def crack(
     results: Any,
     *,
-    at: float | str | None = None,
+    length: float | str,
+    threshold: float | str | Threshold,
+    limit_amplitude: float | str | None = None,
+    at: Sequence[float | str] | None = None,
+    criterion: Any = None,
     angle: float | str | None = None,
-    start: Fatigue | Mapping[str, Any] | None = None,
-    threshold: Threshold | Mapping[str, Any] | Callable[[FloatArray], FloatArray] | None = None,
-    compare: Literal["effective", "opening"] = "effective",
-    lengths: Sequence[float | str] | None = None,
+    rule: Literal["el-haddad", "kitagawa-takahashi"] = "el-haddad",
+    mode: Literal["both", "opening"] = "both",
     region: str | None = None,
-    cycle: Any = None,
+    cycle: Literal["last", "all"] | tuple[int, int] = "last",
+    body: Literal[1, 2] = 1,
     folder: str | Path | None = None,
 ) -> Crack:
-    """Stress intensity factors of a straight crack from the surface over one cycle, and whether the crack stops.
+    """Whether a straight crack from the surface grows or stops, over one cycle of stored stress.
 
     Parameters
     ----------
     results : str, Path, xarray.Dataset or RunResult
         A folder of results or its ``results.nc``, or what a run returned.
-    at : float or str
-        Place of the mouth along the section [m]; by default above the hot spot of `start`.
-    angle : float or str
-        Between the crack and the inward normal, positive towards the axis of the section [rad or text with a unit],
-        within 65 degrees; by default that of the plane of `start`, else 0.
-    start : Fatigue or mapping
-        What `eigencontact.fatigue` returned, or its summary: gives place, angle, region and cycle.
-    threshold : Threshold, mapping or callable
-        ``{"long-crack-range": "5 MPa*m^0.5", "limit-range": "400 MPa", "curve": "el-haddad"}``, or a function of the
-        length [m] that returns the threshold of the range [Pa sqrt(m)].
-    compare : {"effective", "opening"}
-        The range that is compared with the threshold: of both modes, or of mode I alone.
-    lengths : sequence, optional
-        Lengths of the crack [m], growing; by default 60 from two points of the region to its end.
+    length : float or str
+        Longest crack [m].
+    threshold : float, str or callable
+        Range of stress intensity below which long cracks do not grow [Pa sqrt(m)], ``"5 MPa sqrt(m)"``; or a threshold
+        of your own, ``f(lengths, ratios)`` in these units.
+    limit_amplitude : float or str, optional
+        Stress amplitude of a smooth specimen, fully reversed [Pa]: short cracks have a lower threshold. Without it the
+        threshold is the same at all lengths.
+    at : (x, y), optional
+        Place on the surface where the crack starts [m].
+    criterion : FatigueCriterion, mapping or str, optional
+        Instead: the hot spot of a fatigue criterion in `region`, whose plane is that of the crack unless `angle` is
+        given.
+    angle : float or str, optional
+        Between the crack and the inward normal of the surface [rad], positive towards +x, ``"20 deg"``.
+    rule : {"el-haddad", "kitagawa-takahashi"}
+        Threshold of short cracks.
+    mode : {"both", "opening"}
+        Whether the threshold is compared with the range of both modes together, or with that of opening alone.
     region : str, optional
-        Name of a stored section in x and z, or y and z, with stress; by default the only one.
+        Stored plane normal to y that holds the path. By default the stress is found at the points of the path, where
+        the results are stored; else in the only region with stress.
     cycle : {"last", "all"} or (int, int)
-        The last closed cycle of the history (default), all steps, or the numbers of the first and last step.
+        The last closed cycle of the history, all steps, or the numbers of the first and last step.
+    body : {1, 2}
+        Body in which the crack lies, where no region says so.
     folder : str or Path, optional
-        Where ``crack-<region>`` (``.nc``, ``.json``, ``.png``) is stored; by default nothing is stored.
+        Where ``crack.nc``, ``crack.json`` and ``crack.png`` are stored; by default nothing is stored.
 
     Returns
     -------
     Crack
+        Ranges over the length, outcome and warnings.
 
     Raises
     ------
@@ -130,209 +161,290 @@ def crack(
 
     Notes
     -----
-    The range of mode I counts while the crack is open (negative K_I as 0), that of mode II as if faces had no friction;
-    the effective range is the root of the sum of their squares (the rate of energy release). The crack lies in plane
-    strain in a homogeneous half-plane and does not change the pressure of the contact. Stress is interpolated linearly
-    between the points of the region.
+    Stress intensity factors are those of an edge crack in a plane-strain half-plane of one elastic material
+    (`eigencontact.halfspace.edge_crack`) under the stress that the body has without the crack; the crack does not
+    change the contact. See `eigencontact.core.crack_growth` for closed faces, ranges and thresholds. Tearing (mode III)
+    is left out.
 
     Examples
     --------
     >>> import eigencontact as ec
-    >>> scene = ec.load_scene("hertz", ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=10"])
-    >>> crack = ec.crack(ec.run(scene), at="5 um", angle="20 deg", region="section", cycle="all")
-    >>> sorted(crack.dataset)[:3], crack.summary["fate"]
-    (['effective_range', 'load_ratio', 'mode_1'], 'unknown')
+    >>> changes = ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=20"]
+    >>> result = ec.run(ec.load_scene("cattaneo-mindlin", changes))
+    >>> answer = ec.crack(
+    ...     result,
+    ...     at=("-20 um", 0),
+    ...     angle=0,
+    ...     length="30 um",
+    ...     threshold="2 MPa sqrt(m)",
+    ...     limit_amplitude="400 MPa",
+    ...     mode="opening",
+    ...     region="section",
+    ...     cycle="all",
+    ... )
+    >>> answer.summary["outcome"]
+    'stops'
     """
-    given = _from_start(start)
-    region, cycle = region or given.get("region"), cycle or given.get("cycle") or "last"
-    rule = _threshold(threshold)
-    if compare not in _COMPARED:
-        raise SceneError(f"compare must be {' or '.join(map(repr, _COMPARED))} (got {shown(compare)})")
+    limits = _Limits.of(threshold, limit_amplitude, rule)
+    if mode not in ("both", "opening"):
+        raise SceneError(f"mode must be 'both' or 'opening' (got {shown(mode)})")
+    longest = _positive(length, "m", "length", "a length")
+    slope = None if angle is None else _quantity(angle, "rad", "angle", "an angle")
+    if (at is None) == (criterion is None):
+        raise SceneError("crack must start at a place (at) or at the hot spot of a criterion, one of both")
+    source = Path(results) if isinstance(results, str | Path) else None
     with opened(results) as dataset:
-        found = cycle_of_region(dataset, region, cycle, strain=False, source=None)
-        path = CrackPath.in_section(found)
-        mouth = path.mouth(_quantity(at, "m", "at") if at is not None else given.get("place"))
-        tilt = _quantity(angle, "rad", "angle") if angle is not None else path.angle_of(given.get("normal"))
-        model = EdgeCrack(tilt)
-        sizes = _lengths(lengths, path, mouth, model)
-        normal, shear = stress_on_path(path, model, mouth, sizes)
-        factors = model.intensity(normal, shear, sizes)
-        answer = _dataset(dataset, found.steps, sizes, factors, rule)
-        summary = _summary(answer, path, mouth, tilt, compare)
-        summary["warnings"] = [caution.to_dict() for caution in _cautions(dataset, path, sizes, len(found.steps))]
-        if folder is None:
-            return Crack(answer, summary)
-        return Crack(answer, summary, _store(Path(folder), answer, summary))
+        if at is not None:
+            x, y = _place(at)
+        else:
+            x, y, slope = _hot_spot(source or dataset, criterion, region, cycle, slope, _cell(dataset))
+        if slope is None:
+            raise SceneError("angle must be given with at: between the crack and the inward normal (got none)")
+        edge_crack(slope)  # refuses thin wedges before stress is found
+        path = CrackPath(x, y, slope, longest)
+        afresh = source is not None and (region is None or criterion is not None)
+        stress = path_stress(dataset, path, None if afresh else region, cycle, source if afresh else None, body)
+        lengths = np.geomspace(min(max(_SHORTEST * longest, _cell(dataset)), 0.5 * longest), longest, _LENGTHS)
+        factors = _factors(stress, slope, lengths)
+        ranges = factor_ranges(factors)
+        limit = limits.at(lengths, ranges.ratio)
+        stop = arrest_length(lengths, ranges.effective if mode == "both" else ranges.mode_1, limit)
+        summary = _summary(path, stress, limits, stop) | {"mode": mode}
+        summary["warnings"] = [item.to_dict() for item in _cautions(dataset, path, stress, ranges, stop, mode)]
+        answer = Crack(_dataset(dataset, stress, lengths, factors, ranges, limit), summary)
+    return answer if folder is None else Crack(answer.dataset, summary, _store(Path(folder), answer))
 
 
-def _from_start(start: Any) -> dict[str, Any]:
-    if start is None:
-        return {}
-    summary = start.summary if isinstance(start, Fatigue) else start
-    keys = ("place", "normal", "region", "steps")
-    if not isinstance(summary, Mapping) or any(key not in summary for key in keys):
-        raise SceneError(
-            f"start must be what fatigue returned, or its summary, with {', '.join(keys)} (got {shown(start)})"
-        )
-    return {key: summary[key] for key in keys} | {"cycle": tuple(summary["steps"])}
+@dataclass(frozen=True, slots=True)
+class _Limits:
+    """Threshold of long cracks, and how short ones differ."""
+
+    long_crack: float | Threshold
+    limit_amplitude: float | None
+    rule: str
+
+    @classmethod
+    def of(cls, threshold: Any, limit_amplitude: Any, rule: str) -> _Limits:
+        if rule not in _RULES:
+            raise SceneError(
+                f"rule must be {' or '.join(map(repr, _RULES))} (got {shown(rule)}){nearest(rule, _RULES)}"
+            )
+        amplitude = None if limit_amplitude is None else _positive(limit_amplitude, "Pa", "limit_amplitude", "a stress")
+        if callable(threshold):
+            if amplitude is not None:
+                raise SceneError("limit_amplitude must be left out with a threshold that is a function of its own")
+            return cls(threshold, None, rule)
+        text = _ROOT.sub("", threshold) if isinstance(threshold, str) else threshold
+        if isinstance(threshold, str) and text == threshold:
+            raise SceneError(
+                f"threshold must be a stress times a root of metres, '5 MPa sqrt(m)' (got {shown(threshold)})"
+            )
+        return cls(_positive(text, "Pa", "threshold", "a stress times sqrt(m)"), amplitude, rule)
+
+    @property
+    def short_length(self) -> float | None:
+        """Length a_0 [m], with the factor of a crack normal to the surface."""
+        if self.limit_amplitude is None or callable(self.long_crack):
+            return None
+        return short_crack_length(self.long_crack, self.limit_amplitude, float(edge_crack(0.0).weights[0, 0].sum()))
+
+    def at(self, lengths: FloatArray, ratios: FloatArray) -> FloatArray:
+        if callable(self.long_crack):
+            values = np.asarray(self.long_crack(lengths, ratios), dtype=float)
+            if values.shape != lengths.shape or not np.all(values > 0):
+                got = shown(values.shape) if values.shape != lengths.shape else "values that are not positive"
+                raise SceneError(f"threshold must return a positive value for each length, {lengths.shape} (got {got})")
+            return values
+        if self.short_length is None:
+            return np.full(lengths.shape, self.long_crack)
+        return _RULES[self.rule](lengths, self.long_crack, self.short_length)
 
 
-def _quantity(value: Any, unit: str, name: str) -> float:
-    words = {"m": "a length", "rad": "an angle"}[unit]
+def _quantity(value: Any, unit: str, name: str, words: str) -> float:
     try:
-        number = float(parse_quantity(value, unit, words))
+        return float(parse_quantity(value, unit, words))
     except (TypeError, ValueError) as problem:
         raise SceneError(f"{name} must be {problem} (got {shown(value)})") from None
-    if not np.isfinite(number):
-        raise SceneError(f"{name} must be finite [{unit}] (got {shown(value)})")
+
+
+def _positive(value: Any, unit: str, name: str, words: str) -> float:
+    number = _quantity(value, unit, name, words)
+    if not 0 < number < np.inf:
+        raise SceneError(f"{name} must be positive and finite [{unit}] (got {shown(value)})")
     return number
 
 
-def _threshold(threshold: Any) -> Callable[[FloatArray], FloatArray] | None:
-    if threshold is None or callable(threshold):
-        rule: Callable[[FloatArray], FloatArray] | None = threshold
-        return rule
-    if not isinstance(threshold, Mapping):
-        raise SceneError(f"threshold must be a table, a Threshold or a function of the length (got {shown(threshold)})")
-    return Threshold.from_table(threshold)
+def _place(at: Any) -> tuple[float, float]:
+    if isinstance(at, str) or not isinstance(at, Sequence) or not 2 <= len(at) <= 3:
+        raise SceneError(f"at must be a place of the surface, (x, y) [m] (got {shown(at)})")
+    x, y, *depth = (_quantity(value, "m", "at", "a length") for value in at)
+    if any(depth):
+        raise SceneError(f"at must lie on the surface, at depth 0 (got {readable(depth[0], 'm')}); give (x, y)")
+    return x, y
 
 
-def _lengths(lengths: Any, path: CrackPath, mouth: float, model: EdgeCrack) -> FloatArray:
-    longest, shortest = path.reach(mouth, model), _SHORTEST * path.spacing
-    if lengths is None:
-        if longest <= shortest:
-            raise SceneError(
-                f"region {path.region!r} must hold a crack longer than {readable(shortest, 'm')} from the place (got "
-                f"{readable(longest, 'm')}); enlarge the region or choose another place"
-            )
-        return np.geomspace(shortest, longest, _LENGTHS)
-    sizes = np.array([_quantity(length, "m", "lengths") for length in lengths], dtype=float)
-    if sizes.size == 0 or sizes[0] <= 0 or np.any(np.diff(sizes) <= 0):
-        raise SceneError(f"lengths must be positive and growing [m] (got {shown(lengths)})")
-    if sizes[-1] > longest * (1 + 1e-12):
+def _hot_spot(
+    results: Any, criterion: Any, region: str | None, cycle: Any, angle: float | None, cell: float
+) -> tuple[float, float, float]:
+    """Place on the surface and angle of the plane of a criterion."""
+    answer = fatigue(results, criterion, region=region, cycle=cycle).summary
+    x, y, z = answer["place"]
+    if z > cell:
         raise SceneError(
-            f"lengths must end within the region, at {readable(longest, 'm')} along this crack (got "
-            f"{readable(float(sizes[-1]), 'm')}); enlarge the region"
+            f"the hot spot of {answer['criterion']['type']!r} must lie on the surface (got a depth of "
+            f"{readable(z, 'm')}); a crack from within is not modelled, give a place with at"
         )
-    return sizes
+    normal = answer["normal"]
+    if angle is None and normal is None:
+        raise SceneError(f"angle must be given with {answer['criterion']['type']!r}, which chooses no plane (got none)")
+    return x, y, _angle_of_plane(normal) if angle is None else angle
+
+
+def _angle_of_plane(normal: Sequence[float]) -> float:
+    """Angle of the trace of a plane in y = const to the inward normal of the surface, in -pi/2 to pi/2 [rad]."""
+    across, _, down = normal
+    return float(np.arctan2(-np.sign(across) * down, abs(across)))
+
+
+def _cell(dataset: Results) -> float:
+    return float(np.min(np.asarray(dataset.attrs["cell_size"], dtype=float)))
+
+
+def _factors(stress: PathStress, angle: float, lengths: FloatArray) -> FloatArray:
+    """K_I and K_II, ``(2, steps, lengths)``."""
+    weights = edge_crack(angle)
+    read = [
+        [np.stack([np.interp(length * weights.places, stress.distances, row) for row in rows])
+         for rows in (stress.normal, stress.shear)]
+        for length in lengths
+    ]  # fmt: skip
+    return np.stack([weights.factors(length, *rows) for length, rows in zip(lengths, read, strict=True)], axis=-1)
+
+
+def _summary(path: CrackPath, stress: PathStress, limits: _Limits, stop: float) -> dict[str, Any]:
+    from eigencontact import __version__
+
+    outcome = "does not grow" if stop == 0 else "stops" if np.isfinite(stop) else "grows"
+    own = callable(limits.long_crack)
+    return {
+        "generator": f"eigencontact {__version__}",
+        "outcome": outcome,
+        "arrest_length": stop if np.isfinite(stop) else None,
+        "place": [path.x, path.y],
+        "angle": path.angle,
+        "length": path.length,
+        "region": stress.region,
+        "body": stress.body,
+        "steps": [stress.steps[0], stress.steps[-1]],
+        "threshold": "function of the caller" if own else limits.long_crack,
+        "limit_amplitude": limits.limit_amplitude,
+        "rule": None if limits.short_length is None else limits.rule,
+        "short_crack_length": limits.short_length,
+    }
+
+
+def _cautions(
+    dataset: Results, path: CrackPath, stress: PathStress, ranges: FactorRanges, stop: float, mode: str
+) -> list[Caution]:
+    """What the plane-strain crack in one elastic material leaves out."""
+    out = []
+    reach = stop if 0 < stop < np.inf else path.length
+    if dataset.sizes.get("y", 1) > 1 and "pressure" in dataset:
+        numbers = [int(number) for number in dataset["step"].values]
+        rows = [numbers.index(step) for step in stress.steps]
+        loaded = np.asarray(dataset["pressure"].values[rows]) > 0
+        width = float(np.count_nonzero(loaded.any(axis=(0, 2)))) * float(np.diff(dataset["y"].values[:2])[0])
+        words = (
+            f"the contact is {readable(width, 'm')} wide along y, {width / reach:.2g} times the crack of "
+            f"{readable(reach, 'm')}: the crack counts as long along y (plane strain), which overestimates its range "
+            "where the stress falls along y"
+        )
+        out.append(Caution("crack-plane-strain", words))
+    if mode == "both" and np.any(np.isnan(ranges.ratio)):
+        words = (
+            "the tip stays closed at some lengths; friction between the faces is left out, so that their range of K_II "
+            "is too large: compare mode = 'opening'"
+        )
+        out.append(Caution("crack-closed", words))
+    yielded = _yielded(dataset, path, stress)
+    if yielded > 0:
+        words = f"the path crosses cells that yielded, by up to {yielded:.2g}; the factors are those of an elastic body"
+        out.append(Caution("crack-yielded", words))
+    materials = [item for item in json.loads(dataset.attrs.get("inclusions", "[]")) if item["body"] == stress.body]
+    if "layers" in dataset.attrs or any(item["name"] != f"body {stress.body}" for item in materials):
+        words = "the body has layers or inclusions; the factors are those of one elastic material"
+        out.append(Caution("crack-material", words))
+    return out
+
+
+def _yielded(dataset: Results, path: CrackPath, stress: PathStress) -> float:
+    """Largest stored equivalent plastic strain in cells on the path."""
+    name = f"equivalent_plastic_strain_{stress.body}"
+    if name not in dataset:
+        return 0.0
+    values = dataset[name]
+    axes = [np.asarray(dataset[str(dim)].values) for dim in values.dims[1:]]
+    x, z = path.at(stress.distances)
+    inside = np.ones(x.shape, dtype=bool)
+    numbers = []
+    for axis, places in zip(axes, (z, np.full(x.shape, path.y), x), strict=True):
+        reach = 0.5 * (axis[1] - axis[0]) if axis.size > 1 else np.inf
+        inside &= (places >= axis[0] - reach) & (places <= axis[-1] + reach)
+        numbers.append(np.abs(axis[:, None] - places).argmin(axis=0))
+    cells = np.asarray(values.values)[(slice(None), *numbers)][:, inside]
+    return float(cells.max(initial=0.0))
 
 
 def _dataset(
-    dataset: Results, steps: Sequence[int], sizes: FloatArray, factors: FloatArray,
-    rule: Callable[[FloatArray], FloatArray] | None,
-) -> xarray.Dataset:  # fmt: skip
+    dataset: Results,
+    stress: PathStress,
+    lengths: FloatArray,
+    factors: FloatArray,
+    ranges: FactorRanges,
+    limit: FloatArray,
+) -> xarray.Dataset:
     import xarray
 
     from eigencontact import __version__
 
-    opened_part = np.maximum(factors[0], 0.0)
-    low, high = factors[0].min(axis=0), factors[0].max(axis=0)
-    ranges = np.array([np.ptp(opened_part, axis=0), np.ptp(factors[1], axis=0)])
-    unit = "Pa m^0.5"
-
-    def over_length(values: FloatArray, words: str, units: str = unit) -> tuple[Any, ...]:
-        return ("length",), values, {"units": units, "long_name": words}
-
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(high > 0, low / high, np.nan)
-    fields = {
-        "mode_1": (("step", "length"), factors[0], {"units": unit, "long_name": "K_I (negative: closed)"}),
-        "mode_2": (("step", "length"), factors[1], {"units": unit, "long_name": "K_II"}),
-        "mode_1_range": over_length(ranges[0], "range of K_I while open"),
-        "mode_2_range": over_length(ranges[1], "range of K_II"),
-        "effective_range": over_length(np.hypot(*ranges), "effective range of K"),
-        "load_ratio": over_length(ratio, "smallest K_I over largest", "1"),
+    unit = {"units": "Pa m^0.5"}
+    words = {
+        "mode_1_range": (ranges.mode_1, "range of the open part of K_I"),
+        "mode_2_range": (ranges.mode_2, "range of K_II"),
+        "effective_range": (ranges.effective, "effective range of the stress intensity"),
+        "threshold": (limit, "threshold of the effective range"),
     }
-    if rule is not None:
-        limit = np.asarray(rule(sizes), dtype=float)
-        if limit.shape != sizes.shape or not np.all(np.isfinite(limit) & (limit >= 0)):
-            raise SceneError(
-                f"threshold must return a finite value >= 0 for each length [Pa m^0.5] (got {shown(limit)})"
-            )
-        fields["threshold"] = over_length(limit, "threshold of the range")
-    coordinates = {"length": ("length", sizes, {"units": "m"}), "step": ("step", list(steps))}
+    fields: dict[str, Any] = {
+        name: ("length", values, unit | {"long_name": text}) for name, (values, text) in words.items()
+    }
+    fields["ratio"] = ("length", ranges.ratio, {"units": "1", "long_name": "smallest over largest K_I"})
+    for name, values, mode in (("mode_1", factors[0], "K_I"), ("mode_2", factors[1], "K_II")):
+        fields[name] = (("step", "length"), values, unit | {"long_name": f"{mode} of faces that do not touch"})
+    coordinates = {
+        "length": ("length", lengths, {"units": "m", "long_name": "length of the crack"}),
+        "step": ("step", list(stress.steps)),
+    }
     described = {"source": f"eigencontact {__version__}", "scene_hash": str(dataset.attrs["scene_hash"])}
     return xarray.Dataset(fields, coordinates, described)
 
 
-def _summary(answer: xarray.Dataset, path: CrackPath, mouth: float, angle: float, compare: str) -> dict[str, Any]:
-    from eigencontact import __version__
-
-    sizes, span, steps = answer["length"].values, answer[_COMPARED[compare]].values, answer["step"].values
-    worst = int(span.argmax())
-    fate, arrest = _fate(sizes, span, answer["threshold"].values if "threshold" in answer else None)
-    return {
-        "generator": f"eigencontact {__version__}", "region": path.region, "axis": path.axis, "place": float(mouth),
-        "angle": float(angle), "steps": [int(steps[0]), int(steps[-1])], "compare": compare,
-        "first": float(sizes[0]), "last": float(sizes[-1]),
-        "largest_range": float(span[worst]), "worst_length": float(sizes[worst]), "fate": fate, "arrest_length": arrest,
-    }  # fmt: skip
-
-
-def _fate(sizes: FloatArray, span: FloatArray, limit: FloatArray | None) -> tuple[str, float | None]:
-    """What becomes of the crack, and the length at which its range falls to the threshold."""
-    if limit is None:
-        return "unknown", None
-    excess = span - limit
-    if excess[0] <= 0:
-        return "does not start", None
-    below = np.flatnonzero(excess <= 0)
-    if below.size == 0:
-        return "grows", None
-    first = int(below[0])
-    return "stops", float(np.interp(0.0, -excess[first - 1 : first + 1], sizes[first - 1 : first + 1]))
-
-
-def _cautions(dataset: Results, path: CrackPath, sizes: FloatArray, steps: int) -> list[Caution]:
-    out = []
-    if steps == 1:
-        words = "the cycle has one step: K has no range; store more load steps, as of loading and unloading"
-        out.append(Caution("crack-cycle", words))
-    if not path.begins_at_surface:
-        words = (
-            f"region {path.region!r} begins at a depth of {readable(path.first_depth, 'm')}: its stress was taken to "
-            "reach the surface; begin the region there"
-        )
-        out.append(Caution("crack-depth", words))
-    others = [name for name in ("inclusions", "layers") if name in dataset.attrs]
-    if others:
-        words = (
-            f"K is that of a homogeneous half-plane, but the body has {' and '.join(others)}: a crack near them differs"
-        )
-        out.append(Caution("crack-homogeneous", words))
-    extent = path.contact_extent(dataset)
-    if extent is not None and sizes[-1] > 0.5 * extent:
-        words = (
-            f"K is that of plane strain, but the contact extends {readable(extent, 'm')} across the section: a crack "
-            f"of {readable(float(sizes[-1]), 'm')} sees a stress that changes along its front, which gives a smaller K"
-        )
-        out.append(Caution("crack-plane", words))
-    if sizes[0] < 0.999 * _SHORTEST * path.spacing:
-        words = (
-            f"the shortest crack is shorter than {_SHORTEST:g} spacings of the points of {path.region!r} "
-            f"({readable(path.spacing, 'm')}): the stress beside its mouth is not resolved"
-        )
-        out.append(Caution("crack-points", words))
-    return out
-
-
-def _store(folder: Path, answer: xarray.Dataset, summary: Mapping[str, Any]) -> dict[Path, str]:
+def _store(folder: Path, answer: Crack) -> dict[Path, str]:
     from eigencontact.results.atomic import replacing, writable_folder
     from eigencontact.results.ownership import refuse_foreign_file
     from eigencontact.viz.crack import draw_crack
 
-    paths = {ending: folder / f"crack-{summary['region']}.{ending}" for ending in ("nc", "json", "png")}
+    paths = {ending: folder / f"crack.{ending}" for ending in ("nc", "json", "png")}
     for path in paths.values():
         refuse_foreign_file(path)
     writable_folder(folder)
     data = BytesIO()
-    answer.to_netcdf(data, engine="h5netcdf")
-    text = json.dumps(summary, indent=2, default=str) + "\n"
+    answer.dataset.to_netcdf(data, engine="h5netcdf")
+    text = json.dumps(answer.summary, indent=2, default=str) + "\n"
     for ending, content in (("nc", data.getvalue()), ("json", text.encode())):
-        with replacing(paths[ending], f"crack in region {summary['region']}") as sink:
+        with replacing(paths[ending], "the stress intensity of a crack") as sink:
             sink.write(content)
     return {
-        paths["nc"]: "stress intensity factors, ranges and threshold over the length",
-        paths["json"]: "what becomes of the crack, and warnings",
-        paths["png"]: draw_crack(answer, summary, paths["png"]),
+        paths["nc"]: "ranges of stress intensity and threshold over the length of the crack",
+        paths["json"]: "outcome, arrest length and warnings",
+        paths["png"]: draw_crack(answer.dataset, answer.summary, paths["png"]),
     }

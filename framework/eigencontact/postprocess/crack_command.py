@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
-from eigencontact.postprocess.fatigue_command import steps_of
+from eigencontact.postprocess.fatigue_command import parameters_of, steps_of
 
 __all__ = ["crack"]
 
@@ -23,35 +23,44 @@ def crack(
         ),
     ],
     *,
-    start: Annotated[
-        Path | None,
-        typer.Option("--from", metavar="FILE", help="`fatigue-….json` of `eigencontact fatigue`: place, plane, cycle."),
+    length: Annotated[str, typer.Option("--length", metavar="LENGTH", help="Longest crack: `200 um`.")],
+    threshold: Annotated[
+        str, typer.Option("--threshold", metavar="RANGE", help="Threshold of long cracks: `5 MPa sqrt(m)`.")
+    ],
+    limit_amplitude: Annotated[
+        str | None,
+        typer.Option(
+            "--limit-amplitude", metavar="STRESS", help="Stress amplitude of a smooth specimen, fully reversed."
+        ),
     ] = None,
-    at: Annotated[
-        str | None, typer.Option("--at", metavar="LENGTH", help="Place of the mouth along the section: `0.28 mm`.")
+    at: Annotated[str | None, typer.Option("--at", metavar="X,Y", help="Place on the surface: `-20 um, 0 um`.")] = None,
+    criterion: Annotated[
+        str | None, typer.Option("--from", metavar="NAME", help="Instead, the hot spot of a fatigue criterion.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Parameter of the criterion: `--set slope=0.3`; repeatable."),
     ] = None,
     angle: Annotated[
         str | None,
-        typer.Option("--angle", metavar="ANGLE", help="From the inward normal, positive towards the axis: `20 deg`."),
+        typer.Option("--angle", metavar="ANGLE", help="To the inward normal, positive towards +x: `20 deg`."),
     ] = None,
-    long_crack_range: Annotated[
-        str | None,
-        typer.Option("--long-crack-range", metavar="K", help="Threshold of long cracks: `'5 MPa*m^0.5'`."),
-    ] = None,
-    limit_range: Annotated[
-        str | None,
-        typer.Option("--limit-range", metavar="STRESS", help="Fatigue limit, a range (twice the amplitude)."),
-    ] = None,
-    curve: Annotated[
-        str, typer.Option("--curve", metavar="NAME", help="Threshold: `el-haddad` or `kitagawa-takahashi`.")
+    rule: Annotated[
+        str, typer.Option("--rule", metavar="NAME", help="Short cracks: `el-haddad` or `kitagawa-takahashi`.")
     ] = "el-haddad",
-    compare: Annotated[
-        str, typer.Option("--compare", metavar="NAME", help="Range: `effective` (both modes) or `opening` (mode I).")
-    ] = "effective",
-    region: Annotated[str | None, typer.Option("--region", metavar="NAME", help="Section with stress.")] = None,
+    mode: Annotated[
+        str, typer.Option("--mode", metavar="NAME", help="Compare `both` modes together, or `opening` alone.")
+    ] = "both",
+    region: Annotated[
+        str | None, typer.Option("--region", metavar="NAME", help="Region of the hot spot, or of the stress.")
+    ] = None,
     cycle: Annotated[
-        str | None,
+        str,
         typer.Option("--cycle", metavar="STEPS", help="`last` (closed cycle), `all`, or first and last step: `11:51`."),
+    ] = "last",
+    plugin: Annotated[
+        list[Path] | None,
+        typer.Option("--plugin", metavar="FILE", help="File with a criterion of your own; repeatable."),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default that of the results.")
@@ -59,44 +68,32 @@ def crack(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Find whether a crack from the surface stops: stress intensity factors over a cycle against a threshold.
+    """Find whether a crack from the surface grows or stops, over one cycle of stored results.
 
-    Example: `eigencontact crack RUN --from RUN/fatigue-findley-section.json --long-crack-range '5 MPa*m^0.5'
-    --limit-range '400 MPa'`
+    Example: `eigencontact crack RUN --at "-20 um, 0 um" --angle "20 deg" --length "100 um" --threshold "5 MPa sqrt(m)"`
     """
     with refusals():
         from eigencontact.postprocess.crack import crack as evaluate
         from eigencontact.results.reader import results_file
+        from eigencontact.scene.installed import add_plugin_files
 
+        add_plugin_files(plugin or [])
         answer = evaluate(
             results,
-            at=at,
+            length=length,
+            threshold=threshold,
+            limit_amplitude=limit_amplitude,
+            at=None if at is None else tuple(part.strip() for part in at.split(",")),
+            criterion=None if criterion is None else {"type": criterion, **parameters_of(changes or [])},
             angle=angle,
-            start=None if start is None else _summary(start),
-            threshold=_threshold(long_crack_range, limit_range, curve),
-            compare=compare,  # type: ignore[arg-type]
+            rule=rule,  # type: ignore[arg-type]
+            mode=mode,  # type: ignore[arg-type]
             region=region,
-            cycle=None if cycle is None else steps_of(cycle),
+            cycle=steps_of(cycle),
             folder=output or results_file(results).parent,
         )
     if as_json:
         typer.echo(json.dumps(answer.summary, indent=2, default=str))
     elif not quiet:
-        for line in [*answer.lines(), *(f"{path}  {text}" for path, text in answer.files.items())]:
+        for line in [*answer.lines(), answer.table(), *(f"{path}  {text}" for path, text in answer.files.items())]:
             typer.echo(line)
-
-
-def _summary(path: Path) -> dict[str, Any]:
-    from eigencontact.errors import SceneError
-
-    try:
-        summary: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise SceneError(f"--from must be a JSON file of eigencontact fatigue (got {str(path)!r}: {problem})") from None
-    return summary
-
-
-def _threshold(long_crack_range: str | None, limit_range: str | None, curve: str) -> dict[str, str] | None:
-    ranges = {"long-crack-range": long_crack_range, "limit-range": limit_range}
-    table = {key: value for key, value in ranges.items() if value is not None}
-    return {**table, "curve": curve} if table else None

@@ -1,157 +1,165 @@
-"""Stress along straight cracks in a section of stored results."""
+"""Straight path of a crack below a surface, and the stress of a cycle along it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.tensors import from_mandel
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
-from eigencontact.postprocess.stress_cycle import CycleOfRegion
-from eigencontact.solvers.edge_crack import EdgeCrack
+from eigencontact.postprocess.stress_cycle import CycleOfRegion, cycle_of_region
 
 if TYPE_CHECKING:
     from eigencontact.results.stored import Results
 
-__all__ = ["CrackPath", "stress_on_path"]
+__all__ = ["CrackPath", "PathStress", "path_stress"]
+
+#: Points of a path whose stress is found afresh, denser towards the mouth.
+_POINTS = 97
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class CrackPath:
-    """A section below the surface in which cracks run.
+    """Straight path from the surface, in a plane y.
 
     Attributes
     ----------
-    region, axis : str
-        Name of the region, and its axis along the surface, x or y.
-    along, depths : (n,), (m,)
-        Coordinates of its points [m].
-    stress : (steps, 3, n, m)
-        Stress along the axis, along z, and the shear of both [Pa].
-    across : float
-        Place of the section along the other axis of the surface [m].
+    x, y : float
+        Mouth [m].
+    angle : float
+        Between path and inward normal [rad], positive towards +x.
+    length : float
+        Longest crack [m].
+    """
+
+    x: float
+    y: float
+    angle: float
+    length: float
+
+    def at(self, distances: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """X and z at distances from the mouth [m]."""
+        return self.x + distances * np.sin(self.angle), distances * np.cos(self.angle)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathStress:
+    """Stress of a cycle along a path.
+
+    Attributes
+    ----------
+    region : str
+        Region from which it is read.
+    body : int
+        Body in which it lies.
+    steps : tuple of int
+        Numbers of the load steps.
+    distances : (points,)
+        Distances from the mouth [m], increasing.
+    normal, shear : (steps, points)
+        Stress across the path, and ``t . sigma . n``, see `eigencontact.halfspace.edge_crack` [Pa].
     """
 
     region: str
-    axis: str
-    along: FloatArray
-    depths: FloatArray
-    stress: FloatArray
-    across: float
-
-    @classmethod
-    def in_section(cls, cycle: CycleOfRegion) -> CrackPath:
-        """Section of a stored region.
-
-        Raises
-        ------
-        SceneError
-            A region that is no plane of x and z, or of y and z.
-        """
-        names = [dim.removeprefix(f"{cycle.region}_") for dim in cycle.dims]
-        axis = next((name for name in names if name in "xy"), "")
-        if sorted(names) not in (["x", "z"], ["y", "z"]) or min(cycle.shape) < 2:
-            raise SceneError(
-                f"region must be a section in x and z, or y and z (got {cycle.region!r}, along {', '.join(names)}); "
-                'store one with shape = "plane" and normal = "y"'
-            )
-        places = cycle.places.reshape(3, *cycle.shape)
-        tensor = cycle.cycle.stress.reshape(-1, 6, *cycle.shape)
-        # Mandel: xx, yy, zz, sqrt(2) (yz, xz, xy).
-        rows = [0, 4] if axis == "x" else [1, 3]
-        stress = np.stack([tensor[:, rows[0]], tensor[:, 2], tensor[:, rows[1]] / np.sqrt(2.0)], axis=1)
-        if names[0] == "z":
-            places, stress = places.swapaxes(1, 2), stress.swapaxes(2, 3)
-        surface, other = "xy".index(axis), 1 - "xy".index(axis)
-        return cls(cycle.region, axis, places[surface, :, 0], places[2, 0], stress, float(places[other].flat[0]))
-
-    @property
-    def spacing(self) -> float:
-        """Largest distance between neighbouring points near the surface [m]."""
-        return float(max(np.diff(self.along).max(), np.diff(self.depths)[0]))
-
-    @property
-    def first_depth(self) -> float:
-        """Depth of the points next to the surface [m]."""
-        return float(self.depths[0])
-
-    @property
-    def begins_at_surface(self) -> bool:
-        """Whether the section begins within a spacing of its points from the surface."""
-        return self.first_depth < self.spacing
-
-    def mouth(self, place: Any) -> float:
-        """Place of the mouth along the axis: a number, or the (x, y, z) of a hot spot.
-
-        Raises
-        ------
-        SceneError
-            No place, or one outside of the section.
-        """
-        if place is None:
-            raise SceneError("at must be given, the place of the mouth along the section [m], or start, a hot spot")
-        value = float(place if np.ndim(place) == 0 else place["xy".index(self.axis)])
-        if not self.along[0] < value < self.along[-1]:
-            ends = " and ".join(readable(float(end), "m") for end in (self.along[0], self.along[-1]))
-            raise SceneError(f"at must lie within {self.region!r}, between {ends} (got {readable(value, 'm')})")
-        return value
-
-    def angle_of(self, normal: Any) -> float:
-        """Inclination of a crack on a plane of a criterion, by the trace of the plane in the section; 0 without one.
-
-        Raises
-        ------
-        SceneError
-            A plane that has no trace to speak of, or one along the surface.
-        """
-        if normal is None:
-            return 0.0
-        across, down = float(normal["xy".index(self.axis)]), float(normal[2])
-        if np.hypot(across, down) < 0.05:
-            raise SceneError(
-                f"angle must be given where the plane of the criterion lies in the section (normal {normal}, got None)"
-            )
-        return float(np.arctan(-down / across)) if across else 0.5 * np.pi
-
-    def reach(self, mouth: float, crack: EdgeCrack) -> float:
-        """Longest crack that stays in the section [m]."""
-        sideways, down = crack.tangent
-        room = (self.along[-1] - mouth) if sideways > 0 else (mouth - self.along[0])
-        ends = [self.depths[-1] / down]
-        if abs(sideways) > 1e-12:
-            ends.append(room / abs(sideways))
-        return float(min(ends))
-
-    def contact_extent(self, dataset: Results) -> float | None:
-        """Largest extent of the contact across the section over the history [m]; None where nothing tells."""
-        other = "y" if self.axis == "x" else "x"
-        if "pressure" not in dataset or dataset.sizes[other] < 2:
-            return None
-        loaded = np.asarray(dataset["pressure"].values) > 0
-        rows = np.asarray(dataset[other].values)[loaded.any(axis=(0, 2 if self.axis == "x" else 1))]
-        spacing = float(np.diff(np.asarray(dataset[other].values)).mean())
-        return float(np.ptp(rows) + spacing) if rows.size else None
+    body: int
+    steps: tuple[int, ...]
+    distances: FloatArray
+    normal: FloatArray
+    shear: FloatArray
 
 
-def stress_on_path(
-    path: CrackPath, crack: EdgeCrack, mouth: float, lengths: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Normal and shear stress on cracks at the positions that `EdgeCrack` wants, ``(steps, lengths, positions)`` [Pa].
+def path_stress(
+    dataset: Results, path: CrackPath, region: str | None, cycle: Any, source: Path | None, body: int
+) -> PathStress:
+    """Stress of a cycle along a path: of a stored section, or found afresh at points of the path.
 
-    Above the first and beside the last points stress is that of the nearest ones.
+    Parameters
+    ----------
+    region : str or None
+        Stored plane normal to y that holds the path; by default the stress is found at points of the path if `source`
+        is stored, else the only region with stress is read.
+    source : Path, optional
+        Results file or folder.
+
+    Raises
+    ------
+    SceneError
+        A place outside the window; a path that leaves the region; a region that is no section; a cycle of one step.
     """
+    for axis, place in (("x", path.x), ("y", path.y)):
+        cells = np.asarray(dataset[axis].values)
+        if cells.size > 1 and not abs(2 * place - cells[0] - cells[-1]) <= cells[-1] - cells[0] + 2 * (
+            cells[1] - cells[0]
+        ):
+            raise SceneError(
+                f"place must lie within the window, {axis} = {readable(float(cells[0]), 'm')} to "
+                f"{readable(float(cells[-1]), 'm')} (got {readable(place, 'm')})"
+            )
+    if region is None and source is not None:
+        distances = path.length * np.linspace(0.0, 1.0, _POINTS) ** 2
+        x, z = path.at(distances)
+        points = [[float(a), path.y, float(b)] for a, b in zip(x, z, strict=True)]
+        table = {"name": "crack", "shape": "points", "points": points, "body": body, "quantities": []}
+        cycle_stress = cycle_of_region(dataset, table, cycle, strain=False, source=source)
+        stress = from_mandel(np.moveaxis(cycle_stress.cycle.stress, 1, 0))
+    else:
+        cycle_stress = cycle_of_region(dataset, region, cycle, strain=False, source=source)
+        distances, stress = _in_section(cycle_stress, path)
+    if len(cycle_stress.steps) < 2:
+        raise SceneError(
+            "cycle must have two load steps or more (got one): a single one has no range; store loading and unloading"
+        )
+    xx, _, zz, _, xz, _ = stress
+    c, s = np.cos(path.angle), np.sin(path.angle)
+    return PathStress(
+        region=cycle_stress.region,
+        body=cycle_stress.body,
+        steps=cycle_stress.steps,
+        distances=distances,
+        normal=c * c * xx - 2 * s * c * xz + s * s * zz,
+        shear=s * c * (zz - xx) + (s * s - c * c) * xz,
+    )
+
+
+def _in_section(section: CycleOfRegion, path: CrackPath) -> tuple[FloatArray, FloatArray]:
+    """Distances, and stress (6, steps, points), linear between the points of a plane normal to y."""
     from scipy.interpolate import RegularGridInterpolator
 
-    distance = lengths[:, None] * crack.positions
-    x = np.clip(mouth + crack.tangent[0] * distance, path.along[0], path.along[-1])
-    z = np.clip(crack.tangent[1] * distance, path.depths[0], path.depths[-1])
-    steps = len(path.stress)
-    values = np.moveaxis(path.stress.reshape(steps * 3, *path.stress.shape[2:]), 0, -1)
-    at = RegularGridInterpolator((path.along, path.depths), values)(np.stack([x, z], axis=-1))
-    along, down, shear = np.moveaxis(at, -1, 0).reshape(steps, 3, *distance.shape).swapaxes(0, 1)
-    (tx, tz), (nx, nz) = crack.tangent, crack.normal
-    normal = nx**2 * along + nz**2 * down + 2.0 * nx * nz * shear
-    return normal, tx * nx * along + tz * nz * down + (tx * nz + tz * nx) * shear
+    name = section.region
+    if sorted(section.dims) != [f"{name}_x", f"{name}_z"]:
+        raise SceneError(
+            f"region must be a plane normal to y for a crack (got {name!r}, over {', '.join(section.dims)})"
+        )
+    x, y, z = (places.reshape(section.shape) for places in section.places)
+    axes = (z[:, 0], x[0]) if section.dims[0].endswith("_z") else (z[0], x[:, 0])
+    pitch = min(float(np.diff(axis).min()) for axis in axes)
+    plane = float(y.flat[0])
+    if abs(plane - path.y) > pitch:
+        raise SceneError(
+            f"place must lie in the plane of region {name!r}, y = {readable(plane, 'm')} (got y = "
+            f"{readable(path.y, 'm')})"
+        )
+    distances = np.linspace(0.0, path.length, max(8, int(2 * path.length / pitch) + 1))
+    way = dict(zip("xz", path.at(distances), strict=True))
+    for axis, values in zip("zx", axes, strict=True):
+        low, high = values[0] - (axis == "z") * pitch, values[-1]
+        if not low <= way[axis].min() <= way[axis].max() <= high * (1 + 1e-12):
+            raise SceneError(
+                f"path must stay within region {name!r}, {axis} = {readable(float(values[0]), 'm')} to "
+                f"{readable(float(high), 'm')} (got {readable(float(way[axis][-1]), 'm')} at its end); give a shorter "
+                "length or a larger region"
+            )
+    points = np.stack(
+        [np.clip(way[axis], values[0], values[-1]) for axis, values in zip("zx", axes, strict=True)], axis=-1
+    )
+    grid = section.cycle.stress.reshape(-1, 6, *section.shape)
+    grid = np.moveaxis(grid, (0, 1), (-1, -2))
+    if not section.dims[0].endswith("_z"):
+        grid = np.swapaxes(grid, 0, 1)
+    values = RegularGridInterpolator(axes, grid)(points)  # (points, 6, steps)
+    return distances, from_mandel(np.transpose(values, (1, 2, 0)))

@@ -11,7 +11,7 @@ import typer
 from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
 
-__all__ = ["fatigue", "steps_of"]
+__all__ = ["fatigue", "parameters_of", "steps_of"]
 
 
 def fatigue(
@@ -70,7 +70,7 @@ def fatigue(
         add_plugin_files(plugin or [])
         found = evaluate(
             results,
-            {"type": criterion, **_parameters(changes or [])},
+            {"type": criterion, **parameters_of(changes or [])},
             region=region,
             cycle=steps_of(cycle),
             distance=distance,
@@ -85,7 +85,8 @@ def fatigue(
             typer.echo(line)
 
 
-def _parameters(changes: list[str]) -> dict[str, Any]:
+def parameters_of(changes: list[str]) -> dict[str, Any]:
+    """Parameters of a component from `key=value` texts."""
     from eigencontact.errors import SceneError
 
     out: dict[str, Any] = {}

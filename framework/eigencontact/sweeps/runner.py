@@ -7,7 +7,7 @@ damaged one is computed again. A failed variant is reported and recorded; the ot
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -39,6 +39,8 @@ _FAILED = "failed.json"
 _MOST_KEPT = 1e9
 #: Largest part of the memory of a process for these objects.
 _PART_KEPT = 0.1
+#: Further numbers of a run in memory by name, found in the process that ran it; named in a module.
+Measure = Callable[[Any], Mapping[str, float]]
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ class _Task:
     folder: Path | None
     fields: tuple[str, ...]
     overwrite: bool
+    measure: Measure | None = None
 
 
 def outcomes(
@@ -87,6 +90,7 @@ def outcomes(
     workers: int = 1,
     engine: Engine | None = None,
     overwrite: bool = False,
+    measure: Measure | None = None,
 ) -> Iterator[Outcome]:
     """Outcome of each variant as it is finished.
 
@@ -104,10 +108,15 @@ def outcomes(
         Who runs them instead, a cluster for one.
     overwrite : bool
         Run finished variants again, and replace other results in their folders.
+    measure : callable, optional
+        Further numbers of each run, which the summary then holds as those of an observer; without a folder only.
     """
+    assert measure is None or folder is None
     engine = engine or (ThisProcess() if workers == 1 else Processes(workers))
     tasks = [
-        _Task(variant, None if folder is None else (folder / variant.label).resolve(), tuple(fields), overwrite)
+        _Task(
+            variant, None if folder is None else (folder / variant.label).resolve(), tuple(fields), overwrite, measure
+        )
         for variant in variants
     ]
     if isinstance(engine, Cluster):
@@ -211,7 +220,10 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
         with replacing(folder / _MARK, "the mark of a finished variant", lasting=False, kept=AGAIN) as sink:
             sink.write(json.dumps(content).encode())
         (folder / _FAILED).unlink(missing_ok=True)
-    return result.summary, fields, problem
+    summary = result.summary
+    if task.measure is not None:
+        summary = {**summary, "observed": {**summary.get("observed", {}), **task.measure(result)}}
+    return summary, fields, problem
 
 
 def _is_of_sweep(folder: Path, task: _Task) -> bool:

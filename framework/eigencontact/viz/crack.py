@@ -1,4 +1,4 @@
-"""Picture of a crack: ranges of the stress intensity factor over its length, and the threshold."""
+"""Picture of a crack: ranges of stress intensity over its length, threshold, and where it stops."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.looks import figure_look
-from eigencontact.viz.style import new_figure, save, scale_for
+from eigencontact.core.units import readable
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, save, scale_for
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,48 +18,43 @@ if TYPE_CHECKING:
 __all__ = ["draw_crack"]
 
 _CURVES = (
-    ("effective_range", r"$\Delta K_{\mathrm{eff}}$", "C0", "-", 2.0),
-    ("mode_1_range", r"$\Delta K_{\mathrm{I}}$ (open)", "C1", "--", 1.2),
-    ("mode_2_range", r"$\Delta K_{\mathrm{II}}$", "C2", "-.", 1.2),
-    ("threshold", "threshold", "black", ":", 1.6),
+    ("mode_1_range", r"$\Delta K_\mathrm{I}$", COLOURS[0], "--"),
+    ("mode_2_range", r"$\Delta K_\mathrm{II}$", COLOURS[2], "--"),
+    ("effective_range", r"$\Delta K_\mathrm{eff}$", COLOURS[1], "-"),
+    ("threshold", r"threshold $\Delta K_\mathrm{th}$", "black", "-"),
 )
 
 
 def draw_crack(answer: xarray.Dataset, summary: Mapping[str, Any], path: Path) -> str:
-    """Store a picture of the ranges over the length; returns what it shows.
+    """Store the picture of `eigencontact.crack`; returns what it shows."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    Parameters
-    ----------
-    answer, summary : Dataset, mapping
-        Of `eigencontact.crack`.
-    """
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    lengths = np.asarray(answer["length"].values)
+    lengths = answer["length"].values
     scale = scale_for(lengths, "m")
-    mouth = scale_for([summary["place"]], "m").text(summary["place"])
-    place = f"{summary['axis']} = {mouth}, {np.degrees(summary['angle']):.3g}° from the normal"
-    with figure_look():
-        figure = new_figure(5.2, 3.6)
+    stop = summary["arrest_length"]
+    with paper_style():
+        figure = new_figure(4.6, 3.4)
         axes = figure.add_subplot()
-        for name, label, colour, dashes, width in _CURVES:
-            if name in answer:
-                values = np.asarray(answer[name].values) / 1e6
-                axes.plot(scale.factor * lengths, values, dashes, color=colour, linewidth=width, label=label)
-        arrest = summary["arrest_length"]
-        if arrest is not None:
-            end = (scale.factor * arrest, float(np.interp(arrest, lengths, answer["threshold"].values)) / 1e6)
-            axes.plot(*end, "o", color="black", markerfacecolor="white", zorder=5)
-            axes.annotate(f"stops at {scale.text(arrest)}", end, (6, -14), textcoords="offset points")
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_ylim(bottom=0.0)
+        floor = 0.02 * float(max(answer["effective_range"].max(), answer["threshold"].max()))
+        for name, label, colour, line in _CURVES:
+            values = np.where(answer[name].values > floor, answer[name].values, np.nan)
+            axes.loglog(scale(lengths), values / 1e6, line, color=colour, label=label)
+        if stop:
+            axes.axvline(scale(stop), color="grey", linewidth=1, linestyle=":")
+            size = float(np.interp(stop, lengths, answer["threshold"].values)) / 1e6
+            axes.plot(scale(stop), size, "o", color="black", label=f"stops at {readable(stop, 'm')}")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(f"length of the crack [{scale.unit}]")
-        axes.set_ylabel(r"range of $K$ [MPa m$^{0.5}$]")
-        axes.set_title(f"Crack at {place}: {summary['fate']}")
-        axes.legend(frameon=False)
-        sentence = f"ranges of the stress intensity factor over the length of a crack at {place}"
+        axes.set_ylabel(r"range of stress intensity [MPa$\sqrt{\mathrm{m}}$]")
+        axes.legend()
+        angle = np.degrees(summary["angle"])
+        axes.set_title(
+            f"Crack from x = {readable(summary['place'][0], 'm')}, {angle:.3g}° to the normal: {summary['outcome']}"
+            + (", opening alone" if summary["mode"] == "opening" else "")
+        )
+        sentence = "ranges of stress intensity over the length of the crack, threshold and arrest"
         save(figure, path, caption=sentence)
     return sentence

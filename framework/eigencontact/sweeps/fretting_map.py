@@ -1,0 +1,250 @@
+"""Fretting map: regime, energy, wear, fatigue and arrest of cracks over normal load and amplitude of one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from functools import partial
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.units import parse_quantity
+from eigencontact.errors import EigencontactError, SceneError, shown
+from eigencontact.results.cycles import last_cycle
+from eigencontact.sweeps.axes import Axis, axes_of
+from eigencontact.sweeps.gather import gathered
+from eigencontact.sweeps.runner import outcomes
+from eigencontact.sweeps.sweep import Told
+from eigencontact.sweeps.variants import Variant
+
+if TYPE_CHECKING:
+    import xarray
+
+    from eigencontact.scene.schema import Scene
+
+__all__ = ["FrettingMap", "fretting_map"]
+
+#: Keys of steps that drive a fretting motion, and their units.
+_DRIVEN = {"shift-x": "m", "shift-y": "m", "tangential-load-x": "N", "tangential-load-y": "N"}
+#: Energy ratio below which a loop counts as closed (stick), and from which on it counts as gross slip if the run does
+#: not say which cells slip: Fouvry, Kapsa, Vincent, Wear 185 (1995) 35.
+_STICK, _GROSS = 0.02, 0.2
+_REGIMES = ("stick", "partial slip", "gross slip")
+
+
+@dataclass(frozen=True, eq=False)
+class FrettingMap:
+    """Numbers of the last cycle over load and amplitude.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        By ``load`` [N] and ``amplitude`` [m, or N of a driven load]: ``regime`` (0 stick, 1 partial slip, 2 gross
+        slip), ``cycle_energy`` [J], ``energy_ratio`` [-], and the numbers that a sweep has; ``utilisation`` and
+        ``arrest_length`` where they were asked for; ``failed``.
+    files : dict
+        Files that were stored, and what they show.
+    """
+
+    dataset: xarray.Dataset
+    files: dict[Path, str] = field(default_factory=dict)
+
+    def lines(self) -> list[str]:
+        """Words for the terminal."""
+        regime = self.dataset["regime"].values
+        counts = ", ".join(f"{int(np.sum(regime == k))} {name}" for k, name in enumerate(_REGIMES))
+        out = [f"{regime.size} variants: {counts}"]
+        reasons = [str(reason) for reason in self.dataset["failed"].values.ravel() if reason]
+        return out + ([f"{len(reasons)} failed; the first: {reasons[0]}"] if reasons else [])
+
+
+def fretting_map(
+    scene: Scene | str | Path | Mapping[str, Any],
+    *,
+    load: Any,
+    amplitude: Any,
+    criterion: Any = None,
+    crack: Mapping[str, Any] | None = None,
+    region: str | None = None,
+    workers: int = 1,
+    folder: str | Path | None = None,
+    told: Told | None = None,
+) -> FrettingMap:
+    """Map of running regimes of a fretting scene: every normal load with every amplitude.
+
+    Parameters
+    ----------
+    scene : Scene, str, Path or mapping
+        Its steps have a normal load and a closed cycle of one shift or tangential load.
+    load, amplitude : str, mapping or sequence
+        Values as of a sweep: ``"5 N:50 N:20"``, ``["5 N", "10 N"]``. All normal loads of the steps are scaled so that
+        the largest is the load, all values of the motion so that the largest magnitude is the amplitude (half of the
+        range of a symmetric cycle).
+    criterion : mapping or str, optional
+        Fatigue criterion: ``utilisation`` is its largest value over the limit in `region`.
+    crack : mapping, optional
+        Arguments of `eigencontact.crack`: ``arrest_length`` [m], 0 where no crack grows, infinite where none stops.
+    region : str, optional
+        Region of the scene with stress, for both.
+    workers : int
+        Processes that share the variants; more than one needs a guard as for `eigencontact.sweep`.
+    folder : str or Path, optional
+        Where ``map.nc`` and ``map.png`` are stored; by default nothing is stored.
+    told : callable, optional
+        Gets each outcome, its number and how many there will be.
+
+    Raises
+    ------
+    SceneError
+        A scene without a normal load or with more than one motion; values that break a rule.
+    EigencontactError
+        Every variant failed.
+
+    Notes
+    -----
+    A cycle with a step in which all of the contact slips is gross slip. Below an energy ratio ``E / (4 Q* delta*)`` of
+    0.02 it counts as stick, else as partial slip. The runs stay in memory.
+    """
+    from eigencontact.app import load_scene
+
+    loaded = load_scene(scene)
+    tables = loaded.resolved()
+    driven = _driven(tables)
+    units = ("N", _DRIVEN[driven])
+    axes = [
+        _in_si(axes_of({name: values} if not isinstance(values, str) else [f"{name}={values}"])[0], unit)
+        for name, values, unit in (("load", load, units[0]), ("amplitude", amplitude, units[1]))
+    ]
+    variants = [
+        _variant(loaded, tables, driven, (i, j), (p, d))
+        for i, p in enumerate(axes[0].values)
+        for j, d in enumerate(axes[1].values)
+    ]
+    measure = partial(_numbers, criterion=criterion, crack=crack, region=region)
+    finished = []
+    for outcome in outcomes(variants, None, workers=workers, measure=measure):
+        finished.append(outcome)
+        if told is not None:
+            told(outcome, len(finished), len(variants))
+    failed = [outcome.failed for outcome in finished if outcome.failed]
+    if len(failed) == len(variants):
+        raise EigencontactError(f"map must have a variant that can be solved (got {len(failed)} failed; {failed[0]})")
+    dataset = gathered(axes, variants, finished, loaded.title or loaded.label, pairs=False)
+    names = {"load": "normal load", "amplitude": f"amplitude of {driven}"}
+    dataset = dataset.assign_coords(
+        {
+            axis.name: (axis.name, list(axis.values), {"units": unit, "long_name": names[axis.name]})
+            for axis, unit in zip(axes, units, strict=True)
+        }
+    )
+    for name, (unit, words) in _MEASURED.items():
+        if name in dataset:
+            dataset[name].attrs.update(units=unit, long_name=words)
+    dataset.attrs["source"] = "eigencontact map"
+    return FrettingMap(dataset, {} if folder is None else _store(Path(folder), dataset))
+
+
+_MEASURED = {
+    "regime": ("1", "running regime: 0 stick, 1 partial slip, 2 gross slip"),
+    "cycle_energy": ("J", "work of friction in the last cycle"),
+    "energy_ratio": ("1", "work of friction over the rectangle around the loop"),
+    "utilisation": ("1", "largest damage parameter over limit"),
+    "arrest_length": ("m", "length at which a crack stops"),
+}
+
+
+def _driven(tables: Mapping[str, Any]) -> str:
+    """Key of the motion; the steps must have one, and a normal load."""
+    keys = [key for step in _steps(tables["steps"]) for key in step if step[key]]
+    if "normal-load" not in keys:
+        raise SceneError("steps of a map must prescribe normal-load, which is varied (got none)")
+    motions = sorted(set(keys) & set(_DRIVEN))
+    if len(motions) != 1:
+        raise SceneError(
+            f"steps of a map must have one motion of {', '.join(_DRIVEN)} (got {', '.join(motions) or 'none'})"
+        )
+    return motions[0]
+
+
+def _steps(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Steps and those of their cycles."""
+    return [inner for step in steps for inner in (step, *_steps(step.get("cycle") or []))]
+
+
+def _in_si(axis: Axis, unit: str) -> Axis:
+    values = []
+    for value in axis.values:
+        try:
+            values.append(float(parse_quantity(value, unit, "a number")))
+        except (TypeError, ValueError) as problem:
+            raise SceneError(f"{axis.key} of a map must be {problem} (got {shown(value)})") from None
+    if not all(0 < value < np.inf for value in values) or sorted(values) != values:
+        raise SceneError(f"{axis.key} of a map must be positive values that ascend [{unit}] (got {shown(axis.values)})")
+    return Axis(axis.key, tuple(values))
+
+
+def _variant(
+    scene: Scene, tables: Mapping[str, Any], driven: str, place: tuple[int, int], values: tuple[float, float]
+) -> Variant:
+    from eigencontact.scene.schema import Scene as Made
+
+    changed = deepcopy(dict(tables))
+    changed["output"] = {**changed.get("output", {}), "pictures": False, "vtk": False, "animation": False}
+    steps = _steps(changed["steps"])
+    for key, value in zip(("normal-load", driven), values, strict=True):
+        largest = max(abs(step[key]) for step in steps if step.get(key))
+        for step in steps:
+            if step.get(key):
+                step[key] *= value / largest
+    label, named = (
+        f"load={values[0]:.6g}_amplitude={values[1]:.6g}",
+        dict(zip(("load", "amplitude"), values, strict=True)),
+    )
+    try:
+        return Variant(label, place, named, Made(**changed).within(scene.folder))
+    except EigencontactError as problem:
+        return Variant(label, place, named, None, str(problem))
+
+
+def _numbers(result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, region: str | None) -> dict[str, float]:
+    """Numbers of one run, in the process that ran it."""
+    dataset = result.dataset
+    scalars = {str(name): np.asarray(item.values) for name, item in dataset.data_vars.items() if item.dims == ("step",)}
+    cycle = last_cycle({name: values for name, values in scalars.items() if values.dtype.kind == "f"})
+    if cycle is None:
+        raise SceneError("steps of a map must end with a closed cycle of the motion (got none)")
+    energy = cycle.dissipated if np.isfinite(cycle.dissipated) else cycle.area
+    ratio = cycle.energy_ratio
+    slips = scalars.get("slip_fraction")
+    gross = ratio > _GROSS if slips is None else slips[cycle.first + 1 : cycle.last + 1].max() >= 1.0
+    out = {"regime": 2.0 if gross else float(ratio >= _STICK), "cycle_energy": energy, "energy_ratio": ratio}
+    if criterion is not None:
+        from eigencontact.postprocess.fatigue import fatigue
+
+        out["utilisation"] = fatigue(result, criterion, region=region).summary["utilisation"]
+    if crack is not None:
+        from eigencontact.postprocess.crack import crack as evaluate
+
+        stop = evaluate(result, region=region, **crack).summary["arrest_length"]
+        out["arrest_length"] = float("inf") if stop is None else stop
+    return out
+
+
+def _store(folder: Path, dataset: xarray.Dataset) -> dict[Path, str]:
+    from eigencontact.results.atomic import replacing, writable_folder
+    from eigencontact.results.ownership import refuse_foreign_file
+    from eigencontact.viz.fretting_map import draw_fretting_map
+
+    data, picture = folder / "map.nc", folder / "map.png"
+    for path in (data, picture):
+        refuse_foreign_file(path)
+    writable_folder(folder)
+    content = BytesIO()
+    dataset.to_netcdf(content, engine="h5netcdf")
+    with replacing(data, "the fretting map") as sink:
+        sink.write(content.getvalue())
+    return {data: "all numbers by load and amplitude", picture: draw_fretting_map(dataset, picture)}

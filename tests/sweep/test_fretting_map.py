@@ -1,0 +1,65 @@
+"""Fretting map: regimes against the closed form, numbers of the last cycle, refusals."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+
+SMALL = ["grid.cells-per-contact-radius=8", "observers=[]"]
+SMALL += [f"steps.{k}.increments={n}" for k, n in ((1, 2), (2, 3), (3, 3))]
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return ec.fretting_map(
+        ec.load_scene("fretting-mode-1", SMALL), load=["6 N", "12 N"], amplitude=["0.05 um", "0.5 um", "1.1 um"]
+    )
+
+
+def test_regimes_are_those_of_mindlin(answer):
+    """All of the contact slips from the shift 3 mu P (2 - nu) / (16 a G) on."""
+    G = 210e9 / 2.6
+    for load, row in zip((6.0, 12.0), answer.dataset["regime"].values, strict=True):
+        radius = (0.75 * load * 200e-6 * 0.91 / 210e9) ** (1 / 3)
+        slides = 3 * 0.5 * load * 1.7 / (16 * radius * G)
+        expected = [0, *(2 if shift > slides else 1 for shift in (0.5e-6, 1.1e-6))]
+        assert row.tolist() == expected
+    assert set(answer.dataset["regime"].values.ravel()) == {0, 1, 2}
+
+
+def test_energy_of_gross_slip(answer):
+    """4 mu P (d - d_1) and the loop of the last moment before sliding, as Mindlin and Deresiewicz have it."""
+    load, shift = 6.0, 1.1e-6
+    radius = (0.75 * load * 200e-6 * 0.91 / 210e9) ** (1 / 3)
+    slides = 3 * 0.5 * load * 1.7 / (16 * radius * 210e9 / 2.6)
+    sliding = 4 * 0.5 * load * (shift - slides)
+    onset = 0.8 * 0.5 * load * slides  # loop at Q = mu P: 4 Q d / 5
+    np.testing.assert_allclose(answer.dataset["cycle_energy"].values[0, 2], sliding + onset, rtol=0.04)
+
+
+def test_coordinates_have_units(answer):
+    np.testing.assert_allclose(answer.dataset["amplitude"].values, [0.05e-6, 0.5e-6, 1.1e-6], rtol=1e-12)
+    assert answer.dataset["load"].attrs["units"] == "N"
+    assert answer.lines()[0].startswith("6 variants: ")
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "words"),
+    [
+        ("hertz", {}, "steps of a map must have one motion of shift-x, "),
+        ("fretting-loop-evolution", {}, "steps of a map must prescribe normal-load"),
+        ("fretting-mode-1", {"load": "5 m"}, "load of a map must be a number [N]; '5 m' has the dimension"),
+        ("fretting-mode-1", {"amplitude": ["2 um", "1 um"]}, "amplitude of a map must be positive values that ascend"),
+    ],
+)
+def test_refusals(scene, changes, words):
+    with pytest.raises(ec.EigencontactError) as caught:
+        ec.fretting_map(scene, **{"load": ["5 N"], "amplitude": ["1 um"], **changes})
+    assert words in str(caught.value)
+
+
+def test_map_is_stored_and_drawn(tmp_path):
+    scene = ec.load_scene("fretting-mode-1", [*SMALL, "grid.cells-per-contact-radius=6"])
+    files = ec.fretting_map(scene, load=["6 N", "12 N"], amplitude=["0.5 um", "1.1 um"], folder=tmp_path).files
+    assert {path.name for path in files} == {"map.nc", "map.png"}
+    assert (tmp_path / "map.png").stat().st_size > 10_000

@@ -1,0 +1,159 @@
+"""Stress intensity factors of edge cracks by finite elements that share nothing with the dislocations.
+
+A half disc of 200 crack lengths in plane strain, quadratic triangles graded towards the tip down to 1e-4 of the crack;
+the stress of the body without the crack acts on its rim. K_I and K_II follow from the interaction integral (J-integral
+with Williams' fields as the second state) over a domain around the tip.
+"""
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+from skfem import (
+    Basis,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    Functional,
+    LinearForm,
+    MeshTri,
+    condense,
+    solve,
+)
+from skfem.helpers import trace
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from eigencontact.halfspace.edge_crack import edge_crack
+
+E, NU, RIM = 1.0, 0.3, 200.0
+LAME, MU = lame_parameters(E, NU)
+
+
+def mesh_of(angle):
+    """Half disc about the mouth with a crack of length 1 along x; the surface is turned by the angle of the crack.
+
+    Both sides of the crack's line are convex and meshed apart; nodes beyond the tip are common, those of the faces not.
+    """
+    nodes, triangles = [], []
+    for side in (1, -1):
+        turn = 0.5 * np.pi + side * angle  # between crack and surface on this side
+        radii = np.geomspace(0.03, RIM, 70)
+        ways = np.linspace(0.0, turn, 18)
+        around_mouth = (radii[:, None] * np.exp(1j * ways)).ravel()
+        around_tip = 1 + (np.geomspace(1e-4, 0.5, 40)[:, None] * np.exp(1j * np.linspace(0, np.pi, 25))).ravel()
+        within = (np.angle(around_tip) < turn + 1e-9) & (np.abs(around_tip) > 0.03)
+        w = np.concatenate([[0, 1], around_mouth[np.abs(around_mouth - 1) > 0.56], around_tip[within]])
+        points = np.stack([w.real, np.where(np.abs(w.imag) < 1e-12, 0.0, w.imag)])
+        corners = Delaunay(points.T).simplices.T
+        a, b, c = (points[:, corner] for corner in corners)
+        area = 0.5 * np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+        edge = np.max([np.linalg.norm(p - q, axis=0) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        triangles.append(corners[:, area > 1e-7 * edge**2])
+        nodes.append(points * [[1], [side]])
+    first, second = nodes
+    shared = np.flatnonzero((first[1] == 0) & (first[0] >= 1 - 1e-12))
+    numbers = np.arange(second.shape[1]) + first.shape[1]
+    for number in np.flatnonzero((second[1] == 0) & (second[0] >= 1 - 1e-12)):
+        numbers[number] = shared[np.argmin(np.abs(first[0, shared] - second[0, number]))]
+    every = np.hstack([triangles[0], numbers[triangles[1]]])
+    used, every = np.unique(every, return_inverse=True)
+    return MeshTri(np.hstack(nodes)[:, used], every.reshape(3, -1).astype(np.int64))
+
+
+def williams(mode, x, y):
+    """Displacement gradient (2, 2, ...) and stress of the singular field of unit K, crack at x < 0."""
+    r, t = np.hypot(x, y), np.arctan2(y, x)
+    kappa = 3 - 4 * NU
+    half = np.sqrt(r / (2 * np.pi)) / (2 * MU)
+    c, s = np.cos(t / 2), np.sin(t / 2)
+    if mode == 1:
+        shape = np.array([c * (kappa - np.cos(t)), s * (kappa - np.cos(t))])
+        turn = np.array(
+            [
+                -0.5 * s * (kappa - np.cos(t)) + c * np.sin(t),
+                0.5 * c * (kappa - np.cos(t)) + s * np.sin(t),
+            ]
+        )
+    else:
+        shape = np.array([s * (kappa + 2 + np.cos(t)), -c * (kappa - 2 + np.cos(t))])
+        turn = np.array(
+            [
+                0.5 * c * (kappa + 2 + np.cos(t)) - s * np.sin(t),
+                0.5 * s * (kappa - 2 + np.cos(t)) + c * np.sin(t),
+            ]
+        )
+    radial, tangential = half * shape / (2 * r), half * turn / r
+    gradient = np.stack(
+        [radial * np.cos(t) - tangential * np.sin(t), radial * np.sin(t) + tangential * np.cos(t)], axis=1
+    )
+    return gradient, stress_of(gradient)
+
+
+def stress_of(gradient):
+    strain = 0.5 * (gradient + np.swapaxes(gradient, 0, 1))
+    return 2 * MU * strain + LAME * np.eye(2)[:, :, None, None] * trace(strain)
+
+
+def factors_by_elements(angle, stress):
+    """K_I and K_II over sqrt(pi a) of a crack in the stress `stress(x, z)` along the surface."""
+    mesh = mesh_of(angle)
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    # n turned into the frame of the crack: surface direction and depth.
+    surface, depth = np.array([np.sin(angle), -np.cos(angle)]), np.array([np.cos(angle), np.sin(angle)])
+    rim = mesh.facets_satisfying(lambda x: np.hypot(*x) > 0.95 * RIM, boundaries_only=True)
+    edge = FacetBasis(mesh, ElementVector(ElementTriP2()), facets=rim, intorder=4)
+
+    @LinearForm
+    def pull(v, w):
+        along = sum(surface[k] * w.n[k] for k in (0, 1)) * stress(sum(depth[k] * w.x[k] for k in (0, 1)))
+        return along * sum(surface[k] * v[k] for k in (0, 1))
+
+    matrix, load = linear_elasticity(LAME, MU).assemble(basis), pull.assemble(edge)
+    # Rigid motions: three displacements of two far nodes.
+    far, other = np.argmax(mesh.p[0]), np.argmin(np.hypot(*mesh.p - RIM * np.array([[0.6], [0.8]])))
+    held = np.concatenate([basis.nodal_dofs[:, far], basis.nodal_dofs[:1, other]])
+    u = solve(*condense(matrix, load, D=held))
+    ring = Basis(mesh, ElementTriP1(), intorder=4)
+    q = ring.zeros()
+    q[:] = (np.hypot(mesh.p[0] - 1, mesh.p[1]) < 0.3).astype(float)
+
+    @Functional
+    def interaction(w):
+        gradient = w["u"].grad
+        stress_u = stress_of(gradient)
+        other_gradient, other_stress = williams(w["mode"], w.x[0] - 1, w.x[1])
+        energy = np.einsum("ij...,ij...->...", stress_u, other_gradient)
+        flux = np.einsum("ij...,i...->j...", stress_u, other_gradient[:, 0])
+        flux = flux + np.einsum("ij...,i...->j...", other_stress, gradient[:, 0])
+        flux[0] -= energy
+        return np.einsum("j...,j...->...", flux, w["q"].grad)
+
+    stiff = E / (1 - NU**2)
+    values = [0.5 * stiff * interaction.assemble(basis, u=u, q=ring.interpolate(q), mode=mode) for mode in (1, 2)]
+    return np.array(values) / np.sqrt(np.pi)
+
+
+CASES = [(0.0, 0), (20.0, 0), (45.0, 0), (60.0, 0), (0.0, 1), (-35.0, 1)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("degrees", "power"), CASES)
+def test_dislocations_agree_with_elements(degrees, power):
+    angle = np.radians(degrees)
+    elements = factors_by_elements(angle, lambda z: z**power)
+    crack = edge_crack(angle)
+    c, s = np.cos(angle), np.sin(angle)
+    stress = (crack.places * c) ** power
+    expected = crack.factors(1.0 / np.pi, c * c * stress, -s * c * stress)
+    np.testing.assert_allclose(elements, expected, rtol=0, atol=5e-4 * np.abs(expected).max())
+
+
+@pytest.mark.slow
+def test_elements_see_a_crack_at_another_angle():
+    """The comparison is able to fail: the crack of the dislocations is turned by two degrees."""
+    elements = factors_by_elements(np.pi / 4, lambda z: z**0)
+    crack = edge_crack(np.radians(47.0))
+    c, s = np.cos(np.pi / 4), np.sin(np.pi / 4)
+    one = np.ones(crack.places.size)
+    wrong = crack.factors(1.0 / np.pi, c * c * one, -s * c * one)
+    assert np.abs(elements - wrong).max() > 6e-3
