@@ -16,7 +16,7 @@ def outgrown(_):
 @pytest.mark.parametrize("settling", [False, True])
 def test_the_step_is_noted(settling):
     plan = SimpleNamespace(
-        scene=SimpleNamespace(friction=None, geometry=True, steps=[]), growth=None, steps=1, blocks=[]
+        scene=SimpleNamespace(friction=None, geometry=True, steps=[], bulk_at_rest={}), growth=None, steps=1, blocks=[]
     )
     course, step = _Course(plan, None, Stopwatch()), object()
     course._running = [(SimpleNamespace(name="contact", settles=True), SimpleNamespace(advance=outgrown))]

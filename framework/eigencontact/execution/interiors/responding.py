@@ -69,6 +69,7 @@ class Responding(Interior):
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
         self._centres = "".join(name for name in directions if name not in self._means)
         self._prescribed: PrescribedField | None = None
+        self._bulk: FloatArray | None = None
         if subsurface.prescribed and points is not None:
             self._prescribed = subsurface.prescribed_field("stress", points)
         self._surface: Route | None = None
