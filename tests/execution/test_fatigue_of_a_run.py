@@ -54,6 +54,8 @@ def test_a_folder_holds_the_same_with_a_picture(in_memory, tmp_path):
     assert "normal" in stored.files["fatigue-findley.png"]
     summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
     assert summary["numbers"]["fatigue_findley_utilisation"]["headline"]
+    line = {"name": "axis", "shape": "line", "start": [0, 0, 1e-6], "end": [0, 0, 5e-6], "count": 3}
+    assert "axis_stress" in ec.region(tmp_path / "run", line)  # a scene without the region of the table
 
 
 def test_a_sweep_has_its_columns():
