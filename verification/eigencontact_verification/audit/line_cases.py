@@ -76,7 +76,8 @@ class LineProfile:
 class LineCase(RunCase):
     """Stored values of a run of a line contact against finite elements with a contact algorithm of their own.
 
-    `parameters` are those of `line_scene`, with ``steps`` (normal, shear, bulk of both), ``half_width`` and ``divisions`` by level.
+    `parameters` are those of `line_scene`, with ``steps`` (normal, shear, bulk of both), ``half_width``, and
+    ``divisions`` by level.
     """
 
     lines: tuple[LineProfile, ...]
@@ -193,9 +194,9 @@ def _lines(stored: StoredLine) -> list[LineProfile]:
     for kind, name, sign in (("pressure", "pressure", -1.0), ("shear", "shear_x", 1.0), ("slip", "slip_x", 1.0)):
         steps = (peak,) if kind == "pressure" else (pulled, last)
         for k in dict.fromkeys(steps):
-            if name in stored.fields and np.any(stored.fields[name][k]):
-                values = stored.fields[name][k]
-                here = spread(np.flatnonzero(np.abs(stored.x) < _INNER * a[k]), _POINTS)
+            values = stored.fields.get(name, 0 * stored.load[:, None] * stored.x)[k]
+            here = spread(np.flatnonzero(np.abs(stored.x) < _INNER * a[k]), _POINTS)
+            if np.any(values[here]):
                 points = np.stack((stored.x[here], 0 * stored.x[here], 0 * stored.x[here]), axis=1)
                 error = np.maximum(_bend(values)[here], _bend(values)[here].mean())
                 lines.append(_line(kind, f", step {k + 1}", points, 0, sign * values[here, None], error[:, None], (k,)))

@@ -408,7 +408,7 @@ class _Solver:
     def first_depth(self, u: FloatArray, load: float) -> float:
         """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
         height = self.gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
-        for depth in np.sort(height)[1:]:
+        for depth in np.unique(height)[1:]:
             over = np.maximum(0.0, depth - height)
             width = self.weight[over > 0].sum() / 2
             if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ over) / width >= load:
