@@ -152,6 +152,18 @@ def test_unloading_and_reversal(fretted):
     assert norm(s, last.shear + first.shear) < 0.01 * MU * P0
 
 
+def test_small_steps_after_a_turn():
+    """A small step back, where each sliding node has to stick: many steps end where one does (no history between)."""
+    loads = [0.0, 0.6, 0.55, 0.5, 0.0]
+    coarse = {"bodies": (HALF, HALF), "friction": MU, "growth": 2.5}
+    many = pressed(*(LineStep(normal=P, shear=share * MU * P) for share in loads), **coarse)
+    few = pressed(*(LineStep(normal=P, shear=share * MU * P) for share in (0.0, 0.6, 0.0)), **coarse)
+    assert many.moments[-1].shear == close(few.moments[-1].shear, abs=1e-6 * MU * P0)
+    turned = many.moments[2]
+    assert np.count_nonzero(turned.stick) > np.count_nonzero(many.moments[1].stick)
+    assert many.weight @ turned.shear == close(0.55 * MU * P, rel=1e-8)
+
+
 def test_surface_stress_in_partial_slip(fretted):
     """xx by the shear is zero where it sticks and 2 mu sqrt(x² - c²) outside, tension behind: p0 = a/2."""
     x = np.array([-0.85, -0.75, -0.4, 0.1, 0.4, 0.75, 0.85])

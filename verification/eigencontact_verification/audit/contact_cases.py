@@ -14,6 +14,8 @@ from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
+from eigencontact_verification.audit.line_cases import line_cases_of
+from eigencontact_verification.audit.line_scene import is_line
 from eigencontact_verification.audit.stored import bars_of
 from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
@@ -109,8 +111,8 @@ def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> Fl
 
 def contact_cases_of(
     folder: str | Path, *, quick: bool = True, coarser: str | Path | None = None
-) -> tuple[tuple[ContactCase, ...], tuple[Gap, ...]]:
-    """The case of a run whose contact is of revolution, and what it leaves out; or no case, and why.
+) -> tuple[tuple[RunCase, ...], tuple[Gap, ...]]:
+    """The case of a run whose contact is of revolution or a line, and what it leaves out; or no case, and why.
 
     Parameters
     ----------
@@ -121,6 +123,8 @@ def contact_cases_of(
     coarser : str or Path, optional
         A run of the same scene with coarser cells: both together tell the error of the cells (`two_grids`).
     """
+    if is_line(folder):
+        return line_cases_of(folder, quick=quick)
     name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
     try:
         stored = read_contact(folder)

@@ -18,7 +18,7 @@ from eigencontact_verification.audit.bodies import NotJudged, moduli_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["ContactScene", "contact_scene"]
+__all__ = ["INCOMPRESSIBLE", "ContactScene", "body_law", "contact_scene", "profile_of", "refuse"]
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _WIDE, _ENDLESS = 1.25, 10.0
 #: Part of the contact radius by which a place may be off the axis.
 _CENTRED = 1e-6
 #: Poisson's ratio from which the far field is not what the elements hold.
-_INCOMPRESSIBLE = 0.4999
+INCOMPRESSIBLE = 0.4999
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,14 +92,14 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
     from eigencontact.scene.schema import Scene
 
     scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": [], "fatigue": []})
-    _refuse(scene)
+    refuse(scene)
     registry = scene.known_plugins()
     solids = bodies_of(scene, registry)
     (number, solid), *others = [(k, elastic) for k, elastic in enumerate(solids, 1) if elastic is not None]
     if others:
         raise NotJudged("both bodies are elastic, and the elements press a rigid one")
     material: Any = getattr(solid, "deep_material", solid)
-    if material.poisson_ratio > _INCOMPRESSIBLE:
+    if material.poisson_ratio > INCOMPRESSIBLE:
         raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, and the elements need less than 0.5")
     deep: list[Any] = [getattr(elastic, "deep_material", elastic) for elastic in solids]
     if scene.eigenstrain:
@@ -123,23 +123,23 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
         number=number,
         young_modulus=material.young_modulus,
         poisson_ratio=material.poisson_ratio,
-        law=_body_law(registry, body.law, number, material),
+        law=body_law(registry, body.law, number, material),
         layers=_layers(solid),
         regions=regions,
-        profile=[_profile(registry, table, contact_radius) for table in scene.geometry],
+        profile=[profile_of(registry, table, contact_radius) for table in scene.geometry],
         cells=bool(different) or body.law is not None,
         cut=any(place["kind"] != "layer" and "young_modulus" in place for place in regions),
         notes=notes,
     )
 
 
-def _refuse(scene: Any) -> None:
-    """Raise where a scene is not covered at all."""
+def refuse(scene: Any, *, line: bool = False) -> None:
+    """Raise NotJudged where a scene is not covered at all; elements of a line contact have friction and bulk stress."""
     reasons = {
         "it has no contact": not scene.geometry,
-        "its contact has friction": scene.friction is not None,
+        "its contact has friction": scene.friction is not None and not line,
         "its surface wears": scene.wear is not None,
-        "its bodies are under bulk stress": bool(scene.bulk_at_rest),
+        "its bodies are under bulk stress": bool(scene.bulk_at_rest) and not line,
         f'numerics.half-space = "{scene.numerics.half_space}" is another body': scene.numerics.half_space != "exact",
         'numerics.boundary = "periodic" is a body that repeats': scene.numerics.boundary != "non-periodic",
     }
@@ -176,7 +176,8 @@ def _law(law: Any, young_modulus: float) -> dict[str, Any] | None:
     return table
 
 
-def _body_law(registry: Any, table: Mapping[str, Any] | None, number: int, material: Any) -> dict[str, Any] | None:
+def body_law(registry: Any, table: Mapping[str, Any] | None, number: int, material: Any) -> dict[str, Any] | None:
+    """Fields of the law of a body; None where it is elastic. Raises NotJudged for a law that the elements have not."""
     from eigencontact.model.sources import build_law
 
     return (
@@ -231,7 +232,8 @@ def _of_revolution(name: str, mandel: FloatArray) -> list[float]:
     return [float(mandel[0]), float(mandel[2])]
 
 
-def _profile(registry: Any, table: Mapping[str, Any], contact_radius: float) -> dict[str, Any]:
+def profile_of(registry: Any, table: Mapping[str, Any], contact_radius: float) -> dict[str, Any]:
+    """Kind and size of a geometry; raises NotJudged for one off the axis, or one that the elements have not."""
     from eigencontact.scene.components import build_component
 
     geometry = build_component(registry, "geometry", table, "geometry")
@@ -239,6 +241,8 @@ def _profile(registry: Any, table: Mapping[str, Any], contact_radius: float) -> 
         raise NotJudged(f"the geometry {geometry.key!r} is not on the axis")
     if geometry.key == "sphere":
         return {"kind": geometry.profile, "radius": geometry.radius}
+    if geometry.key == "cylinder" and geometry.length == np.inf and geometry.angle == 0.0:
+        return {"kind": "parabola", "radius": geometry.radius}
     if geometry.key == "rounded-punch":
         return {"kind": "punch", "flat": geometry.flat_radius, "radius": geometry.edge_radius}
     if geometry.key == "rounded-cone":

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from eigencontact.core.numbers import ErrorBar, Number
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Place", "StoredRegion", "StoredStep", "bars_of", "plugin_files", "read_step"]
+__all__ = ["Place", "StoredRegion", "StoredStep", "bars_of", "plugin_files", "read_step", "regions_at"]
 
 FloatArray = NDArray[np.float64]
 
@@ -180,7 +180,7 @@ def read_step(path: str | Path, step: int | None = None) -> StoredStep:
             surface=surface,
             earlier=earlier,
             scalars=scalars,
-            regions=tuple(_regions(data, at)),
+            regions=tuple(regions_at(data, at)),
             history=history,
             lattices=lattices,  # type: ignore[arg-type]
             histories=histories,
@@ -206,7 +206,8 @@ def bars_of(path: str | Path) -> dict[str, tuple[Number, ErrorBar]]:
     return {name: (Number(**summary["numbers"][name]), bar) for name, bar in bars.items()}
 
 
-def _regions(data: Any, at: int) -> list[StoredRegion]:
+def regions_at(data: Any, at: int) -> list[StoredRegion]:
+    """Regions with stress at a step, from 0, of open results."""
     regions = []
     for name, facts in json.loads(data.attrs["regions"]).items():
         if "stress" not in facts["fields"] or f"{name}_stress" not in data.variables:

@@ -336,6 +336,7 @@ class _Solver:
         free = np.concatenate((np.tile(~self.held, len(self.bodies)), [step.normal > 0, self.rubs and step.normal > 0]))
         loads, free = self.outer_loads(step), np.flatnonzero(free)
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
+        slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
         for tried in range(_ITERATIONS):
             try:
                 parts = [
@@ -344,11 +345,12 @@ class _Solver:
                 ]
             except ArithmeticError:
                 return None
-            p, q, slip, slopes = self.tractions(u, before.slip, parted=not step.normal)
+            p, q, slip, slopes, slides = self.tractions(u, before.slip, slides, parted=not step.normal)
             rest = loads - np.concatenate([part[0] for part in parts] + [np.zeros(2)])
             rest -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
             rest = rest[free]
-            if tried and np.abs(rest).max() <= _LEFT * scale:
+            bounded = np.all(np.abs(q) <= self.model.friction * p * (1 + 1e-12))
+            if tried and bounded and np.abs(rest).max() <= _LEFT * scale:
                 moved = np.abs(slip - before.slip) > 0
                 return LineMoment(
                     step=step,
@@ -382,25 +384,31 @@ class _Solver:
         return self.model.friction > 0
 
     def tractions(
-        self, u: FloatArray, slip: FloatArray, *, parted: bool
-    ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
-        """Pressure, shear, slip, and the slopes of pressure by overlap, of shear by shift and of shear by overlap."""
+        self, u: FloatArray, slip: FloatArray, slides: FloatArray, *, parted: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
+        """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap, and what slides.
+
+        `slides` is the sign of the slip of each node, 0 where it sticks. From one iteration to the next a node that
+        would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
+        iteration would go to and fro for ever.
+        """
         k, mu = self.stiffness, self.model.friction
         p = np.zeros(len(self.x)) if parted else np.maximum(0.0, k * (self.overlaps @ u - self.gap))
         shift = self.shifts @ u
         trial = k * (shift - slip)
-        sticks = np.abs(trial) <= mu * p
-        q = np.where(sticks, trial, mu * p * np.sign(trial))
-        touched = p > 0
-        stuck = sticks & touched
-        after = np.where(stuck, slip, shift - q / k)
-        slopes = k * touched, k * stuck, np.where(touched & ~sticks, mu * k * np.sign(trial), 0.0)
-        return p, q, after, slopes
+        now = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
+        now[(now * slides < 0) & (p > 0)] = 0.0
+        q = np.where(now == 0, trial, mu * p * now)
+        touched, sticks = p > 0, now == 0
+        q[~touched] = 0.0
+        after = np.where(sticks & touched, slip, shift - q / k)
+        slopes = k * touched, k * (sticks & touched), np.where(touched, mu * k * now, 0.0)
+        return p, q, after, slopes, now
 
     def first_depth(self, u: FloatArray, load: float) -> float:
         """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
         height = self.gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
-        for depth in np.sort(height)[1:]:
+        for depth in np.unique(height)[1:]:
             over = np.maximum(0.0, depth - height)
             width = self.weight[over > 0].sum() / 2
             if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ over) / width >= load:

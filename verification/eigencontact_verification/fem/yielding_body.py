@@ -72,7 +72,7 @@ class YieldingBody:
 
     def hoop(self, value: FloatArray) -> FloatArray:
         """Strain tt of each unknown, from the values of its u_r at the integration points, (18, elements, 9)."""
-        return value / np.asarray(self.basis.global_coordinates())[0]
+        return np.asarray(value / np.asarray(self.basis.global_coordinates())[0])
 
     @cached_property
     def strains(self) -> FloatArray:
