@@ -15,6 +15,7 @@ from eigencontact.accuracy import bars
 from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pilot_tables, pursue
 from eigencontact.accuracy.runs import Run, Runs
+from eigencontact.accuracy.settings import finer_settings
 from eigencontact.accuracy.sources import SOURCES, error_sources
 from eigencontact.accuracy.targets import Targets
 from eigencontact.accuracy.words import accuracy_lines
@@ -292,6 +293,21 @@ def test_every_source_has_a_finer_variation():
             assert finer
             assert finer.keys() <= coarser.keys()
             assert finer != {name: coarser[name] for name in finer}
+
+
+def test_judges_and_sources_divide_the_same_settings():
+    """A judge is finer in all settings with a step size, one without a source of error too."""
+    ball = {"type": "sphere", "center": [0, 0, "60 um"], "radius": "20 um", "material": {"void": True}}
+    numerics = {"tolerance": 1e-6, "inclusion-resolution": {"whole": 2}, "inclusion-cells": 4}
+    planned = ec.plan({**HERTZ, "inclusions": [ball], "numerics": numerics})
+    sources = {source.name: source for source in error_sources(planned)}
+    assert "tolerance" not in sources  # too tight to be worth a run
+    judge = finer_settings(planned)["numerics"]
+    assert judge["tolerance"] == close(1e-7)
+    assert judge["inclusion-resolution"] == {"whole": 4}
+    assert sources["degree"].finer(planned, sources["degree"].stride)["numerics"].items() <= judge.items()
+    tight = ec.plan({**HERTZ, "numerics": {"tolerance": 1e-10}})
+    assert finer_settings(tight)["numerics"]["tolerance"] == close(1e-10)  # no tighter than is of use
 
 
 def test_explain_foretells_the_way_without_solving(monkeypatch):
