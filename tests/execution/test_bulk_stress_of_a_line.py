@@ -1,7 +1,7 @@
 """Bulk stress in a line contact: the stick zone moves as in closed form, and the stress yy follows from xx.
 
-K. L. Johnson 1985, Contact Mechanics, section 7.2; D. Nowell, D. A. Hills 1987, Int. J. Mech. Sci. 29, 355: a bulk stress
-that is small and acts in phase with the shear moves the stick zone by e = a sigma / (4 mu p0).
+K. L. Johnson 1985, Contact Mechanics, section 7.2; D. Nowell, D. A. Hills 1987, Int. J. Mech. Sci. 29, 355: a bulk
+stress that is small and acts in phase with the shear moves the stick zone by e = a sigma / (4 mu p0).
 """
 
 import numpy as np
