@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray
 
 import eigencontact as ec
 
@@ -58,8 +59,23 @@ def test_refusals(scene, changes, words):
     assert words in str(caught.value)
 
 
-def test_map_is_stored_and_drawn(tmp_path):
-    scene = ec.load_scene("fretting-mode-1", [*SMALL, "grid.cells-per-contact-radius=6"])
-    files = ec.fretting_map(scene, load=["6 N", "12 N"], amplitude=["0.5 um", "1.1 um"], folder=tmp_path).files
-    assert {path.name for path in files} == {"map.nc", "map.png"}
+def test_command_stores_the_map_with_fatigue_and_arrest(tmp_path):
+    """A criterion that nothing reaches, and a threshold below which every crack stops."""
+    from eigencontact.sweeps.map_command import fretting_map
+
+    section = 'stress=[{name="section", shape="plane", normal="y", depth-max="20 um", depth-cells=8}]'
+    fretting_map(
+        "fretting-mode-1",
+        load="6 N,12 N",
+        amplitude="0.5 um,1.1 um",
+        changes=[*SMALL, "grid.cells-per-contact-radius=4", section],
+        criterion='type = "crossland", slope = 0.3, limit-amplitude = "100 GPa"',
+        crack='at = [0, 0], angle = 0, length = "10 um", threshold = "1 GPa sqrt(m)"',
+        region="section",
+        output=tmp_path,
+        quiet=True,
+    )
     assert (tmp_path / "map.png").stat().st_size > 10_000
+    with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as data:
+        assert 0 < float(data["utilisation"].min()) <= float(data["utilisation"].max()) < 1
+        assert not data["arrest_length"].values.any()

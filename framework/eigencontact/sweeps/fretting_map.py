@@ -108,6 +108,15 @@ def fretting_map(
     -----
     A cycle with a step in which all of the contact slips is gross slip. Below an energy ratio ``E / (4 Q* delta*)`` of
     0.02 it counts as stick, else as partial slip. The runs stay in memory.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> small = ["grid.cells-per-contact-radius=4", "observers=[]", "steps.1.increments=2"]
+    >>> scene = ec.load_scene("fretting-mode-1", [*small, "steps.2.increments=3", "steps.3.increments=3"])
+    >>> answer = ec.fretting_map(scene, load=["6 N"], amplitude=["0.05 um", "0.5 um", "1.1 um"])
+    >>> answer.dataset["regime"].values.tolist()
+    [[0.0, 1.0, 2.0]]
     """
     from eigencontact.app import load_scene
 
