@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.core.units import parse_quantity
+from eigencontact.core.units import parse_quantity, per_length
 from eigencontact.errors import EigencontactError, SceneError, shown
 from eigencontact.results.cycles import last_cycle
 from eigencontact.sweeps.axes import Axis, axes_of
@@ -43,7 +43,7 @@ class FrettingMap:
     Attributes
     ----------
     dataset : xarray.Dataset
-        By ``load`` [N] and ``amplitude`` [m, or N of a driven load]: ``regime`` (0 stick, 1 partial slip, 2 gross
+        By ``load`` [N] and ``amplitude`` [m, or N of a driven load], per metre in a line contact: ``regime`` (0 stick, 1 partial slip, 2 gross
         slip), ``cycle_energy`` [J], ``energy_ratio`` [-], and the numbers that a sweep has; ``utilisation`` and
         ``arrest_length`` where they were asked for; ``failed``.
     files : dict
@@ -122,8 +122,11 @@ def fretting_map(
 
     loaded = load_scene(scene)
     tables = loaded.resolved()
+    if criterion is None and crack is None:
+        tables = {**tables, "stress": []}  # nothing reads it
     driven = _driven(tables)
-    units = ("N", _DRIVEN[driven])
+    line = loaded.grid.line
+    units = [per_length(unit) if line else unit for unit in ("N", _DRIVEN[driven])]
     axes = [
         _in_si(axes_of({name: values} if not isinstance(values, str) else [f"{name}={values}"])[0], unit)
         for name, values, unit in (("load", load, units[0]), ("amplitude", amplitude, units[1]))
@@ -152,7 +155,7 @@ def fretting_map(
     )
     for name, (unit, words) in _MEASURED.items():
         if name in dataset:
-            dataset[name].attrs.update(units=unit, long_name=words)
+            dataset[name].attrs.update(units=per_length(unit) if line else unit, long_name=words)
     dataset.attrs["source"] = "eigencontact map"
     return FrettingMap(dataset, {} if folder is None else _store(Path(folder), dataset))
 

@@ -43,7 +43,7 @@ def draw_fretting_map(dataset: xarray.Dataset, path: Path) -> str:
                 axes.annotate(name, place, ha="center", va="center", weight="bold", zorder=6)
         sentence = "running regimes over amplitude and normal load"
         if min(energy.shape) > 1 and np.isfinite(energy).all() and np.ptp(energy) > 0:
-            unit = scale_for(energy, "J")
+            unit = scale_for(energy, str(table["cycle_energy"].attrs["units"]))
             lines = axes.contour(x, y, unit(energy), colors="grey", linewidths=0.8)
             axes.clabel(lines, fontsize="x-small", fmt="%g")
             axes.plot([], [], color="grey", linewidth=0.8, label=f"energy per cycle [{unit.unit}]")
