@@ -116,8 +116,8 @@ def _traction(w: ComplexArray, at: ComplexArray, strength: complex, along: compl
     """``sigma_nn + i sigma_tn`` on the path by a dislocation below a free surface.
 
     The dislocation of strength ``A = G b / (i pi (kappa + 1))`` has ``Phi = A / (w - w0)`` and
-    ``Psi = conj(A) / (w - w0) + A conj(w0) / (w - w0)^2``. Its image follows by continuation across z = 0: ``Phi1(w) = -conj((Phi + w Phi' + Psi)(conj(w)))``,
-    ``Psi1 = -conj(Phi(conj(w))) - Phi1 - w Phi1'``.
+    ``Psi = conj(A) / (w - w0) + A conj(w0) / (w - w0)^2``. Its image follows by continuation across z = 0:
+    ``Phi1(w) = -conj((Phi + w Phi' + Psi)(conj(w)))``, ``Psi1 = -conj(Phi(conj(w))) - Phi1 - w Phi1'``.
     """
     a, b, apart = strength, np.conj(strength), np.conj(at) - at
     near, far = 1 / (w - at), 1 / (w - np.conj(at))
