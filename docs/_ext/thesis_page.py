@@ -67,8 +67,8 @@ def _cards(entries: Sequence[Entry], found: Sequence[Mapping[str, Any]], docs: P
         counts = Counter(one["verdict"] for one in found if one["name"] == entry.name)
         badges = " ".join(f"{{bdg-{BADGES[name]}}}`{counts[name]} {name}`" for name in VERDICTS if counts[name])
         lines.append(
-            f":::{{grid-item-card}} {entry.name}\n:img-top: ../{picture.as_posix()}\n:link: #{_anchor(entry)}\n"
-            f":link-type: url\n\n{_cell(entry.shows)}\n\n{badges}\n:::"
+            f":::{{grid-item-card}} {entry.name}\n:img-top: ../{picture.as_posix()}\n:img-alt: figure {entry.name}\n"
+            f':link: "#{_anchor(entry)}"\n:link-type: url\n\n{_cell(entry.shows)}\n\n{badges}\n:::'
         )
     return [] if not lines else ["::::{grid} 2 3 4 5\n:gutter: 2\n:class-container: thesis-cards", *lines, "::::"]
 

@@ -57,7 +57,7 @@ def judged(
     coarse : bool
         Cells, steps and layers of a first look, but for rules that need full size.
     errors : bool
-        Runs estimate the errors of their numbers.
+        Runs estimate the errors of their numbers, but for those of full size in a quick form: they take long enough.
     workers, cluster : int, Cluster
         Processes at a time, or the cluster that runs the variants instead.
     tell : callable
@@ -72,10 +72,11 @@ def judged(
     for (name, quick), wanted in rules.items():
         tell(name if quick or not coarse else f"{name}, full size")
         rows[name, quick] = []
-        study = with_errors(STUDIES.find(name)) if errors else STUDIES.find(name)
+        bars = errors and quick == coarse
+        study = with_errors(STUDIES.find(name)) if bars else STUDIES.find(name)
         chosen = wanted_rows(study, wanted, coarse=quick)
         part = replace(study, coarse_rows=chosen) if quick else replace(study, rows=chosen)
-        place = folder / f"{'quick' if quick else 'full'}{'-errors' if errors else ''}"
+        place = folder / f"{'quick' if quick else 'full'}{'-errors' if bars else ''}"
         for item in run_study(part, place, coarse=quick, workers=workers, cluster=cluster):
             if isinstance(item, Failed):
                 failures[name] = f"{item.label}: {item.reason}"

@@ -7,7 +7,7 @@ from contextlib import ExitStack, closing
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
 from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError
@@ -119,4 +119,4 @@ def _write(figure: Figure, path: Path) -> None:
     drawn = BytesIO()
     figure.savefig(drawn, format="png", dpi=DOTS)
     with Image.open(drawn) as image, replacing(path, f"picture {path.name}", lasting=False) as sink:
-        image.convert("RGB").quantize(COLOURS).save(sink, format="PNG", optimize=True)
+        image.convert("RGB").quantize(COLOURS).save(cast("IO[bytes]", sink), format="PNG", optimize=True)
