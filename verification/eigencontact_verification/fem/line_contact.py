@@ -402,7 +402,7 @@ class _Solver:
         touched, sticks = p > 0, now == 0
         q[~touched] = 0.0
         after = np.where(sticks & touched, slip, shift - q / k)
-        slopes = (k * touched, np.asarray(k * (sticks & touched)), np.where(touched, mu * k * now, 0.0))
+        slopes = (np.asarray(k * touched), np.asarray(k * (sticks & touched)), np.where(touched, mu * k * now, 0.0))
         return np.asarray(p), q, after, slopes, now
 
     def first_depth(self, u: FloatArray, load: float) -> float:
