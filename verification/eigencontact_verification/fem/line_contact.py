@@ -179,7 +179,7 @@ class _Solver:
     spent: int = 0
 
     @cached_property
-    def facets(self) -> tuple[FloatArray, IntArray, FloatArray]:
+    def facets(self) -> tuple[FloatArray, IntArray, IntArray]:
         """Weights (nodes,) by u_z's number, those numbers by rising x, and the numbers of u_x beside them."""
         basis = self.bodies[0].basis
         mesh, (low, high) = basis.mesh, self.model.window
@@ -195,7 +195,7 @@ class _Solver:
         across, first = np.unique(across, return_index=True)
         order = np.argsort(basis.doflocs[0, across])
         across = across[order]
-        return weight[across], across, along[first][order]
+        return weight[across], across, np.asarray(along[first][order], dtype=np.int64)
 
     @property
     def weight(self) -> FloatArray:
@@ -402,8 +402,8 @@ class _Solver:
         touched, sticks = p > 0, now == 0
         q[~touched] = 0.0
         after = np.where(sticks & touched, slip, shift - q / k)
-        slopes = k * touched, k * (sticks & touched), np.where(touched, mu * k * now, 0.0)
-        return p, q, after, slopes, now
+        slopes = (np.asarray(k * touched), np.asarray(k * (sticks & touched)), np.where(touched, mu * k * now, 0.0))
+        return np.asarray(p), q, after, slopes, now
 
     def first_depth(self, u: FloatArray, load: float) -> float:
         """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
