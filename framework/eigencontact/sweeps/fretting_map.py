@@ -43,9 +43,9 @@ class FrettingMap:
     Attributes
     ----------
     dataset : xarray.Dataset
-        By ``load`` [N] and ``amplitude`` [m, or N of a driven load], per metre in a line contact: ``regime`` (0 stick, 1 partial slip, 2 gross
-        slip), ``cycle_energy`` [J], ``energy_ratio`` [-], and the numbers that a sweep has; ``utilisation`` and
-        ``arrest_length`` where they were asked for; ``failed``.
+        By ``load`` [N] and ``amplitude`` [m, or N of a driven load], per metre in a line contact: ``regime`` (0 stick,
+        1 partial slip, 2 gross slip), ``cycle_energy`` [J], ``energy_ratio`` [-], and the numbers that a sweep has;
+        ``utilisation`` and ``arrest_length`` where they were asked for; ``failed``.
     files : dict
         Files that were stored, and what they show.
     """
