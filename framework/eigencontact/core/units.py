@@ -222,7 +222,11 @@ def readable(value: float, unit: str) -> str:
     ('6.05 um', '8.47 GPa', '115 um^2')
     >>> readable(2e6, "J/m^2"), readable(5e-9, "m^3/J"), readable(1e-13, "1/Pa")
     ('2 MJ/m^2', '5 mm^3/J', '1e-13 1/Pa')
+    >>> readable(math.inf, "m")
+    'infinite'
     """
+    if math.isinf(value):
+        return "infinite" if value > 0 else "minus infinite"
     first = unit.split("/", maxsplit=1)[0]
     if first == "1":
         return f"{value:.4g} {unit}"
