@@ -130,7 +130,7 @@ def line_scene(text: str) -> dict[str, Any]:
     from eigencontact.scene.components import build_component
     from eigencontact.scene.schema import Scene
 
-    scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": []})
+    scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": [], "fatigue": []})
     refuse(scene, line=True)
     if scene.inclusions or scene.eigenstrain:
         raise NotJudged("it has inclusions or eigenstrain, and the bodies of the elements have none")
