@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from io import BytesIO
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -25,6 +24,7 @@ from eigencontact.core.crack_growth import (
 from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.halfspace.edge_crack import edge_crack
+from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.crack_path import CrackPath, PathStress, path_stress
 from eigencontact.postprocess.fatigue import fatigue
 from eigencontact.postprocess.plot import opened
@@ -48,7 +48,7 @@ Threshold = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class Crack:
+class Crack(Answer):
     """Ranges of stress intensity of a crack over its length, and whether it stops.
 
     Attributes
@@ -62,10 +62,6 @@ class Crack:
     files : dict
         Files that were stored, and what they show.
     """
-
-    dataset: xarray.Dataset
-    summary: dict[str, Any]
-    files: dict[Path, str] = field(default_factory=dict)
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
@@ -93,9 +89,6 @@ class Crack:
             length = readable(float(row["length"]), "m")
             rows.append("{:>11}{:8.3g}{:8.3g}{:8.3g}{:11.3g}{:22.3g}".format(length, *values, float(row["ratio"])))
         return "\n".join(rows)
-
-    def __repr__(self) -> str:
-        return f"Crack({'; '.join(self.lines())})"
 
 
 def crack(
@@ -212,7 +205,15 @@ def crack(
         summary = _summary(path, stress, limits, stop) | {"mode": mode}
         summary["warnings"] = [item.to_dict() for item in _cautions(dataset, path, stress, ranges, stop, mode)]
         answer = Crack(_dataset(dataset, stress, lengths, factors, ranges, limit), summary)
-    return answer if folder is None else Crack(answer.dataset, summary, _store(Path(folder), answer))
+    if folder is None:
+        return answer
+    from eigencontact.viz.crack import draw_crack
+
+    return answer.stored(
+        folder, "crack", "the stress intensity of a crack",
+        ("ranges of stress intensity and threshold over the length", "outcome, arrest length and warnings"),
+        lambda path: draw_crack(answer.dataset, summary, path),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -426,25 +427,3 @@ def _dataset(
     }
     described = {"source": f"eigencontact {__version__}", "scene_hash": str(dataset.attrs["scene_hash"])}
     return xarray.Dataset(fields, coordinates, described)
-
-
-def _store(folder: Path, answer: Crack) -> dict[Path, str]:
-    from eigencontact.results.atomic import replacing, writable_folder
-    from eigencontact.results.ownership import refuse_foreign_file
-    from eigencontact.viz.crack import draw_crack
-
-    paths = {ending: folder / f"crack.{ending}" for ending in ("nc", "json", "png")}
-    for path in paths.values():
-        refuse_foreign_file(path)
-    writable_folder(folder)
-    data = BytesIO()
-    answer.dataset.to_netcdf(data, engine="h5netcdf")
-    text = json.dumps(answer.summary, indent=2, default=str) + "\n"
-    for ending, content in (("nc", data.getvalue()), ("json", text.encode())):
-        with replacing(paths[ending], "the stress intensity of a crack") as sink:
-            sink.write(content)
-    return {
-        paths["nc"]: "ranges of stress intensity and threshold over the length of the crack",
-        paths["json"]: "outcome, arrest length and warnings",
-        paths["png"]: draw_crack(answer.dataset, answer.summary, paths["png"]),
-    }

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from io import BytesIO
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +14,7 @@ from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
 from eigencontact.execution.fields.fatigue import Damage, damage_of
 from eigencontact.plugin.fatigue import FatigueCriterion
+from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.plot import opened
 from eigencontact.postprocess.stress_cycle import cycle_of_region
 from eigencontact.scene.components import build_component
@@ -31,7 +30,7 @@ __all__ = ["Fatigue", "fatigue"]
 
 
 @dataclass(frozen=True, eq=False)
-class Fatigue:
+class Fatigue(Answer):
     """Answer of a criterion in a region.
 
     Attributes
@@ -45,10 +44,6 @@ class Fatigue:
     files : dict
         Files that were stored, and what they show.
     """
-
-    dataset: xarray.Dataset
-    summary: dict[str, Any]
-    files: dict[Path, str] = field(default_factory=dict)
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
@@ -76,9 +71,6 @@ class Fatigue:
                 "of all fail in the end"
             )
         return out + [f"warning: {caution['words']}" for caution in found["warnings"]]
-
-    def __repr__(self) -> str:
-        return f"Fatigue({'; '.join(self.lines())})"
 
 
 def fatigue(
@@ -155,7 +147,14 @@ def fatigue(
         answer = Fatigue(_dataset(dataset, component, damage), summary)
         if folder is None:
             return answer
-        return Fatigue(answer.dataset, summary, _store(Path(folder), dataset, answer))
+        from eigencontact.viz.fatigue import draw_fatigue
+
+        name, place = summary["criterion"]["type"], summary["region"]
+        return answer.stored(
+            folder, f"fatigue-{name}-{place}", f"fatigue of region {place}",
+            ("damage parameter, utilisation and planes, with coordinates and units", "hot spot and warnings"),
+            lambda path: draw_fatigue(dataset, answer.dataset, summary, path),
+        )  # fmt: skip
 
 
 def _component(criterion: Any) -> FatigueCriterion:
@@ -199,28 +198,3 @@ def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> x
     described = {"source": f"eigencontact {__version__}", "region": found.region, "body": found.body}
     described |= {"criterion": criterion.key, "first_step": found.steps[0], "last_step": found.steps[-1]}
     return xarray.Dataset(fields, coordinates, described | {"scene_hash": str(dataset.attrs["scene_hash"])})
-
-
-def _store(folder: Path, dataset: Results, answer: Fatigue) -> dict[Path, str]:
-    from eigencontact.results.atomic import replacing, writable_folder
-    from eigencontact.results.ownership import refuse_foreign_file
-    from eigencontact.viz.fatigue import draw_fatigue
-
-    region = answer.summary["region"]
-    stem = f"fatigue-{answer.summary['criterion']['type']}-{region}"
-    paths = {ending: folder / f"{stem}.{ending}" for ending in ("nc", "json", "png")}
-    for path in paths.values():
-        refuse_foreign_file(path)
-    writable_folder(folder)
-    data = BytesIO()
-    answer.dataset.to_netcdf(data, engine="h5netcdf")
-    text = json.dumps(answer.summary, indent=2, default=str) + "\n"
-    for ending, content in (("nc", data.getvalue()), ("json", text.encode())):
-        with replacing(paths[ending], f"fatigue of region {region}") as sink:
-            sink.write(content)
-    files = {
-        paths["nc"]: "damage parameter, utilisation and planes, with coordinates and units",
-        paths["json"]: "hot spot and warnings",
-    }
-    sentence = draw_fatigue(dataset, answer.dataset, answer.summary, paths["png"])
-    return files | ({paths["png"]: sentence} if sentence else {})

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,6 +12,7 @@ from eigencontact import __version__
 from eigencontact.core.shakedown import STATES, CycleResponse, cycle_response
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
+from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.plot import opened
 from eigencontact.postprocess.stress_cycle import cycle_steps
 
@@ -28,7 +28,7 @@ _NEEDED = ("equivalent_plastic_strain", "plastic_strain")
 
 
 @dataclass(frozen=True, eq=False)
-class Shakedown:
+class Shakedown(Answer):
     """Response of the cells of a body to the last cycle.
 
     Attributes
@@ -41,10 +41,6 @@ class Shakedown:
     files : dict
         Files that were stored, and what they show.
     """
-
-    dataset: xarray.Dataset
-    summary: dict[str, Any]
-    files: dict[Path, str] = field(default_factory=dict)
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
@@ -61,9 +57,6 @@ class Shakedown:
             f"largest growth of the equivalent plastic strain in this cycle: {summary['growth']:.3g}",
             f"largest net increment: {summary['net_increment']:.3g}",
         ]
-
-    def __repr__(self) -> str:
-        return f"Shakedown({'; '.join(self.lines())})"
 
 
 def shakedown(
@@ -130,7 +123,14 @@ def shakedown(
         answer = Shakedown(_dataset(response, axes, body), summary)
         if folder is None:
             return answer
-        return Shakedown(answer.dataset, summary, _store(Path(folder), dataset, answer))
+        return answer.stored(
+            folder, f"shakedown-body{body}", f"shakedown of body {body}",
+            (
+                "state, growth and net increment of the plastic strain in the cells",
+                "volumes of the states, largest increments",
+            ),
+            lambda path: _draw(dataset, answer, path),
+        )  # fmt: skip
 
 
 def _at_ends(dataset: Results, name: str, ends: tuple[int, int]) -> np.ndarray[Any, Any]:
@@ -173,31 +173,12 @@ def _dataset(response: CycleResponse, axes: dict[str, Any], body: int) -> xarray
     )
 
 
-def _store(folder: Path, dataset: Results, answer: Shakedown) -> dict[Path, str]:
-    from io import BytesIO
-
-    from eigencontact.results.atomic import replacing, writable_folder
-    from eigencontact.results.ownership import refuse_foreign_file
+def _draw(dataset: Results, answer: Shakedown, path: Path) -> str:
     from eigencontact.viz.looks import figure_look
     from eigencontact.viz.shakedown import shakedown_map
     from eigencontact.viz.style import save
 
-    body = answer.summary["body"]
-    paths = {ending: folder / f"shakedown-body{body}.{ending}" for ending in ("nc", "json", "png")}
-    for path in paths.values():
-        refuse_foreign_file(path)
-    writable_folder(folder)
-    data = BytesIO()
-    answer.dataset.to_netcdf(data, engine="h5netcdf")
-    text = json.dumps(answer.summary, indent=2) + "\n"
-    for ending, content in (("nc", data.getvalue()), ("json", text.encode())):
-        with replacing(paths[ending], f"shakedown of body {body}") as sink:
-            sink.write(content)
     sentence = "State of the cells of the body on the section normal to y through the largest increment."
     with figure_look():
-        save(shakedown_map(dataset, answer.dataset, answer.summary), paths["png"], caption=sentence)
-    return {
-        paths["nc"]: "state, growth and net increment of the plastic strain in the cells",
-        paths["json"]: "volumes of the states, largest increments",
-        paths["png"]: sentence,
-    }
+        save(shakedown_map(dataset, answer.dataset, answer.summary), path, caption=sentence)
+    return sentence
