@@ -58,3 +58,8 @@ def test_command_stores_map_picture_and_summary(tmp_path):
     assert 0.0 < stored["utilisation"] < 10.0
     assert "one step" not in done.stdout + done.stderr
     assert {path.suffix for path in (tmp_path / "run").glob("fatigue-findley-section.*")} == {".nc", ".json", ".png"}
+
+
+def test_an_answer_is_shown_by_its_words(pressed):
+    answer = ec.fatigue(pressed, CRITERION, cycle="all", region="section")
+    assert repr(answer) == f"Fatigue({'; '.join(answer.lines())})"

@@ -47,7 +47,7 @@ _ROOT = re.compile(r"\s*[*·]?\s*(?:√m|sqrt\(m\)|m\^0\.5|m\*\*0\.5|m\^\(1/2\)|
 Threshold = Callable[[FloatArray, FloatArray], FloatArray]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Crack(Answer):
     """Ranges of stress intensity of a crack over its length, and whether it stops.
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Fatigue", "fatigue"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fatigue(Answer):
     """Answer of a criterion in a region.
 

@@ -27,7 +27,7 @@ __all__ = ["Shakedown", "shakedown"]
 _NEEDED = ("equivalent_plastic_strain", "plastic_strain")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Shakedown(Answer):
     """Response of the cells of a body to the last cycle.
 
