@@ -151,6 +151,11 @@ class Grid:
         """Extents of the window along the axes on which it ends [m]."""
         return self.size[:1] if self.line else self.size
 
+    @property
+    def bounded_axes(self) -> tuple[int, ...]:
+        """Axes, of x, y and z, along which a region below the window ends: not y in a line contact."""
+        return (0, 2) if self.line else (0, 1, 2)
+
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Return ``(y, x)`` shaped ``(ny, 1)`` and ``(1, nx)``, ready to broadcast [m]."""
         return self.y[:, None], self.x[None, :]

@@ -202,15 +202,17 @@ _PER_LENGTH = {
 }  # fmt: skip
 
 
-def per_length(unit: str) -> str:
+def per_length(unit: str, *, line: bool = True) -> str:
     """Unit in a line contact of what has this unit in three dimensions; a pressure or a length keeps its own.
+
+    Where `line` is false nothing is counted per length, and every unit is kept.
 
     Examples
     --------
     >>> per_length("N"), per_length("m3"), per_length("Pa")
     ('N/m', 'm2', 'Pa')
     """
-    return _PER_LENGTH.get(unit, unit)
+    return _PER_LENGTH.get(unit, unit) if line else unit
 
 
 def readable(value: float, unit: str) -> str:

@@ -81,18 +81,13 @@ def cells_across(source: Source, grid: Grid) -> float:
     low, high = source.shape.bounds
     extents = zip(low, high, source.lattice.edges[::-1], strict=True)
     cells = [(hi - lo) / edge for lo, hi, edge in extents]
-    return min(cells[axis] for axis in _axes(grid))
+    return min(cells[axis] for axis in grid.bounded_axes)
 
 
 def edges_of_cells(source: Source, grid: Grid) -> list[float]:
     """Edges of the cells of a region along the axes on which it ends [m]."""
     assert source.lattice is not None
-    return [source.lattice.edges[2 - axis] for axis in _axes(grid)]
-
-
-def _axes(grid: Grid) -> tuple[int, ...]:
-    """Axes on which regions end: those of a line contact have no end along y."""
-    return (0, 2) if grid.line else (0, 1, 2)
+    return [source.lattice.edges[2 - axis] for axis in grid.bounded_axes]
 
 
 def refuse_coarse_regions(sources: Iterable[Source], grid: Grid) -> None:

@@ -228,7 +228,7 @@ def _box_where(
             if zone is not None:
                 if closed and not zone.closed:
                     got, advice = _pressed(trial, load, elastic, scene)
-                    sides = (zone.high - zone.low)[[0, 2] if grid.line else slice(None)]
+                    sides = (zone.high - zone.low)[list(grid.bounded_axes)]
                     got += f"the plastic zone is larger than {_sizes(*sides)}"
                     raise SceneError(f"{trial.where} must yield near the contact alone (got {got}); {advice}")
                 zones.append((zone.low, zone.high))
@@ -242,10 +242,8 @@ def _box_where(
         far = bounds(_BESIDE[-1], closed=False) or box
         box = _around([box, *(clipped for shape in beside if (clipped := _clipped_bounds(shape, far)))]) or box
     low, high = box
-    margin = scene.numerics.law_room * (high - low)
-    if grid.line:
-        margin[1] = 0.0
-    margin[[0, 2] if grid.line else slice(None)] += max(trial.law.averaged.values(), default=0.0)
+    margin, bounded = np.zeros(3), list(grid.bounded_axes)
+    margin[bounded] = scene.numerics.law_room * (high - low)[bounded] + max(trial.law.averaged.values(), default=0.0)
     (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
     cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.edges))
     if scene.numerics.inclusion_pitch is None and cells > most(BYTES_OF_LAW_CELL):

@@ -60,8 +60,7 @@ def largest_loads(scene: Scene) -> str:
     """Largest of each load or motion of the history; empty without any."""
     texts = []
     for name, field in Step.model_fields.items():
-        unit = unit_of(field.annotation)
-        unit = per_length(unit) if scene.grid.line else unit
+        unit = per_length(unit_of(field.annotation), line=scene.grid.line)
         values = [abs(value) for step in scene.ramps if unit and (value := getattr(step, name)) is not None]
         if any(values):
             texts.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")

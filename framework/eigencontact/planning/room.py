@@ -28,7 +28,7 @@ def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSma
     if step.control is None:
         return problem
     name, value, unit = _driven(step.control)
-    unit = per_length(unit) if model.grid.line else unit
+    unit = per_length(unit, line=model.grid.line)
     fits = load_that_fits(model, step)
     lower = f"lower the {name}"
     if fits is None:

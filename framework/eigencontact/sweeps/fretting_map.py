@@ -126,7 +126,7 @@ def fretting_map(
         tables = {**tables, "stress": []}  # nothing reads it
     driven = _driven(tables)
     line = loaded.grid.line
-    units = [per_length(unit) if line else unit for unit in ("N", _DRIVEN[driven])]
+    units = [per_length(unit, line=line) for unit in ("N", _DRIVEN[driven])]
     axes = [
         _in_si(axes_of({name: values} if not isinstance(values, str) else [f"{name}={values}"])[0], unit)
         for name, values, unit in (("load", load, units[0]), ("amplitude", amplitude, units[1]))
@@ -155,7 +155,7 @@ def fretting_map(
     )
     for name, (unit, words) in _MEASURED.items():
         if name in dataset:
-            dataset[name].attrs.update(units=per_length(unit) if line else unit, long_name=words)
+            dataset[name].attrs.update(units=per_length(unit, line=line), long_name=words)
     dataset.attrs["source"] = "eigencontact map"
     return FrettingMap(dataset, {} if folder is None else _store(Path(folder), dataset))
 

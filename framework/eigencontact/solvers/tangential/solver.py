@@ -318,7 +318,7 @@ class TangentialSolver:
 
     def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> Overloaded:
         capacity = self._capacity(bound, fields)
-        units = [per_length(unit) if self.grid.line else unit for unit in ("N", "N", "N m")]
+        units = [per_length(unit, line=self.grid.line) for unit in ("N", "N", "N m")]
         forces = ", ".join(
             f"{MODES[mode][1]} {value:.6g} of at most {capacity[mode]:.6g} {units[mode]}"
             for mode, value in free.items()
