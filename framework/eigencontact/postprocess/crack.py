@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,16 +15,14 @@ from eigencontact.core.cautions import Caution
 from eigencontact.core.crack_growth import (
     FactorRanges,
     arrest_length,
-    el_haddad,
     factor_ranges,
-    kitagawa_takahashi,
-    short_crack_length,
 )
-from eigencontact.core.units import parse_quantity, readable
-from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.core.units import readable
+from eigencontact.errors import SceneError, shown
 from eigencontact.halfspace.edge_crack import edge_crack
 from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.crack_path import CrackPath, PathStress, path_stress
+from eigencontact.postprocess.crack_threshold import CrackThreshold, Threshold, positive_quantity, quantity
 from eigencontact.postprocess.fatigue import fatigue
 from eigencontact.postprocess.plot import opened
 
@@ -40,11 +37,6 @@ __all__ = ["Crack", "crack"]
 _LENGTHS = 81
 #: Shortest crack as a part of the longest; never shorter than a cell, whose stress is one value.
 _SHORTEST = 0.01
-_RULES = {"el-haddad": el_haddad, "kitagawa-takahashi": kitagawa_takahashi}
-#: How texts end that are stresses times the square root of a length in metres.
-_ROOT = re.compile(r"\s*[*·]?\s*(?:√m|sqrt\(m\)|m\^0\.5|m\*\*0\.5|m\^\(1/2\)|m\*\*\(1/2\))$")
-#: Thresholds of a stranger: of lengths [m] and ratios R [-], in Pa sqrt(m).
-Threshold = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -178,11 +170,11 @@ def crack(
     >>> answer.summary["outcome"]
     'stops'
     """
-    limits = _Limits.of(threshold, limit_amplitude, rule)
+    limits = CrackThreshold.of(threshold, limit_amplitude, rule)
     if mode not in ("both", "opening"):
         raise SceneError(f"mode must be 'both' or 'opening' (got {shown(mode)})")
-    longest = _positive(length, "m", "length", "a length")
-    slope = None if angle is None else _quantity(angle, "rad", "angle", "an angle")
+    longest = positive_quantity(length, "m", "length", "a length")
+    slope = None if angle is None else quantity(angle, "rad", "angle", "an angle")
     if (at is None) == (criterion is None):
         raise SceneError("crack must start at a place (at) or at the hot spot of a criterion, one of both")
     source = Path(results) if isinstance(results, str | Path) else None
@@ -216,69 +208,10 @@ def crack(
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class _Limits:
-    """Threshold of long cracks, and how short ones differ."""
-
-    long_crack: float | Threshold
-    limit_amplitude: float | None
-    rule: str
-
-    @classmethod
-    def of(cls, threshold: Any, limit_amplitude: Any, rule: str) -> _Limits:
-        if rule not in _RULES:
-            raise SceneError(
-                f"rule must be {' or '.join(map(repr, _RULES))} (got {shown(rule)}){nearest(rule, _RULES)}"
-            )
-        amplitude = None if limit_amplitude is None else _positive(limit_amplitude, "Pa", "limit_amplitude", "a stress")
-        if callable(threshold):
-            if amplitude is not None:
-                raise SceneError("limit_amplitude must be left out with a threshold that is a function of its own")
-            return cls(threshold, None, rule)
-        text = _ROOT.sub("", threshold) if isinstance(threshold, str) else threshold
-        if isinstance(threshold, str) and text == threshold:
-            raise SceneError(
-                f"threshold must be a stress times a root of metres, '5 MPa sqrt(m)' (got {shown(threshold)})"
-            )
-        return cls(_positive(text, "Pa", "threshold", "a stress times sqrt(m)"), amplitude, rule)
-
-    @property
-    def short_length(self) -> float | None:
-        """Length a_0 [m], with the factor of a crack normal to the surface."""
-        if self.limit_amplitude is None or callable(self.long_crack):
-            return None
-        return short_crack_length(self.long_crack, self.limit_amplitude, float(edge_crack(0.0).weights[0, 0].sum()))
-
-    def at(self, lengths: FloatArray, ratios: FloatArray) -> FloatArray:
-        if callable(self.long_crack):
-            values = np.asarray(self.long_crack(lengths, ratios), dtype=float)
-            if values.shape != lengths.shape or not np.all(values > 0):
-                got = shown(values.shape) if values.shape != lengths.shape else "values that are not positive"
-                raise SceneError(f"threshold must return a positive value for each length, {lengths.shape} (got {got})")
-            return values
-        if self.short_length is None:
-            return np.full(lengths.shape, self.long_crack)
-        return _RULES[self.rule](lengths, self.long_crack, self.short_length)
-
-
-def _quantity(value: Any, unit: str, name: str, words: str) -> float:
-    try:
-        return float(parse_quantity(value, unit, words))
-    except (TypeError, ValueError) as problem:
-        raise SceneError(f"{name} must be {problem} (got {shown(value)})") from None
-
-
-def _positive(value: Any, unit: str, name: str, words: str) -> float:
-    number = _quantity(value, unit, name, words)
-    if not 0 < number < np.inf:
-        raise SceneError(f"{name} must be positive and finite [{unit}] (got {shown(value)})")
-    return number
-
-
 def _place(at: Any) -> tuple[float, float]:
     if isinstance(at, str) or not isinstance(at, Sequence) or not 2 <= len(at) <= 3:
         raise SceneError(f"at must be a place of the surface, (x, y) [m] (got {shown(at)})")
-    x, y, *depth = (_quantity(value, "m", "at", "a length") for value in at)
+    x, y, *depth = (quantity(value, "m", "at", "a length") for value in at)
     if any(depth):
         raise SceneError(f"at must lie on the surface, at depth 0 (got {readable(depth[0], 'm')}); give (x, y)")
     return x, y
@@ -322,7 +255,7 @@ def _factors(stress: PathStress, angle: float, lengths: FloatArray) -> FloatArra
     return np.stack([weights.factors(length, *rows) for length, rows in zip(lengths, read, strict=True)], axis=-1)
 
 
-def _summary(path: CrackPath, stress: PathStress, limits: _Limits, stop: float) -> dict[str, Any]:
+def _summary(path: CrackPath, stress: PathStress, limits: CrackThreshold, stop: float) -> dict[str, Any]:
     from eigencontact import __version__
 
     outcome = "does not grow" if stop == 0 else "stops" if np.isfinite(stop) else "grows"
