@@ -8,19 +8,14 @@ from typing import Annotated
 
 import typer
 
-from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
+from eigencontact.postprocess.options import ResultsArgument
 
 __all__ = ["plot"]
 
 
 def plot(
-    results: Annotated[
-        Path,
-        typer.Argument(
-            help="A folder of results, or its results.nc.", metavar="RESULTS", autocompletion=completion.results
-        ),
-    ],
+    results: ResultsArgument,
     *,
     field: Annotated[
         str | None, typer.Option("--field", metavar="NAME", help="Draw one picture of a field: `stress`, `pressure`.")

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
-from eigencontact.postprocess.fatigue_command import parameters_of, steps_of
+from eigencontact.postprocess.options import (
+    CriterionOption,
+    CycleOption,
+    OutputOption,
+    PluginOption,
+    ResultsArgument,
+    parameters_of,
+    print_answer,
+    steps_of,
+)
 
 __all__ = ["crack"]
 
 
 def crack(
-    results: Annotated[
-        Path,
-        typer.Argument(
-            help="A folder of results, or its results.nc.", metavar="RESULTS", autocompletion=completion.results
-        ),
-    ],
+    results: ResultsArgument,
     *,
     length: Annotated[str, typer.Option("--length", metavar="LENGTH", help="Longest crack: `200 um`.")],
     threshold: Annotated[
@@ -37,10 +38,7 @@ def crack(
     criterion: Annotated[
         str | None, typer.Option("--from", metavar="NAME", help="Instead, the hot spot of a fatigue criterion.")
     ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Parameter of the criterion: `--set slope=0.3`; repeatable."),
-    ] = None,
+    changes: CriterionOption = None,
     angle: Annotated[
         str | None,
         typer.Option("--angle", metavar="ANGLE", help="To the inward normal, positive towards +x: `20 deg`."),
@@ -54,17 +52,9 @@ def crack(
     region: Annotated[
         str | None, typer.Option("--region", metavar="NAME", help="Region of the hot spot, or of the stress.")
     ] = None,
-    cycle: Annotated[
-        str,
-        typer.Option("--cycle", metavar="STEPS", help="`last` (closed cycle), `all`, or first and last step: `11:51`."),
-    ] = "last",
-    plugin: Annotated[
-        list[Path] | None,
-        typer.Option("--plugin", metavar="FILE", help="File with a criterion of your own; repeatable."),
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default that of the results.")
-    ] = None,
+    cycle: CycleOption = "last",
+    plugin: PluginOption = None,
+    output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -92,8 +82,4 @@ def crack(
             cycle=steps_of(cycle),
             folder=output or results_file(results).parent,
         )
-    if as_json:
-        typer.echo(json.dumps(answer.summary, indent=2, default=str))
-    elif not quiet:
-        for line in [*answer.lines(), answer.table(), *(f"{path}  {text}" for path, text in answer.files.items())]:
-            typer.echo(line)
+    print_answer(answer, quiet=quiet, as_json=as_json, table=answer.table())

@@ -2,40 +2,27 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from eigencontact import completion
 from eigencontact.command_help import JsonOption, QuietOption, refusals
-from eigencontact.postprocess.fatigue_command import steps_of
+from eigencontact.postprocess.options import CycleOption, OutputOption, ResultsArgument, print_answer, steps_of
 
 __all__ = ["shakedown"]
 
 
 def shakedown(
-    results: Annotated[
-        Path,
-        typer.Argument(
-            help="A folder of results, or its results.nc.", metavar="RESULTS", autocompletion=completion.results
-        ),
-    ],
+    results: ResultsArgument,
     *,
     body: Annotated[
         int, typer.Option("--body", metavar="NUMBER", help="Body with a law that yields.", min=1, max=2)
     ] = 1,
-    cycle: Annotated[
-        str,
-        typer.Option("--cycle", metavar="STEPS", help="`last` (closed cycle), `all`, or first and last step: `11:51`."),
-    ] = "last",
+    cycle: CycleOption = "last",
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="PART", help="Part of the largest plastic strain that is nothing.")
     ] = 1e-3,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default that of the results.")
-    ] = None,
+    output: OutputOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -54,8 +41,4 @@ def shakedown(
             tolerance=tolerance,
             folder=output or results_file(results).parent,
         )
-    if as_json:
-        typer.echo(json.dumps(answer.summary, indent=2))
-    elif not quiet:
-        for line in [*answer.lines(), *(f"{path}  {text}" for path, text in answer.files.items())]:
-            typer.echo(line)
+    print_answer(answer, quiet=quiet, as_json=as_json)
