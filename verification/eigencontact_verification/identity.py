@@ -45,6 +45,10 @@ EXCEPTIONS: dict[str, tuple[float, str]] = {
     "fretting-mode-2:tangential_load": _ZERO,
     "fretting-mode-2:tangential_load_x": _ZERO,
     "fretting-mode-2:tangential_load_y": _ZERO,
+    "fretting-mode-2-plastic:tangential_load": _ZERO,
+    "fretting-mode-2-plastic:tangential_load_x": _ZERO,
+    "fretting-mode-2-plastic:tangential_load_y": _ZERO,
+    "coating-worn-through:torsion_moment": _ZERO,
     "coated-fretting:dissipated_energy_max_x": _PLACE,
     "coated-fretting:dissipated_energy_max_y": _PLACE,
 }
