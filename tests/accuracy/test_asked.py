@@ -12,9 +12,10 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.accuracy import bars
+from eigencontact.accuracy.bars import Run
 from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pilot_tables, pursue
-from eigencontact.accuracy.runs import Run, Runs
+from eigencontact.accuracy.runs import Runs
 from eigencontact.accuracy.settings import finer_settings
 from eigencontact.accuracy.sources import SOURCES, error_sources
 from eigencontact.accuracy.targets import Targets
@@ -99,6 +100,9 @@ def test_the_answer_is_an_ordinary_result(tmp_path):
     last = again["approach"].values[-1]
     assert last == close(kept.summary["approach"])
     assert [again.sizes["x"], again.sizes["y"]] == kept.summary["accuracy"]["rungs"][-1]["cells"]
+    assert again["pressure_error"].dims == again["pressure"].dims
+    assert float(again["approach_error"][-1]) == close(kept.summary["errors"]["approach"]["error"])
+    assert kept.summary["field_errors"]["pressure"]["source"] in kept.summary["errors"]["max_pressure"]["parts"]
     same = ec.run(tomllib.loads(again.attrs["scene"])).summary  # the scene with the settings that were found
     assert same["approach"] == close(last)
     with pytest.raises(ResultsError, match="--overwrite"):

@@ -8,10 +8,10 @@ from math import log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.bars import Accuracy
+from eigencontact.accuracy.bars import Accuracy, Run
 from eigencontact.accuracy.changes import changed, refined_grid
 from eigencontact.accuracy.levers import Way, cheapest, levers_of
-from eigencontact.accuracy.runs import Run, Runs, edge_of
+from eigencontact.accuracy.runs import Runs, edge_of
 from eigencontact.accuracy.targets import Targets, check_names, targets_of
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.units import readable, time_in_words
@@ -20,6 +20,7 @@ from eigencontact.model.resolution import cells_per_radius
 from eigencontact.model.sizes import MEMORY_SHARE
 
 if TYPE_CHECKING:
+    from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
@@ -50,6 +51,7 @@ class Rung:
     seconds: float
     found: Accuracy
     targets: Targets
+    fields: FieldErrors | None = None
 
     @property
     def holds(self) -> bool:
@@ -159,11 +161,11 @@ class _Course:
         """Memory that a run may take [bytes]."""
         return self.table.memory or MEMORY_SHARE * machine_bytes()
 
-    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy]) -> Rung:
+    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy, FieldErrors | None]) -> Rung:
         """Solved run with its targets."""
-        run, seconds, found = solved
+        run, seconds, found, fields = solved
         targets = targets_of(self.table, run.summary, found)
-        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets)
+        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets, fields=fields)
 
     def pilot(self, plan: Plan) -> Rung:
         """First run; a finer one where it is refused, as cells that show nothing are."""
