@@ -127,6 +127,40 @@ def test_the_budget_of_memory_ends_it():
     assert planned.cost.peak < 12e6
 
 
+LINE = {"name": "section", "shape": "line", "start": [-6e-6, 0, 2e-6], "end": [6e-6, 0, 2e-6], "count": 25}
+
+
+def test_a_field_of_a_region_has_a_target_of_its_own():
+    """Along a line through the axis at a depth; on the axis the closed form of Huber tells the normal stress."""
+    result = ec.run({**HERTZ, "stress": LINE}, accuracy={"stress": {"section": "0.2 %"}})
+    (name, row), rungs = *result.summary["accuracy"]["targets"].items(), result.summary["accuracy"]["rungs"]
+    assert name == "stress.section"
+    assert len(rungs) > 1  # the pilot does not reach it
+    assert rungs[-1]["errors"][name] == row["error"] <= row["allowed"] == close(0.002 * row["value"])
+    assert result.summary["field_errors"]["section_stress"]["error"] == close(row["error"])
+    stress = result.dataset["section_stress"].sel(component="zz").values[0]
+    exact = -closed_form()["max_pressure"] / (1 + (2e-6 / closed_form()["contact_radius"]) ** 2)
+    assert abs(stress[12] - exact) <= row["allowed"]
+    assert row["value"] == close(abs(result.dataset["section_stress"]).values[0].max())
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "message"),
+    [
+        ({"stress": {"sectoin": "1 %"}}, "no field of this name.*did you mean 'stress.section'"),
+        ({"stres": {"section": "1 %"}}, "did you mean 'stress.section'"),
+        ({"strain": {"section": "1 %"}}, "ask for one of .*stress.section, von-mises.section"),
+        ({"stress": "1 %"}, "accuracy.stress must be a result of the scene"),
+        ({"stress": {"section": "150 %"}}, "accuracy.stress must be a table of targets by region, each a part"),
+        ({"stress": {}}, "accuracy.stress must be a table of targets by region"),
+        ({"von-mises": {"section": "2 nm"}}, "accuracy.von-mises.section must be an error .Pa"),
+    ],
+)
+def test_fields_without_a_region_of_the_scene_are_refused(accuracy, message):
+    with pytest.raises(SceneError, match=message):
+        ec.explain({**HERTZ, "stress": LINE}, accuracy=accuracy)
+
+
 @pytest.mark.parametrize(
     ("accuracy", "message"),
     [
@@ -333,6 +367,9 @@ def test_the_commands_take_an_accuracy(command, tmp_path):
     told = json.loads(command("explain", "hertz", *plain, "--accuracy", "3%", "--json").out)["accuracy"]
     found = json.loads((tmp_path / "run" / "summary.json").read_text("utf-8"))["accuracy"]
     assert told["first"]["cells"] == found["rungs"][0]["cells"]
+    line = 'stress=[{shape="line", name="axis", start=[0,0,1e-6], end=[0,0,5e-6], count=9}]'
+    told = command("explain", "hertz", *plain[:4], "--set", line, "--set", "accuracy.stress.axis=3%", "--json")
+    assert json.loads(told.out)["accuracy"]["targets"] == {"stress.axis": "3%"}
     assert command("run", "hertz", "-o", str(tmp_path / "no"), "--set", "accuracy.max-pressur=1%").code == 2
     assert not (tmp_path / "no").exists()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -77,13 +78,25 @@ class FieldErrors:
         results = self._run if base.results is None else base.results
         self._varied.append(_Varied(source, base.summary, results, others))
 
-    def _shares_of(self, name: str) -> dict[str, dict[float, Share]]:
+    def bar(self, name: str) -> ErrorBar | None:
+        """Error of a field after the last step as that of a number, its largest value; None where it has no errors."""
+        if name not in self._run.variables or not (shares := self._shares_of(name, last=True)):
+            return None
+        values = (field := Sampled(self._run, name)).at(max(field.positions))
+        if values is None:
+            return None
+        error, _ = self._errors_at(name, field, values, max(field.positions), shares)
+        return ErrorBar(
+            value=error.largest, error=error.error, source=error.source, order=error.order, parts=error.parts
+        )
+
+    def _shares_of(self, name: str, *, last: bool = False) -> dict[str, dict[float, Share]]:
         """Errors of a field by source and time."""
         shares = {}
         for source, _, base, others in self._varied:
             try:
                 parts = [(size, Sampled(run.results, name)) for size, run in others if run.results is not None]
-                shares[source.name] = dict(differences(Sampled(base, name), parts, source))
+                shares[source.name] = dict(differences(Sampled(base, name), parts, source, last=last))
             except LookupError:  # not in all runs
                 continue
         return {source: by_time for source, by_time in shares.items() if by_time}
@@ -119,27 +132,41 @@ class FieldErrors:
     def _field(self, name: str, shares: Mapping[str, Mapping[float, Share]]) -> Variable:
         """Error of a field at all points in all steps; that of the last step in one number is kept."""
         variable, field = self._run.variables[name], Sampled(self._run, name)
-        edged = len(field.axes) if _ROLES[variable.attrs["role"]] else 0
         total = np.full(variable.shape, np.nan, dtype=np.float32)
-        largest = ""
+        source = ""
         for time, step in field.positions.items():
             if (values := field.at(time)) is None:
                 continue
-            parts = {
-                source: np.max([by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)], axis=0)
-                for source, by_time in shares.items()
-            }
-            total[step] = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
+            error, total[step] = self._errors_at(name, field, values, time, shares)
             if step == len(total) - 1:
-                sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
-                largest = max(sizes, key=lambda source: sizes[source])
-                order = shares[largest][max(shares[largest])].order
-                self.fields[name] = FieldError.of(values, total[-1], edged, source=largest, order=order)
+                self.fields[name], source = error, error.source
         attrs: dict[str, str | int] = {
-            "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": largest,
+            "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": source,
             "long_name": f"estimated error of: {variable.attrs['long_name']}",
         }  # fmt: skip
         return Variable(name=error_name(name), dims=tuple(variable.dims), values=total, attrs=attrs)
+
+    def _errors_at(
+        self,
+        name: str,
+        field: Sampled,
+        values: NDArray[Any],
+        time: float,
+        shares: Mapping[str, Mapping[float, Share]],
+    ) -> tuple[FieldError, NDArray[Any]]:
+        """Error of a field in one step: in one number, and at all points."""
+        edged = len(field.axes) if _ROLES[self._run.variables[name].attrs["role"]] else 0
+        parts = {
+            source: np.max([by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)], axis=0)
+            for source, by_time in shares.items()
+        }
+        errors = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
+        sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+        largest = max(sizes, key=lambda source: sizes[source])
+        order = shares[largest][max(shares[largest])].order
+        error = FieldError.of(values, errors, edged, source=largest, order=order)
+        scale = error.error / (sum(sizes.values()) or 1.0)
+        return replace(error, parts={source: scale * size for source, size in sizes.items()}), errors
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
