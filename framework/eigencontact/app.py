@@ -16,10 +16,11 @@ from eigencontact.hooks.registry import Registry
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.accuracy.bars import Run
     from eigencontact.accuracy.pursuit import Answer
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
-    from eigencontact.results.memory import MemoryResults, MemoryStore
+    from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import StepRecord
     from eigencontact.results.store import ResultStore
     from eigencontact.scene.schema import Scene
@@ -307,6 +308,10 @@ def run(
     noted = _noted(planned, store, solved.last)
     if answer is not None:
         noted |= answer.to_dict()
+        if (fields := answer.last.fields) is not None:
+            with stopwatch.on("error bars"):
+                store.append(fields.variables(answer.last.found.bars))
+            noted |= fields.to_dict()
         _warn_of_targets(store, solved, noted)
     elif errors or planned.scene.output.errors:
         from eigencontact.results.summary import summary_of
@@ -416,18 +421,10 @@ def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
 def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) -> Answer:
     """Runs of growing fineness in memory, until the accuracy that the scene asks for is reached."""
     from eigencontact.accuracy.pursuit import pursue
-    from eigencontact.accuracy.runs import Run, Runs
-
-    announced = getattr(watcher, "announced", None)
-
-    def solve(rung: Plan, words: str) -> Run:
-        if announced is not None:
-            announced(words)
-        kept, summary = _in_memory(rung)
-        return Run(rung, summary, kept)
+    from eigencontact.accuracy.runs import Runs
 
     assert planned.scene.accuracy is not None
-    return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=solve))
+    return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=_solver(watcher)))
 
 
 def _errors(
@@ -436,16 +433,27 @@ def _errors(
     """Error bars of all numbers and fields, from coarser runs in memory; those of the fields are stored with them."""
     from eigencontact.accuracy.stored import stored_errors
 
-    announced, make = getattr(watcher, "announced", None), _maker(planned, registry)
+    make, in_memory = _maker(planned, registry), _solver(watcher)
 
-    def solve(tables: Mapping[str, Any], words: str) -> tuple[Plan, dict[str, Any], MemoryResults]:
-        if announced is not None:
-            announced(f"error bars: {words}")
-        coarse = make(tables)
-        kept, found = _in_memory(coarse)
-        return coarse, found, kept.store.results()
+    def solve(tables: Mapping[str, Any], words: str) -> Run:
+        return in_memory(make(tables), f"error bars: {words}")._replace(kept=None)
 
     return stored_errors(planned, summary, store, solve)
+
+
+def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
+    """Runs in memory that the watcher is told of."""
+    from eigencontact.accuracy.bars import Run
+
+    announced = getattr(watcher, "announced", None)
+
+    def solve(planned: Plan, words: str) -> Run:
+        if announced is not None:
+            announced(words)
+        kept, summary = _in_memory(planned)
+        return Run(planned, summary, kept.store.results(), kept)
+
+    return solve
 
 
 def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:

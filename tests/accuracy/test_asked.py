@@ -12,9 +12,10 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.accuracy import bars
+from eigencontact.accuracy.bars import Run
 from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pilot_tables, pursue
-from eigencontact.accuracy.runs import Run, Runs
+from eigencontact.accuracy.runs import Runs
 from eigencontact.accuracy.settings import finer_settings
 from eigencontact.accuracy.sources import SOURCES, error_sources
 from eigencontact.accuracy.targets import Targets
@@ -99,6 +100,9 @@ def test_the_answer_is_an_ordinary_result(tmp_path):
     last = again["approach"].values[-1]
     assert last == close(kept.summary["approach"])
     assert [again.sizes["x"], again.sizes["y"]] == kept.summary["accuracy"]["rungs"][-1]["cells"]
+    assert again["pressure_error"].dims == again["pressure"].dims
+    assert float(again["approach_error"][-1]) == close(kept.summary["errors"]["approach"]["error"])
+    assert kept.summary["field_errors"]["pressure"]["source"] in kept.summary["errors"]["max_pressure"]["parts"]
     same = ec.run(tomllib.loads(again.attrs["scene"])).summary  # the scene with the settings that were found
     assert same["approach"] == close(last)
     with pytest.raises(ResultsError, match="--overwrite"):
@@ -121,6 +125,40 @@ def test_the_budget_of_memory_ends_it():
     assert not found["reached"]
     planned = ec.plan({**HERTZ, "grid": {"cells": found["rungs"][-1]["cells"], "size": 2e-5}})
     assert planned.cost.peak < 12e6
+
+
+LINE = {"name": "section", "shape": "line", "start": [-6e-6, 0, 2e-6], "end": [6e-6, 0, 2e-6], "count": 25}
+
+
+def test_a_field_of_a_region_has_a_target_of_its_own():
+    """Along a line through the axis at a depth; on the axis the closed form of Huber tells the normal stress."""
+    result = ec.run({**HERTZ, "stress": LINE}, accuracy={"stress": {"section": "0.2 %"}})
+    (name, row), rungs = *result.summary["accuracy"]["targets"].items(), result.summary["accuracy"]["rungs"]
+    assert name == "stress.section"
+    assert len(rungs) > 1  # the pilot does not reach it
+    assert rungs[-1]["errors"][name] == row["error"] <= row["allowed"] == close(0.002 * row["value"])
+    assert result.summary["field_errors"]["section_stress"]["error"] == close(row["error"])
+    stress = result.dataset["section_stress"].sel(component="zz").values[0]
+    exact = -closed_form()["max_pressure"] / (1 + (2e-6 / closed_form()["contact_radius"]) ** 2)
+    assert abs(stress[12] - exact) <= row["allowed"]
+    assert row["value"] == close(abs(result.dataset["section_stress"]).values[0].max())
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "message"),
+    [
+        ({"stress": {"sectoin": "1 %"}}, "no field of this name.*did you mean 'stress.section'"),
+        ({"stres": {"section": "1 %"}}, "did you mean 'stress.section'"),
+        ({"strain": {"section": "1 %"}}, "ask for one of .*stress.section, von-mises.section"),
+        ({"stress": "1 %"}, "accuracy.stress must be a result of the scene"),
+        ({"stress": {"section": "150 %"}}, "accuracy.stress must be a table of targets by region, each a part"),
+        ({"stress": {}}, "accuracy.stress must be a table of targets by region"),
+        ({"von-mises": {"section": "2 nm"}}, "accuracy.von-mises.section must be an error .Pa"),
+    ],
+)
+def test_fields_without_a_region_of_the_scene_are_refused(accuracy, message):
+    with pytest.raises(SceneError, match=message):
+        ec.explain({**HERTZ, "stress": LINE}, accuracy=accuracy)
 
 
 @pytest.mark.parametrize(
@@ -329,6 +367,9 @@ def test_the_commands_take_an_accuracy(command, tmp_path):
     told = json.loads(command("explain", "hertz", *plain, "--accuracy", "3%", "--json").out)["accuracy"]
     found = json.loads((tmp_path / "run" / "summary.json").read_text("utf-8"))["accuracy"]
     assert told["first"]["cells"] == found["rungs"][0]["cells"]
+    line = 'stress=[{shape="line", name="axis", start=[0,0,1e-6], end=[0,0,5e-6], count=9}]'
+    told = command("explain", "hertz", *plain[:4], "--set", line, "--set", "accuracy.stress.axis=3%", "--json")
+    assert json.loads(told.out)["accuracy"]["targets"] == {"stress.axis": "3%"}
     assert command("run", "hertz", "-o", str(tmp_path / "no"), "--set", "accuracy.max-pressur=1%").code == 2
     assert not (tmp_path / "no").exists()
 

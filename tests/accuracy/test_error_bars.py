@@ -8,7 +8,7 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.accuracy import bars, sources
-from eigencontact.accuracy.bars import error_bars
+from eigencontact.accuracy.bars import Run, error_bars
 from eigencontact.accuracy.changes import refined_steps
 from eigencontact.errors import SceneError
 from eigencontact.progress import progress
@@ -37,7 +37,7 @@ def solver(of_changes):
 
     def solve(tables, _):
         planned = ec.plan(tables)
-        return planned, summary(of_changes(planned))
+        return Run(planned, summary(of_changes(planned)))
 
     return solve
 
@@ -116,7 +116,7 @@ def test_a_depth_is_known_to_half_the_distance_of_the_points():
     line = {"shape": "line", "start": [0, 0, 0], "end": [0, 0, 8e-6], "count": 5}
     for stress, expected in (([SECTION], 0.5e-6), ([SECTION, line], 1e-6)):
         planned = ec.plan(HERTZ | {"stress": stress})
-        found = error_bars(planned, deepest(4e-6), lambda tables, _: (ec.plan(tables), deepest(4e-6)))
+        found = error_bars(planned, deepest(4e-6), lambda tables, _: Run(ec.plan(tables), deepest(4e-6)))
         bar = found.bars["max_von_mises_depth"]
         assert bar.error == close(expected)
         assert bar.source == "points of regions"
@@ -138,14 +138,14 @@ def counted(area):
 @pytest.mark.parametrize("area", [0.0, 3e-12])
 def test_an_area_that_no_run_changes_is_known_to_a_cell(area):
     planned = ec.plan(HERTZ)
-    found = error_bars(planned, counted(area), lambda tables, _: (ec.plan(tables), counted(area))).bars["area"]
+    found = error_bars(planned, counted(area), lambda tables, _: Run(ec.plan(tables), counted(area))).bars["area"]
     assert found.error == close(planned.grid.dx * planned.grid.dy)
     assert found.source == "size of a cell"
 
 
 def test_an_area_that_changes_has_no_more_than_its_scatter():
     planned = ec.plan(HERTZ)
-    found = error_bars(planned, counted(3e-12), lambda tables, _: (ec.plan(tables), counted(3.3e-12))).bars["area"]
+    found = error_bars(planned, counted(3e-12), lambda tables, _: Run(ec.plan(tables), counted(3.3e-12))).bars["area"]
     assert found.parts == {"cells": close(0.3e-12)}
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
-from eigencontact.accuracy import differences, fields
+from eigencontact.accuracy import bars, differences, fields
 from eigencontact.accuracy.fields import FieldErrors
 from eigencontact.accuracy.sources import SOURCES
 from eigencontact.viz.figures import draw_all
@@ -118,19 +118,17 @@ class Run:
         return 1e-3 * size**2 * (1.5 + np.cos(0.1 * x)) + (0.02 / count if count else 0.0)
 
 
+def of(run):
+    return bars.Run(None, run.summary, run)
+
+
 def collected():
     """Field errors of a run with 8 increments: cells 2 and 3 times larger, then half the increments on these."""
     fine, coarse = Run(1.0, 8), [(2.0, Run(2.0, 8)), (3.0, Run(3.0, 8))]
     base, half = coarse[-1][1], Run(3.0, 4)
     found = FieldErrors(fine, fine.summary)
-    unused = Run(1.0, 2)
-    found.keep(unused.summary, unused)
-    found.vary(STEPS, fine.summary, [])
-    for _, run in coarse:
-        found.keep(run.summary, run)
-    found.vary(CELLS, fine.summary, [ratio for ratio, _ in coarse])
-    found.keep(half.summary, half)
-    found.vary(STEPS, base.summary, [2.0])
+    found.vary(CELLS, of(fine)._replace(results=None), [(ratio, of(run)) for ratio, run in coarse])
+    found.vary(STEPS, of(base), [(2.0, of(half))])
     return fine, found
 
 
@@ -207,8 +205,7 @@ def test_a_number_that_does_not_converge_has_no_errors_in_the_steps():
         run.summary |= {"numbers": {"depth": depth}, "history": [{"time": 0.5, "depth": value}, {"time": 1.0}]}
         run.summary["warnings"] = [{"number": "depth", "order": 0.0}]
     found = FieldErrors(fine, fine.summary)
-    found.keep(coarse.summary, coarse)
-    found.vary(CELLS, fine.summary, [2.0])
+    found.vary(CELLS, of(fine), [(2.0, of(coarse))])
     assert [variable.name for variable in found.variables({})] == ["test_error"]
 
 

@@ -132,10 +132,12 @@ def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
         assert findings["pressure"].own is None
         soft = one.point.values["softer"] > 0
         assert approach.word == ("disagrees" if soft else "agrees")
-        assert ("model error " if soft else "not told from the numerical error of both") in approach.words
+        u_val = np.hypot(approach.own, approach.uncertainty)
+        assert bool(approach.error > u_val) is soft
+        assert approach.reason.startswith("model or implementation error E ± u_val" if soft else "agrees within u_val")
         before = {finding.quantity: finding for finding in judged.findings}
         assert before["approach"].own is None
-        assert before["approach"].words == before["approach"].reason
+        assert "tolerance" in before["approach"].reason
     files = write_map(report, tmp_path / "report")
     assert "| u_SA |" in files["markdown"].read_text(encoding="utf-8")
     assert "| u_SA |" not in write_map(done[1], tmp_path / "before")["markdown"].read_text(encoding="utf-8")

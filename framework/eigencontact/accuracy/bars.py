@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
@@ -15,16 +15,38 @@ from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
+    from eigencontact.accuracy.differences import Results
     from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Accuracy", "Comparison", "error_bars", "joined_bars"]
-
-#: Solves a scene given by its tables, with what differs in words: the plan and the contents of its summary.
-Solve = Callable[[Mapping[str, Any], str], "tuple[Plan, Mapping[str, Any]]"]
+__all__ = ["Accuracy", "Comparison", "Run", "error_bars", "joined_bars"]
 
 #: Memory of the operators that coarser runs share [bytes].
 _KEPT_BYTES = 2e8
+
+
+class Run(NamedTuple):
+    """One solved discretisation.
+
+    Attributes
+    ----------
+    plan : Plan
+    summary : mapping
+        Contents of its ``summary.json``.
+    results : Results, optional
+        Its fields, for the errors of fields.
+    kept : object
+        What the caller needs to store the run.
+    """
+
+    plan: Plan
+    summary: Mapping[str, Any]
+    results: Results | None = None
+    kept: Any = None
+
+
+#: Solves a scene given by its tables, with what differs in words.
+Solve = Callable[[Mapping[str, Any], str], Run]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +122,7 @@ def error_bars(
     summary : mapping
         Contents of its ``summary.json``.
     solve : callable
-        Tables of a scene, and what differs in words, to the plan and the summary of its run in memory; raises
-        `EigencontactError`.
+        Tables of a scene, and what differs in words, to its run in memory; raises `EigencontactError`.
     fields : FieldErrors, optional
         Takes the same runs for the errors of fields.
     sources : sequence of ErrorSource, optional
@@ -120,39 +141,40 @@ def error_bars(
     """
     began = perf_counter()
     tables = plan.scene.resolved()
-    base_tables, base_plan, base = tables, plan, summary
+    base_tables, base = tables, Run(plan, summary)
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
     runs, kept = 0, Kept(_KEPT_BYTES)
     for source in error_sources(plan) if sources is None else sources:
-        start = (base_tables, base_plan, base) if source.on_coarse else (tables, plan, summary)
+        start_tables, start = (base_tables, base) if source.on_coarse else (tables, Run(plan, summary))
         if source.known is not None:
             comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
-        others: list[tuple[float, Mapping[str, float]]] = []
+        others: list[tuple[float, Run]] = []
         source_began = perf_counter()
-        for variation in source.variations(start[1]):
-            varied = changed(start[0], variation.changes)
+        for variation in source.variations(start.plan):
+            varied = changed(start_tables, variation.changes)
             try:
                 with kept.offered():  # runs on the same cells share operators
-                    coarse_plan, coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
+                    coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
             except EigencontactError as problem:
                 left_out[source.name] = " ".join(str(problem).split())
                 break
             runs += 1
             # the planner rounds the number of cells: the ratio is that of the edges
-            ratio = variation.ratio if source.on_coarse else _edge(coarse_plan) / _edge(plan)
+            ratio = variation.ratio if source.on_coarse else _edge(coarse.plan) / _edge(plan)
             if ratio == 1.0:
                 left_out[source.name] = "the grid cannot be coarser"
                 break
-            others.append((ratio, dict(_results(coarse))))
+            others.append((ratio, coarse))
             if not source.on_coarse:
-                base_tables, base_plan, base = varied, coarse_plan, coarse
+                base_tables, base = varied, coarse
         if others:
             left_out.pop(source.name, None)
-            spent, values = perf_counter() - source_began, dict(_results(start[2]))
-            comparisons.append(Comparison(source=source, values=values, others=others, seconds=spent))
-        if fields is not None:
-            fields.vary(source, start[2], [ratio for ratio, _ in others])
+            values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in others]
+            own, spent = dict(_results(start.summary)), perf_counter() - source_began
+            comparisons.append(Comparison(source=source, values=own, others=values, seconds=spent))
+            if fields is not None:
+                fields.vary(source, start, others)
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=seconds, comparisons=comparisons)

@@ -76,15 +76,16 @@ class Share:
 
 
 def differences(
-    base: Sampled, varied: Sequence[tuple[float, Sampled]], source: ErrorSource
+    base: Sampled, varied: Sequence[tuple[float, Sampled]], source: ErrorSource, *, last: bool = False
 ) -> Iterator[tuple[float, Share]]:
     """Times of steps that all runs have, and the errors of a field there.
 
-    `varied` has the step size of each coarser run, and the field there.
+    `varied` has the step size of each coarser run, and the field there; `last` takes the last of the steps alone.
     """
     if any(len(other.axes) != len(base.axes) for _, other in varied):
         return
-    for time in sorted(set.intersection(*(set(run.positions) for run in (base, *(other for _, other in varied))))):
+    times = sorted(set.intersection(*(set(run.positions) for run in (base, *(other for _, other in varied)))))
+    for time in times[-1:] if last else times:
         values, *fields = (run.at(time) for run in (base, *(other for _, other in varied)))
         sizes, parts, places = [], [], []
         for (size, other), field in zip(varied, fields, strict=True):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from eigencontact.results.borders import Variable
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from eigencontact.accuracy.bars import Run
     from eigencontact.accuracy.sources import ErrorSource
 
 __all__ = ["FieldErrors"]
@@ -25,6 +27,15 @@ __all__ = ["FieldErrors"]
 _ROLES = {"field": True, "history": True, "region": False}
 #: At an edge a field is off by at most this part of the difference to the neighbour: the edge lies between them.
 _OF_NEIGHBOUR = 0.5
+
+
+class _Varied(NamedTuple):
+    """Coarser runs of one source, with their step sizes, and the run that they are compared with."""
+
+    source: ErrorSource
+    summary: Mapping[str, Any]
+    results: Results
+    others: Sequence[tuple[float, Run]]
 
 
 class FieldErrors:
@@ -57,79 +68,105 @@ class FieldErrors:
         self.fields: dict[str, FieldError] = {}
         self._run = run
         self._summary = summary
-        self._cells_varied = False
-        self._base = (summary, run)
-        self._new: list[tuple[Mapping[str, Any], Results]] = []
-        self._shares: dict[str, dict[str, dict[float, Share]]] = {}
-        self._numbers: dict[str, dict[str, dict[float, Estimate]]] = {}
+        self._varied: list[_Varied] = []
 
-    def keep(self, summary: Mapping[str, Any], results: Results) -> None:
-        """Take the summary and the results of a coarser run."""
-        self._new.append((summary, results))
+    def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]]) -> None:
+        """Take one source of error: coarser runs, with their step sizes in those of `base`.
 
-    def vary(self, source: ErrorSource, summary: Mapping[str, Any], sizes: Sequence[float]) -> None:
-        """Take one source of error: the runs kept since the last one, of these step sizes.
-
-        They are compared with the run of a summary: the run itself, or that with the coarsest cells. Without sizes
-        these runs are of no use.
+        They are compared with `base`: the run itself, or that with the coarsest cells.
         """
-        base = self._base[1] if summary is self._base[0] else self._run
-        others, self._new = self._new[: len(sizes)], []
-        if not others:
-            return
-        for name in _fields(self._run):
+        results = self._run if base.results is None else base.results
+        self._varied.append(_Varied(source, base.summary, results, others))
+
+    def bar(self, name: str) -> ErrorBar | None:
+        """Error of a field after the last step as that of a number, its largest value; None where it has no errors."""
+        if name not in self._run.variables or not (shares := self._shares_of(name, last=True)):
+            return None
+        values = (field := Sampled(self._run, name)).at(max(field.positions))
+        if values is None:
+            return None
+        error, _ = self._errors_at(name, field, values, max(field.positions), shares)
+        return ErrorBar(
+            value=error.largest, error=error.error, source=error.source, order=error.order, parts=error.parts
+        )
+
+    def _shares_of(self, name: str, *, last: bool = False) -> dict[str, dict[float, Share]]:
+        """Errors of a field by source and time."""
+        shares = {}
+        for source, _, base, others in self._varied:
             try:
-                parts = [(size, Sampled(results, name)) for size, (_, results) in zip(sizes, others, strict=True)]
-                shares = dict(differences(Sampled(base, name), parts, source))
+                parts = [(size, Sampled(run.results, name)) for size, run in others if run.results is not None]
+                shares[source.name] = dict(differences(Sampled(base, name), parts, source, last=last))
             except LookupError:  # not in all runs
                 continue
-            if shares:
-                self._shares.setdefault(name, {})[source.name] = shares
-        coarse = [(size, other) for size, (other, _) in zip(sizes, others, strict=True)]
-        for name, number in self._summary["numbers"].items():
-            if number["role"] == "result" and (values := dict(_histories(name, summary, coarse, source))):
-                self._numbers.setdefault(name, {})[source.name] = values
-        if not source.on_coarse:
-            self._cells_varied, self._base = True, others[-1]
+        return {source: by_time for source, by_time in shares.items() if by_time}
+
+    def _estimates_of(self, name: str) -> dict[str, dict[float, Estimate]]:
+        """Errors of a number by source and time."""
+        estimates = {
+            source.name: dict(_histories(name, summary, others, source)) for source, summary, _, others in self._varied
+        }
+        return {source: by_time for source, by_time in estimates.items() if by_time}
 
     def variables(self, bars: Mapping[str, ErrorBar]) -> Iterator[Variable]:
         """Errors of each field and of each number, in all steps; none where the cells could not be varied.
 
         In the last step a number has the error of its bar, and without a bar it has no errors.
         """
-        if not self._cells_varied:
+        if not any(not source.on_coarse for source, *_ in self._varied):
             return
-        for name in self._shares:
-            yield self._field(name)
+        for name in _fields(self._run):
+            if shares := self._shares_of(name):
+                yield self._field(name, shares)
         times = [time_of(time) for time in self._run.variables["time"].values]
-        for name, estimates in self._numbers.items():
-            if name in bars and error_name(name) not in self._run.variables:
+        for name, number in self._summary["numbers"].items():
+            if number["role"] != "result" or name not in bars or error_name(name) in self._run.variables:
+                continue
+            if estimates := self._estimates_of(name):
                 yield self._number(name, estimates, times, bars[name].error)
 
-    def _field(self, name: str) -> Variable:
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for ``summary.json``, when all `variables` have been taken."""
+        return {"field_errors": {name: error.to_dict() for name, error in self.fields.items()}}
+
+    def _field(self, name: str, shares: Mapping[str, Mapping[float, Share]]) -> Variable:
         """Error of a field at all points in all steps; that of the last step in one number is kept."""
         variable, field = self._run.variables[name], Sampled(self._run, name)
-        edged = len(field.axes) if _ROLES[variable.attrs["role"]] else 0
         total = np.full(variable.shape, np.nan, dtype=np.float32)
-        largest = ""
+        source = ""
         for time, step in field.positions.items():
             if (values := field.at(time)) is None:
                 continue
-            parts = {
-                source: np.max([shares[at].at(field.axes) for at in neighbours(sorted(shares), time)], axis=0)
-                for source, shares in self._shares[name].items()
-            }
-            total[step] = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
+            error, total[step] = self._errors_at(name, field, values, time, shares)
             if step == len(total) - 1:
-                sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
-                largest = max(sizes, key=lambda source: sizes[source])
-                order = self._shares[name][largest][max(self._shares[name][largest])].order
-                self.fields[name] = FieldError.of(values, total[-1], edged, source=largest, order=order)
+                self.fields[name], source = error, error.source
         attrs: dict[str, str | int] = {
-            "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": largest,
+            "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": source,
             "long_name": f"estimated error of: {variable.attrs['long_name']}",
         }  # fmt: skip
         return Variable(name=error_name(name), dims=tuple(variable.dims), values=total, attrs=attrs)
+
+    def _errors_at(
+        self,
+        name: str,
+        field: Sampled,
+        values: NDArray[Any],
+        time: float,
+        shares: Mapping[str, Mapping[float, Share]],
+    ) -> tuple[FieldError, NDArray[Any]]:
+        """Error of a field in one step: in one number, and at all points."""
+        edged = len(field.axes) if _ROLES[self._run.variables[name].attrs["role"]] else 0
+        parts = {
+            source: np.max([by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)], axis=0)
+            for source, by_time in shares.items()
+        }
+        errors = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
+        sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+        largest = max(sizes, key=lambda source: sizes[source])
+        order = shares[largest][max(shares[largest])].order
+        error = FieldError.of(values, errors, edged, source=largest, order=order)
+        scale = error.error / (sum(sizes.values()) or 1.0)
+        return replace(error, parts={source: scale * size for source, size in sizes.items()}), errors
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -156,7 +193,7 @@ def _fields(results: Results) -> Iterator[str]:
 def _histories(
     name: str,
     summary: Mapping[str, Any],
-    others: Sequence[tuple[float, Mapping[str, Any]]],
+    others: Sequence[tuple[float, Run]],
     source: ErrorSource,
 ) -> Iterator[tuple[float, Estimate]]:
     """Times, and the estimated error of a number there; nothing for one that does not converge."""
@@ -165,7 +202,7 @@ def _histories(
         return
     lowest, highest = (slow[0], slow[0]) if slow and not source.on_coarse else (source.lowest, source.highest)
     scatters = bool(summary["numbers"][name].get("scatters"))
-    runs = (summary, *(coarse for _, coarse in others))
+    runs = (summary, *(run.summary for _, run in others))
     values = [{time_of(row["time"]): row.get(name) for row in run.get("history", ())} for run in runs]
     for time in sorted(set.intersection(*map(set, values))):
         value, *rest = (by_time[time] for by_time in values)

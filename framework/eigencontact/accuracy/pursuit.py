@@ -8,18 +8,20 @@ from math import log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.bars import Accuracy
+from eigencontact.accuracy.bars import Accuracy, Run
 from eigencontact.accuracy.changes import changed, refined_grid
 from eigencontact.accuracy.levers import Way, cheapest, levers_of
-from eigencontact.accuracy.runs import Run, Runs, edge_of
-from eigencontact.accuracy.targets import Targets, check_names, targets_of
+from eigencontact.accuracy.runs import Runs, edge_of
+from eigencontact.accuracy.targets import Targets, check_names, is_field, targets_of, variable_of
 from eigencontact.core.memory import machine_bytes
+from eigencontact.core.numbers import ErrorBar
 from eigencontact.core.units import readable, time_in_words
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.model.resolution import cells_per_radius
 from eigencontact.model.sizes import MEMORY_SHARE
 
 if TYPE_CHECKING:
+    from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
@@ -43,23 +45,25 @@ _APART, _ORDERS = 1.2, (1.0, 2.0)
 
 @dataclass(frozen=True, kw_only=True)
 class Rung:
-    """One run on the way, with its error bars and targets."""
+    """One run on the way, with its targets, and the error bars of numbers and of fields with a target."""
 
     run: Run
     tables: Mapping[str, Any]
     seconds: float
     found: Accuracy
     targets: Targets
+    bars: Mapping[str, ErrorBar]
+    fields: FieldErrors | None = None
 
     @property
     def holds(self) -> bool:
         """Whether all targets hold by the bars."""
-        return self.targets.hold(self.found.bars)
+        return self.targets.hold(self.bars)
 
     @property
     def excess(self) -> float:
         """Errors beyond the targets."""
-        return self.targets.excess({name: self.found.bars[name].error for name in self.targets.allowed})
+        return self.targets.excess({name: self.bars[name].error for name in self.targets.allowed})
 
     def to_dict(self) -> dict[str, Any]:
         """Settings, time and bars as plain data."""
@@ -71,7 +75,7 @@ class Rung:
             "tolerance": plan.numerics.tolerance,
             "seconds": self.seconds,
             "error_seconds": self.found.seconds,
-            "errors": {name: self.found.bars[name].error for name in self.targets.allowed},
+            "errors": {name: self.bars[name].error for name in self.targets.allowed},
         }
 
 
@@ -109,7 +113,7 @@ class Answer:
         last = self.last
         accuracy: dict[str, Any] = {
             "reached": last.holds,
-            "targets": last.targets.to_dict(last.found.bars),
+            "targets": last.targets.to_dict(last.bars),
             "left_out": last.targets.left_out,
             "rungs": [rung.to_dict() for rung in self.rungs],
             "runs": self.runs.solved,
@@ -159,11 +163,15 @@ class _Course:
         """Memory that a run may take [bytes]."""
         return self.table.memory or MEMORY_SHARE * machine_bytes()
 
-    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy]) -> Rung:
+    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy, FieldErrors | None]) -> Rung:
         """Solved run with its targets."""
-        run, seconds, found = solved
-        targets = targets_of(self.table, run.summary, found)
-        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets)
+        run, seconds, found, fields = solved
+        bars = dict(found.bars)
+        for name in self.table.targets:
+            if fields is not None and is_field(name) and (bar := fields.bar(variable_of(name))) is not None:
+                bars[name] = bar
+        targets = targets_of(self.table, run.summary, found, bars)
+        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets, bars=bars, fields=fields)
 
     def pilot(self, plan: Plan) -> Rung:
         """First run; a finer one where it is refused, as cells that show nothing are."""
@@ -194,7 +202,7 @@ class _Course:
         Numbers that need more than the budget, by the orders that two rungs show, do not take part in the next one.
         """
         rung, orders = rungs[-1], _orders(rungs)
-        bars, targets = rung.found.bars, rung.targets
+        bars, targets = rung.bars, rung.targets
         levers = levers_of(rung.run.plan, self.runs.make)
         most = self.left / (
             rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.found.seconds))
@@ -220,8 +228,8 @@ def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
         return slow
     finer = edge_of(rungs[-2].run.plan) / edge_of(last.run.plan)
     found = dict[str, float]()
-    for name, bar in last.found.bars.items():
-        before = rungs[-2].found.bars.get(name)
+    for name, bar in last.bars.items():
+        before = rungs[-2].bars.get(name)
         parts = (0.0 if before is None else before.parts.get("cells", 0.0), bar.parts.get("cells", 0.0))
         if bar.order is None and finer > _APART and min(parts) > 0.0:
             found[name] = min(_ORDERS[1], max(_ORDERS[0], log(parts[0] / parts[1]) / log(finer)))

@@ -6,27 +6,20 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.bars import Accuracy, error_bars
+from eigencontact.accuracy.bars import Accuracy, Run, error_bars
 from eigencontact.accuracy.changes import changed, refined_grid
+from eigencontact.accuracy.fields import FieldErrors
 from eigencontact.accuracy.sources import Variation, error_sources
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Run", "Runs", "edge_of"]
+__all__ = ["Runs", "edge_of"]
 
 #: Grids that were solved before stand for those of the source "cells" within these ratios of their edges.
 _NEAR, _FAR, _APART = (1.4, 3.1), 5.0, 1.25
-
-
-class Run(NamedTuple):
-    """One solved discretisation; `kept` is what the caller needs to store it."""
-
-    plan: Plan
-    summary: Mapping[str, Any]
-    kept: Any = None
 
 
 def edge_of(plan: Plan) -> float:
@@ -55,8 +48,8 @@ class Runs:
     _known: dict[str, Run] = field(default_factory=dict)
     _grids: list[tuple[float, Mapping[str, Any]]] = field(default_factory=list)
 
-    def rung(self, plan: Plan, words: str) -> tuple[Run, float, Accuracy]:
-        """Run of a plan, its time without the bars [s], and its error bars."""
+    def rung(self, plan: Plan, words: str) -> tuple[Run, float, Accuracy, FieldErrors | None]:
+        """Run of a plan, its time without the bars [s], its error bars, and the errors of its fields if it has any."""
         began = perf_counter()
         run = self._solve(plan, words)
         seconds = perf_counter() - began
@@ -64,9 +57,10 @@ class Runs:
             replace(source, variations=self._cells(source.variations)) if source.name == "cells" else source
             for source in error_sources(run.plan)
         ]
-        return run, seconds, error_bars(run.plan, run.summary, self._coarse, sources=sources)
+        fields = None if run.results is None else FieldErrors(run.results, run.summary)
+        return run, seconds, error_bars(run.plan, run.summary, self._coarse, fields, sources=sources), fields
 
-    def _coarse(self, tables: Mapping[str, Any], words: str) -> tuple[Plan, Mapping[str, Any]]:
+    def _coarse(self, tables: Mapping[str, Any], words: str) -> Run:
         """Run that a bar compares with, solved now or before."""
         plan = self.make(tables)
         known = self._known.get(_key(plan))
@@ -74,7 +68,7 @@ class Runs:
             known = self._solve(plan, f"error bars: {words}")
         else:
             self.reused += 1
-        return known.plan, known.summary
+        return known
 
     def _solve(self, plan: Plan, words: str) -> Run:
         run = self.solve(plan, words)

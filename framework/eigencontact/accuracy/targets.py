@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.sources import SOURCES
 from eigencontact.core.numbers import ErrorBar, Number
+from eigencontact.core.quantities import QUANTITIES, unit_of
 from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import SceneError, nearest
 from eigencontact.scene.accuracy import part_of
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
-__all__ = ["ZERO", "Targets", "scales_of", "targets_of"]
+__all__ = ["ZERO", "Targets", "is_field", "scales_of", "targets_of", "variable_of"]
 
 #: Numbers below this part of the largest of their unit are zero by symmetry: the tolerance of the solvers is 1e-6.
 ZERO = 1e-5
@@ -67,6 +68,7 @@ class Targets:
             name: {
                 "target": self.texts[name],
                 "allowed": limit,
+                "value": bars[name].value,
                 "error": bars[name].error,
                 "holds": bars[name].error <= limit,
             }
@@ -74,14 +76,45 @@ class Targets:
         }
 
 
+def is_field(name: str) -> bool:
+    """Whether a target is that of a field of a region: ``"von_mises.section"``."""
+    return "." in name
+
+
+def variable_of(name: str) -> str:
+    """Variable of the results that a target of a field is about.
+
+    Examples
+    --------
+    >>> variable_of("von_mises.section")
+    'section_von_mises'
+    """
+    quantity, _, region = name.partition(".")
+    return f"{region}_{quantity}"
+
+
+def _key(name: str) -> str:
+    """Name of a number or field as a scene writes it.
+
+    Examples
+    --------
+    >>> _key("max_pressure"), _key("von_mises.upper_half")
+    ('max-pressure', 'von-mises.upper_half')
+    """
+    quantity, *region = name.split(".")
+    return ".".join([quantity.replace("_", "-"), *region])
+
+
 def check_names(table: Table, plan: Plan) -> None:
-    """Refuse targets of numbers that a run does not have, before anything is computed."""
+    """Refuse targets of numbers and fields that a run does not have, before anything is computed."""
     declared = _declared(plan)
     for name, target in table.targets.items():
-        key, number = name.replace("_", "-"), declared.get(name)
+        key, number = _key(name), declared.get(name)
         if number is None or number.role != "result":
-            keys = [known.replace("_", "-") for known, other in declared.items() if other.role == "result"]
-            got = "no number of this name" if number is None else _KINDS[number.role]
+            keys = [_key(known) for known, other in declared.items() if other.role == "result"]
+            got = f"no {'field' if is_field(name) else 'number'} of this name"
+            if number is not None:
+                got = _KINDS[number.role]
             raise SceneError(
                 f"accuracy.{key} must be a result of the scene (got {got}); ask for one of {', '.join(keys)}"
                 f"{nearest(key, keys)}"
@@ -90,8 +123,8 @@ def check_names(table: Table, plan: Plan) -> None:
             _in_unit(target, number)
 
 
-def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Targets:
-    """Allowed errors of a run with its error bars.
+def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: Mapping[str, ErrorBar]) -> Targets:
+    """Allowed errors of a run with its error bars; `bars` has those of fields with a target, too.
 
     Raises
     ------
@@ -100,15 +133,16 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
         what can be asked for instead.
     """
     declared = {name: Number(**number) for name, number in summary["numbers"].items()}
+    declared |= {name: _of_field(name) for name in table.targets if is_field(name)}
     scales = scales_of(summary)
     allowed, texts, left_out = dict[str, float](), dict[str, str](), dict[str, str]()
     main = [name for name, number in declared.items() if number.headline and number.role == "result"]
-    able = [name for name in main if not _reason(declared[name], found, scales)]
+    able = [name for name in main if not _reason(declared[name], found, bars, scales)]
     wanted = {name: table.numbers for name in main if table.numbers is not None} | table.targets
     for name, target in wanted.items():
-        number, key = declared.get(name), name.replace("_", "-")
+        number, key = declared.get(name), _key(name)
         absolute = part_of(target) is None
-        reason = "the run has no such number" if number is None else _reason(number, found, scales)
+        reason = "the run has no such number" if number is None else _reason(number, found, bars, scales)
         if absolute and reason == _AT_ZERO:
             reason = ""
         if reason and name in table.targets:
@@ -123,7 +157,7 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy) -> Tar
         if reason or number is None:
             left_out[name] = reason
             continue
-        part, bar = part_of(target), found.bars[name]
+        part, bar = part_of(target), bars[name]
         limit = _in_unit(target, number) if part is None else part * abs(bar.value)
         fixed = sum(error for source, error in bar.parts.items() if source in _FIXED)
         if fixed > limit:
@@ -152,13 +186,13 @@ _KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated 
 _AT_ZERO = "zero by symmetry, and a part of zero is nothing"
 
 
-def _reason(number: Number, found: Accuracy, scales: Mapping[str, float]) -> str:
+def _reason(number: Number, found: Accuracy, bars: Mapping[str, ErrorBar], scales: Mapping[str, float]) -> str:
     """Why a number can have no target; empty where it can."""
     if number.role != "result":
         return f"it is {_KINDS[number.role]}"
     if number.name in found.left_out:
         return f"it does not converge: {found.left_out[number.name]}"
-    bar = found.bars.get(number.name)
+    bar = bars.get(number.name)
     if bar is None:
         lacking = "; ".join(f"{source}: {words}" for source, words in found.left_out.items())
         return f"it has no error bar{lacking and f' ({lacking})'}"
@@ -179,7 +213,7 @@ def _instead(able: Iterable[str], reason: str) -> str:
 
 def _in_unit(target: float | str, number: Number) -> float:
     """Error with a unit in that of its number."""
-    key = number.name.replace("_", "-")
+    key = _key(number.name)
     if number.unit in ("1", "unknown"):
         raise SceneError(f'accuracy.{key} must be a part of the number, like "1 %", as it has no unit (got {target!r})')
     unit = number.unit.replace("m2", "m^2").replace("m3", "m^3").replace(" ", "*")
@@ -190,9 +224,19 @@ def _in_unit(target: float | str, number: Number) -> float:
 
 
 def _declared(plan: Plan) -> dict[str, Number]:
-    """Every number that a run may have, those of its observers too."""
-    observed = plan.observed
-    return {**plan.numbers, **observed}
+    """Every number that a run may have, those of its observers too, and the fields of its regions."""
+    fields = [
+        f"{quantity}.{request.label}"
+        for request in plan.scene.stress
+        for quantity in (*request.fields, *request.quantities)
+    ]
+    return {**plan.numbers, **plan.observed, **{name: _of_field(name) for name in fields}}
+
+
+def _of_field(name: str) -> Number:
+    """Declaration of a field of a region, like that of a number: its largest value has the error of the field."""
+    quantity, _, region = name.partition(".")
+    return Number(name=name, unit=unit_of(quantity), meaning=f"{QUANTITIES[quantity].long_name}, region {region}")
 
 
 def scales_of(summary: Mapping[str, Any]) -> dict[str, float]:

@@ -29,7 +29,7 @@ def missed(summary: Mapping[str, Any]) -> str:
     found = summary["accuracy"]
     declared = {name: Number(**table) for name, table in summary["numbers"].items()}
     texts = [
-        f"{name} has an error of {_error(declared[name], row, summary)}, {row['target']} asked for"
+        f"{name} has an error of {_error(declared.get(name), row)}, {row['target']} asked for"
         for name, row in found["targets"].items()
         if not row["holds"]
     ]
@@ -41,6 +41,8 @@ def missed(summary: Mapping[str, Any]) -> str:
     return "; ".join([*texts, found["stopped"]])
 
 
-def _error(number: Number, row: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
-    value = summary["errors"][number.name]["value"]
-    return f"{100 * row['error'] / abs(value):.2g} %" if value else number.text(row["error"])
+def _error(number: Number | None, row: Mapping[str, Any]) -> str:
+    """Error of a number, or of a field, which is never zero, in parts of it."""
+    if row["value"] or number is None:
+        return f"{100 * row['error'] / abs(row['value']):.2g} %"
+    return number.text(row["error"])

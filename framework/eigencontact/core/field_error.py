@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,8 @@ class FieldError:
         Part of the discretisation with the largest share in `error`.
     order : float, optional
         Order with which that share was observed to fall, of the field as a whole.
+    parts : dict of str to float
+        Share of every part of the discretisation in `error`.
     """
 
     largest: float
@@ -54,6 +56,7 @@ class FieldError:
     worst: float
     source: str = ""
     order: float | None = None
+    parts: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, values: NDArray[Any], errors: NDArray[Any], edged: int, **more: Any) -> FieldError:

@@ -49,7 +49,21 @@ def _target(value: Any) -> Any:
     return value
 
 
+def _entry(value: Any) -> Any:
+    """Refuse what can be neither a target of a number nor a table of targets of a field by region."""
+    if not isinstance(value, Mapping):
+        return _target(value)
+    try:
+        targets = {str(region).replace("-", "_"): _target(target) for region, target in value.items()}
+    except ValueError:
+        targets = {}
+    if not targets:
+        raise ValueError(f"a table of targets by region, each {_RULE}")
+    return targets
+
+
 Target = Annotated[float | str, BeforeValidator(_target)]
+Entry = Annotated[float | str | dict[str, float | str], BeforeValidator(_entry)]
 
 
 class Accuracy(Table):
@@ -59,7 +73,8 @@ class Accuracy(Table):
     ----------
     numbers : float or text, optional
         Error of all main results, ``"1 %"``. Any further key is the name of a number of the summary with an error of
-        its own: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``.
+        its own: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``. A field of a region has one by both names:
+        ``stress.section = "3 %"``, in parts of its largest value.
     time : float, optional
         Time that the run may take, 10 minutes by default; it then says what it has reached, and what more would cost.
     memory : float, optional
@@ -67,7 +82,7 @@ class Accuracy(Table):
     """
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Target] = Field(init=False)
+    __pydantic_extra__: dict[str, Entry] = Field(init=False)
 
     numbers: Target | None = None
     time: Annotated[float, Unit("s", "a time"), AfterValidator(positive("s"))] | None = None
@@ -81,8 +96,12 @@ class Accuracy(Table):
 
     @property
     def targets(self) -> dict[str, float | str]:
-        """Targets of single numbers, by their names in the summary."""
-        return {name.replace("-", "_"): target for name, target in (self.__pydantic_extra__ or {}).items()}
+        """Targets of single numbers by their names in the summary, and of fields, like ``"von_mises.section"``."""
+        targets: dict[str, float | str] = {}
+        for key, entry in (self.__pydantic_extra__ or {}).items():
+            name = key.replace("-", "_")
+            targets |= {f"{name}.{at}": of for at, of in entry.items()} if isinstance(entry, dict) else {name: entry}
+        return targets
 
 
 def accuracy_table(asked: Any) -> dict[str, Any]:

@@ -42,11 +42,11 @@ def solved(tables: Mapping[str, Any], factor: float = 2.0) -> dict[str, Any]:
         The scene or its judge cannot be solved.
     """
     from eigencontact import app
-    from eigencontact.accuracy.bars import error_bars
+    from eigencontact.accuracy.bars import Run, error_bars
 
-    def solve(coarser: Mapping[str, Any], _: str) -> tuple[Any, Mapping[str, Any]]:
+    def solve(coarser: Mapping[str, Any], _: str) -> Run:
         coarse = app.plan(coarser)
-        return coarse, app.run(coarse).summary
+        return Run(coarse, app.run(coarse).summary)
 
     planned = app.plan(tables)
     result = app.run(planned)

@@ -157,7 +157,7 @@ def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: fl
 
 
 def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, claimed: bool) -> Iterator[MapFinding]:
-    """Numbers of a run with error bars."""
+    """Numbers of a run with error bars, with the verdict of `eigencontact verify`."""
     from eigencontact_verification.audit.numbers import compared_numbers
     from eigencontact_verification.audit.stored import bars_of, read_step
     from eigencontact_verification.crosscheck.comparison import Comparison
@@ -167,9 +167,8 @@ def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, cla
     for row in (row for case in compared for row in case.rows):
         assert isinstance(row, Comparison)
         scale = abs(row.simulation)
-        word, reason = word_of(abs(row.error) / scale, row.u_fe / scale, tolerance)
         yield MapFinding(
-            quantity=row.profile, word=word, reason=reason, tolerance=tolerance, claimed=claimed,
+            quantity=row.profile, word=row.word, reason=row.reason, tolerance=tolerance, claimed=claimed,
             error=abs(row.error) / scale, uncertainty=row.u_fe / scale, value=row.simulation, reference=row.reference,
             scale=scale, own=row.u_sa / scale,
         )  # fmt: skip

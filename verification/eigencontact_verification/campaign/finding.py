@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
 
 from eigencontact_verification.campaign.runs import Point
 from eigencontact_verification.reporting.verdict import Finding, largest, percent, worst
@@ -15,7 +14,7 @@ __all__ = ["Judged", "MapFinding"]
 class MapFinding(Finding):
     """Verdict on one quantity at one point."""
 
-    tolerance: float  #: see `eigencontact_verification.reporting.verdict.word_of`
+    tolerance: float  #: see `eigencontact_verification.reporting.verdict.verdict_on`
     claimed: bool  #: whether agreement is claimed here
     error: float | None = None  #: largest |model - reference|, as `uncertainty` a part of the scale
     value: float | None = None  #: number of the model, where the quantity is a single number
@@ -26,16 +25,6 @@ class MapFinding(Finding):
     def numbers(self) -> str:
         """Error and uncertainty in per cent."""
         return f"{percent(self.error)} ± {percent(self.uncertainty)}"
-
-    @property
-    def words(self) -> str:
-        """Reason, and what the error bars of the model make of its error."""
-        if self.own is None or self.error is None or self.uncertainty is None:
-            return self.reason
-        u_val = hypot(self.own, self.uncertainty)
-        if self.error <= u_val:
-            return f"{self.reason}; not told from the numerical error of both, u_val = {percent(u_val)}"
-        return f"{self.reason}; model error {percent(self.error)} ± {percent(u_val)} beside the numerical error of both"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -37,7 +37,8 @@ _METHOD = (
     "Errors are largest differences on what is compared, as parts of the scale of the quantity; after ± stands the "
     "reference's own uncertainty, from three refinements. A point agrees where error and uncertainty together are "
     "within the tolerance, disagrees where the error is beyond it even less the uncertainty, and is inconclusive "
-    "between, which is no agreement. Disagreement outside of what is claimed is a finding; inside it is a fault."
+    "between, which is no agreement. A quantity with an error bar, u_SA, has the "
+    "verdict of ASME V&V 20 instead. Disagreement outside of what is claimed is a finding; inside it is a fault."
 )
 _TRADE_METHOD = (
     "Times are wall times when each was computed, those of the reference of its finest solution and of all solutions "
@@ -97,7 +98,7 @@ def _rows(found: Sequence[Judged]) -> list[tuple[str, ...]]:
         (
             one.point.label, "yes" if finding.claimed else "no", finding.quantity,
             f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
-            percent(finding.own), percent(finding.tolerance), finding.words,
+            percent(finding.own), percent(finding.tolerance), finding.reason,
         )
         for one in found
         for finding in one.findings

@@ -12,7 +12,7 @@ import numpy as np
 from eigencontact.errors import SceneError
 from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.fem.uncertainty import estimate
-from eigencontact_verification.reporting.verdict import largest, word_of
+from eigencontact_verification.reporting.verdict import largest, verdict_on
 from eigencontact_verification.studies.errors import Errors, error_of, errors_at_end
 from eigencontact_verification.studies.formula import Context, evaluate
 
@@ -75,14 +75,15 @@ def _found(quantity: Quantity, contexts: list[Context], ratio: float, bars: Erro
     scale = _scale(quantity, found.value, contexts[-1])
     error = float(np.abs(model - found.value).max()) / scale
     uncertainty = float(found.uncertainty.max()) / scale
-    word, reason = word_of(error, uncertainty, quantity.tolerance)
-    own = error_of(quantity.formula, contexts[0], bars)
+    bar = error_of(quantity.formula, contexts[0], bars)
+    own = None if bar is None else float(bar.max()) / scale
+    word, reason = verdict_on(error, uncertainty, quantity.tolerance, own)
     single = len(model) == 1
     return MapFinding(
         quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
         uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
         reference=float(found.value[0, 0]) if single else None, scale=scale,
-        own=None if own is None else float(own.max()) / scale,
+        own=own,
     )  # fmt: skip
 
 

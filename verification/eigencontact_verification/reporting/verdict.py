@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-__all__ = ["MARKS", "WORDS", "Finding", "largest", "percent", "validated", "word_of", "worst"]
+__all__ = ["MARKS", "WORDS", "Finding", "largest", "percent", "validated", "verdict_on", "word_of", "worst"]
 
 #: Verdicts from worst to best; only the last is agreement. "failed": a solution is missing.
 WORDS = ("disagrees", "failed", "inconclusive", "agrees")
@@ -55,6 +55,21 @@ def word_of(error: float, uncertainty: float, tolerance: float) -> tuple[str, st
     if error - uncertainty > tolerance:
         return "disagrees", "the error exceeds the tolerance by more than the uncertainty"
     return "inconclusive", "the uncertainty of the reference reaches across the tolerance"
+
+
+def verdict_on(error: float, uncertainty: float, tolerance: float, own: float | None) -> tuple[str, str]:
+    """Verdict on an error at a tolerance; after ASME V&V 20 where the numerical error of the judged side is known.
+
+    Examples
+    --------
+    >>> verdict_on(0.01, 0.005, 0.02, None)[1]
+    'error and uncertainty are within the tolerance'
+    >>> verdict_on(0.01, 0.003, 0.02, 0.004)[1]
+    'model or implementation error E ± u_val = 1 % ± 0.5 %'
+    """
+    if own is None:
+        return word_of(error, uncertainty, tolerance)
+    return validated(error, math.hypot(own, uncertainty))
 
 
 def validated(error: float, uncertainty: float) -> tuple[str, str]:
