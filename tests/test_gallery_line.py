@@ -6,16 +6,32 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
+from eigencontact_verification.oracles.bulk_slip import moved_stick_zone
 from eigencontact_verification.oracles.line_contact import (
     cattaneo_shear,
     cattaneo_stick,
     hertz_cylinder,
+    hertz_pressure,
     rounded_punch_pressure,
+    stress_under,
 )
+
+
+def turns(increments, parts):
+    """Changes of a scene whose third table is a cycle: increments of each of its parts."""
+    return [f"steps.2.cycle.{part}.increments={increments}" for part in range(parts)]
+
 
 #: Coarser cells and fewer increments, so that each scene takes a part of a second.
 COARSER = {
     "cylinder-fretting": ["grid.cells-per-contact-radius=64", *(f"steps.{k}.increments=4" for k in (1, 2, 3))],
+    "fretting-fatigue": ["stress.0.depth-cells=30", "steps.1.increments=4", *turns(6, 2)],
+    "fretting-fatigue-out-of-phase": [
+        "stress.0.depth-cells=6",
+        "steps.1.increments=4",
+        *turns(3, 4),
+        "steps.2.repeat=1",
+    ],
     "coated-cylinder": ["grid.cells-per-contact-radius=24", "stress.0.depth-cells=6"],
     "plastic-line-contact": [
         "grid.cells-per-contact-radius=10",
@@ -31,6 +47,7 @@ def test_every_bundled_line_contact_is_tested():
     assert [name for name in bundled_names() if ec.load_scene(name).grid.line] == sorted(COARSER)
 
 
+@pytest.mark.usefixtures("small_pictures")
 @pytest.mark.parametrize("name", COARSER)
 def test_certificates_units_and_pictures(name, finished):
     result = finished(name, *COARSER[name], stored=True)
@@ -56,6 +73,55 @@ def test_fretting_of_a_cylinder(finished):
     error = data.shear_x.values[turn, 0] - expected
     assert np.sqrt(np.mean(error**2)) < 5e-3 * 0.8 * p0
     assert float(data.stick_radius[turn]) == close(c * a, abs=a / 64)
+
+
+def bulk_slip_shear(x, a, p0, stick, middle):
+    """Shear at full load, 0.8 p less that of the stick zone, whose middle lies beside that of the contact."""
+    return 0.8 * (hertz_pressure(x, a, p0) - hertz_pressure(np.asarray(x) - middle, stick * a, stick * p0))
+
+
+def test_fretting_fatigue_in_phase(finished):
+    """Shear and stick zone by Nowell and Hills, and the stress of their tractions near the hot spot, at both turns."""
+    result = finished("fretting-fatigue", *COARSER["fretting-fatigue"], stored=True)
+    data, modulus = result.dataset, 119e9 / (1 - 0.3**2)
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
+    c = cattaneo_stick(400.0, 150.0, 0.8)
+    middle = moved_stick_zone(200e6 / modulus, a, 0.8, p0, modulus)
+    assert (c, middle / a) == (close(0.7289, abs=5e-5), close(0.0685, abs=5e-5))
+    x, full, back = data.x.values, 4, 10
+    for step, sign in ((full, 1.0), (back, -1.0), (16, 1.0)):
+        assert data.bulk_stress_xx.values[step] == sign * 200e6
+        error = sign * data.shear_x.values[step, 0] - bulk_slip_shear(x, a, p0, c, middle)
+        assert np.sqrt(np.mean(error**2)) < 1e-2 * 0.8 * p0
+        sticks = x[data.contact_zone.values[step, 0] == 2]
+        assert 0.5 * (sticks[0] + sticks[-1]) == close(middle, abs=a / 64)
+    assert result.summary["fatigue_crossland_x"] == close(-a, rel=0.05)  # the trailing edge while the machine pulls
+    column = int(np.argmin(np.abs(x + a)))
+    for step, sign in ((full, 1.0), (back, -1.0)):
+        expected = stress_under(
+            lambda s: hertz_pressure(s, a, p0), lambda s, sign=sign: sign * bulk_slip_shear(s, a, p0, c, middle),
+            float(x[column]), 20e-6, (-a, middle - c * a, middle + c * a, a),
+        )  # fmt: skip
+        expected[0] += sign * 200e6
+        stress = data.section_stress.values[step][[0, 2, 4], 2, column]
+        np.testing.assert_allclose(stress, expected, rtol=0, atol=0.01 * p0)
+
+
+def test_fretting_fatigue_out_of_phase(finished):
+    """The stick zone while the fretting load passes through zero: partial unloading at twice the friction."""
+    changes = COARSER["fretting-fatigue-out-of-phase"]
+    data = finished("fretting-fatigue-out-of-phase", *changes, stored=True).dataset
+    modulus = 119e9 / (1 - 0.3**2)
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
+    middle, half_width = moved_stick_zone(200e6 / modulus, a, 2 * 0.8, p0, modulus), np.sqrt(1 - 150 / (2 * 320))
+    assert (half_width, middle / a) == (close(0.875, abs=5e-5), close(0.0342, abs=6e-5))
+    x = data.x.values
+    for step, bulk in ((7, 200e6), (13, -200e6)):  # the change of bulk stress opposes that of the load
+        assert abs(data.tangential_load_x.values[step]) < 1e-6
+        assert data.bulk_stress_xx.values[step] == bulk
+        sticks = x[data.contact_zone.values[step, 0] == 2]
+        assert 0.5 * (sticks[0] + sticks[-1]) == close(-middle, abs=a / 64)
+        assert np.ptp(sticks) / (2 * a) == close(half_width, abs=1.5 / 64)
 
 
 def test_coated_cylinder_lies_between_its_materials(finished):
