@@ -12,6 +12,7 @@ from eigencontact_verification.oracles.line_contact import (
     cattaneo_stick,
     hertz_cylinder,
     hertz_pressure,
+    hertz_stress,
     rounded_punch_pressure,
     stress_under,
 )
@@ -39,6 +40,7 @@ COARSER = {
         "stress.0.depth-cells=15",
         *(f"steps.{k}.increments={n}" for k, n in ((0, 1), (1, 4), (2, 2))),
     ],
+    "rolling-line": ["grid.cells=81", "grid.spacing=26.25 um", "stress.0.depth-cells=30"],
     "rounded-line-punch": ["grid.cells=256", "stress.0.depth-cells=40"],
 }
 
@@ -147,6 +149,26 @@ def test_a_print_stays_below_a_cylinder(finished):
     middle = 0.5 * (stress[0][:, stress.shape[2] // 2] + stress[0][:, (stress.shape[2] - 1) // 2])
     assert middle.min() < -50e6 < 0.0  # compressed along x where the body has flowed most
     assert depth[int(middle.argmin())] > 0.0
+
+
+def test_criteria_below_a_rolling_cylinder(finished):
+    """Converged values of a whole passage; the shear of each step in closed form; no warning of an edge far below it."""
+    result = finished("rolling-line", *COARSER["rolling-line"], stored=True)
+    data = result.dataset
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * 210e9 / (1 - 0.3**2))
+    assert (a, p0) == (close(210.1e-6, rel=5e-4), close(1212e6, rel=5e-4))
+    middle, depth = data.section_x.size // 2, data.section_z.values / a
+    assert abs(data.section_x.values[middle]) < 1e-12
+    for row, crossland, dang_van in ((6, 0.2362, 0.1523), (10, 0.2500, 0.1692), (18, 0.2268, 0.1617)):
+        assert depth[row] == close(row / 20, rel=1e-3)
+        values = [data[f"section_fatigue_{key}"].values[row, middle] * 400e6 / p0 for key in ("crossland", "dang_van")]
+        assert values[0] == close(crossland, rel=2e-3)
+        assert values[1] == close(dang_van, rel=2e-2)
+        place = np.linspace(630e-6, -630e-6, 49) / a
+        expected = p0 * hertz_stress(place, depth[row])[2]
+        np.testing.assert_allclose(data.section_stress.values[:49, 4, row, middle], expected, rtol=0, atol=2e-3 * p0)
+    assert result.summary["fatigue_crossland_depth"] == close(0.5 * a, rel=0.06)
+    assert not [warning for warning in result.summary["warnings"] if warning["code"].startswith("fatigue")]
 
 
 def test_punch_with_rounded_edges(finished):
