@@ -152,7 +152,7 @@ def test_a_print_stays_below_a_cylinder(finished):
 
 
 def test_criteria_below_a_rolling_cylinder(finished):
-    """Converged values of a whole passage; the shear of each step in closed form; no warning of an edge far below it."""
+    """Converged values of a whole passage; the shear of each step in closed form; no warning of an edge far away."""
     result = finished("rolling-line", *COARSER["rolling-line"], stored=True)
     data = result.dataset
     a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * 210e9 / (1 - 0.3**2))
