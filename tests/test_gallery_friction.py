@@ -12,7 +12,7 @@ from eigencontact_verification.oracles import spence
 COARSER = {
     "cattaneo-mindlin": ["grid.cells-per-contact-radius=24", "steps.1.increments=1", "stress.0.depth-cells=12"],
     "gross-slip": ["grid.cells-per-contact-radius=16", "steps.1.increments=4"],
-    "fretting-fatigue": ["grid.cells-per-contact-radius=10", "stress.0.depth-cells=6"],
+    "fretting-fatigue-ball": ["grid.cells-per-contact-radius=10", "stress.0.depth-cells=6"],
     "fretting-mode-1": ["grid.cells-per-contact-radius=20", "steps.1.increments=5"],
     "fretting-mode-2": ["grid.cells-per-contact-radius=20"],
     "fretting-mode-3": ["grid.cells-per-contact-radius=20", *(f"steps.{k}.increments={4 * k}" for k in (1, 2))],
@@ -143,9 +143,9 @@ def test_rough_surface_friction(finished):
     assert float(np.abs(data.shear_x[4]).max()) > 0.05 * float(data.pressure[4].max())
 
 
-def test_fretting_fatigue(finished):
+def test_fretting_fatigue_of_a_ball(finished):
     """Half a cycle later loads, bulk stress and shear have changed sign; it slips on one side in turn."""
-    data = finished("fretting-fatigue").dataset
+    data = finished("fretting-fatigue-ball").dataset
     shear, bound = data.shear_x.values, data.shear_bound.values
     np.testing.assert_allclose(shear[21], -shear[15], rtol=0.0, atol=1e-3 * bound.max())
     np.testing.assert_allclose(shear[24], -shear[18], rtol=0.0, atol=1e-3 * bound.max())

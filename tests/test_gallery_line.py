@@ -6,16 +6,33 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
+from eigencontact_verification.oracles.bulk_slip import moved_stick_zone
 from eigencontact_verification.oracles.line_contact import (
     cattaneo_shear,
     cattaneo_stick,
     hertz_cylinder,
+    hertz_pressure,
+    hertz_stress,
     rounded_punch_pressure,
+    stress_under,
 )
+
+
+def turns(increments, parts):
+    """Changes of a scene whose third table is a cycle: increments of each of its parts."""
+    return [f"steps.2.cycle.{part}.increments={increments}" for part in range(parts)]
+
 
 #: Coarser cells and fewer increments, so that each scene takes a part of a second.
 COARSER = {
     "cylinder-fretting": ["grid.cells-per-contact-radius=64", *(f"steps.{k}.increments=4" for k in (1, 2, 3))],
+    "fretting-fatigue": ["stress.0.depth-cells=30", "steps.1.increments=4", *turns(6, 2)],
+    "fretting-fatigue-out-of-phase": [
+        "stress.0.depth-cells=6",
+        "steps.1.increments=4",
+        *turns(3, 4),
+        "steps.2.repeat=1",
+    ],
     "coated-cylinder": ["grid.cells-per-contact-radius=24", "stress.0.depth-cells=6"],
     "plastic-line-contact": [
         "grid.cells-per-contact-radius=10",
@@ -23,6 +40,7 @@ COARSER = {
         "stress.0.depth-cells=15",
         *(f"steps.{k}.increments={n}" for k, n in ((0, 1), (1, 4), (2, 2))),
     ],
+    "rolling-line": ["grid.cells=81", "grid.spacing=26.25 um", "stress.0.depth-cells=30"],
     "rounded-line-punch": ["grid.cells=256", "stress.0.depth-cells=40"],
 }
 
@@ -31,6 +49,7 @@ def test_every_bundled_line_contact_is_tested():
     assert [name for name in bundled_names() if ec.load_scene(name).grid.line] == sorted(COARSER)
 
 
+@pytest.mark.usefixtures("small_pictures")
 @pytest.mark.parametrize("name", COARSER)
 def test_certificates_units_and_pictures(name, finished):
     result = finished(name, *COARSER[name], stored=True)
@@ -58,6 +77,55 @@ def test_fretting_of_a_cylinder(finished):
     assert float(data.stick_radius[turn]) == close(c * a, abs=a / 64)
 
 
+def bulk_slip_shear(x, a, p0, stick, middle):
+    """Shear at full load, 0.8 p less that of the stick zone, whose middle lies beside that of the contact."""
+    return 0.8 * (hertz_pressure(x, a, p0) - hertz_pressure(np.asarray(x) - middle, stick * a, stick * p0))
+
+
+def test_fretting_fatigue_in_phase(finished):
+    """Shear and stick zone by Nowell and Hills, and the stress of their tractions near the hot spot, at both turns."""
+    result = finished("fretting-fatigue", *COARSER["fretting-fatigue"], stored=True)
+    data, modulus = result.dataset, 119e9 / (1 - 0.3**2)
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
+    c = cattaneo_stick(400.0, 150.0, 0.8)
+    middle = moved_stick_zone(200e6 / modulus, a, 0.8, p0, modulus)
+    assert (c, middle / a) == (close(0.7289, abs=5e-5), close(0.0685, abs=5e-5))
+    x, full, back = data.x.values, 4, 10
+    for step, sign in ((full, 1.0), (back, -1.0), (16, 1.0)):
+        assert data.bulk_stress_xx.values[step] == sign * 200e6
+        error = sign * data.shear_x.values[step, 0] - bulk_slip_shear(x, a, p0, c, middle)
+        assert np.sqrt(np.mean(error**2)) < 1e-2 * 0.8 * p0
+        sticks = x[data.contact_zone.values[step, 0] == 2]
+        assert 0.5 * (sticks[0] + sticks[-1]) == close(middle, abs=a / 64)
+    assert result.summary["fatigue_crossland_x"] == close(-a, rel=0.05)  # the trailing edge while the machine pulls
+    column = int(np.argmin(np.abs(x + a)))
+    for step, sign in ((full, 1.0), (back, -1.0)):
+        expected = stress_under(
+            lambda s: hertz_pressure(s, a, p0), lambda s, sign=sign: sign * bulk_slip_shear(s, a, p0, c, middle),
+            float(x[column]), 20e-6, (-a, middle - c * a, middle + c * a, a),
+        )  # fmt: skip
+        expected[0] += sign * 200e6
+        stress = data.section_stress.values[step][[0, 2, 4], 2, column]
+        np.testing.assert_allclose(stress, expected, rtol=0, atol=0.01 * p0)
+
+
+def test_fretting_fatigue_out_of_phase(finished):
+    """The stick zone while the fretting load passes through zero: partial unloading at twice the friction."""
+    changes = COARSER["fretting-fatigue-out-of-phase"]
+    data = finished("fretting-fatigue-out-of-phase", *changes, stored=True).dataset
+    modulus = 119e9 / (1 - 0.3**2)
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
+    middle, half_width = moved_stick_zone(200e6 / modulus, a, 2 * 0.8, p0, modulus), np.sqrt(1 - 150 / (2 * 320))
+    assert (half_width, middle / a) == (close(0.875, abs=5e-5), close(0.0342, abs=6e-5))
+    x = data.x.values
+    for step, bulk in ((7, 200e6), (13, -200e6)):  # the change of bulk stress opposes that of the load
+        assert abs(data.tangential_load_x.values[step]) < 1e-6
+        assert data.bulk_stress_xx.values[step] == bulk
+        sticks = x[data.contact_zone.values[step, 0] == 2]
+        assert 0.5 * (sticks[0] + sticks[-1]) == close(-middle, abs=a / 64)
+        assert np.ptp(sticks) / (2 * a) == close(half_width, abs=1.5 / 64)
+
+
 def test_coated_cylinder_lies_between_its_materials(finished):
     summary = finished("coated-cylinder", *COARSER["coated-cylinder"], stored=True).summary
     substrate, coating = (hertz_cylinder(200e3, 0.01, E / (1 - nu**2)) for E, nu in ((210e9, 0.3), (400e9, 0.25)))
@@ -81,6 +149,26 @@ def test_a_print_stays_below_a_cylinder(finished):
     middle = 0.5 * (stress[0][:, stress.shape[2] // 2] + stress[0][:, (stress.shape[2] - 1) // 2])
     assert middle.min() < -50e6 < 0.0  # compressed along x where the body has flowed most
     assert depth[int(middle.argmin())] > 0.0
+
+
+def test_criteria_below_a_rolling_cylinder(finished):
+    """Converged values of a whole passage; the shear of each step in closed form; no warning of an edge far away."""
+    result = finished("rolling-line", *COARSER["rolling-line"], stored=True)
+    data = result.dataset
+    a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * 210e9 / (1 - 0.3**2))
+    assert (a, p0) == (close(210.1e-6, rel=5e-4), close(1212e6, rel=5e-4))
+    middle, depth = data.section_x.size // 2, data.section_z.values / a
+    assert abs(data.section_x.values[middle]) < 1e-12
+    for row, crossland, dang_van in ((6, 0.2362, 0.1523), (10, 0.2500, 0.1692), (18, 0.2268, 0.1617)):
+        assert depth[row] == close(row / 20, rel=1e-3)
+        values = [data[f"section_fatigue_{key}"].values[row, middle] * 400e6 / p0 for key in ("crossland", "dang_van")]
+        assert values[0] == close(crossland, rel=2e-3)
+        assert values[1] == close(dang_van, rel=2e-2)
+        place = np.linspace(630e-6, -630e-6, 49) / a
+        expected = p0 * hertz_stress(place, depth[row])[2]
+        np.testing.assert_allclose(data.section_stress.values[:49, 4, row, middle], expected, rtol=0, atol=2e-3 * p0)
+    assert result.summary["fatigue_crossland_depth"] == close(0.5 * a, rel=0.06)
+    assert not [warning for warning in result.summary["warnings"] if warning["code"].startswith("fatigue")]
 
 
 def test_punch_with_rounded_edges(finished):

@@ -5,6 +5,7 @@ import pytest
 import xarray
 
 import eigencontact as ec
+from close import close
 
 SMALL = ["grid.cells-per-contact-radius=8", "observers=[]"]
 SMALL += [f"steps.{k}.increments={n}" for k, n in ((1, 2), (2, 3), (3, 3))]
@@ -79,3 +80,16 @@ def test_command_stores_the_map_with_fatigue_and_arrest(tmp_path):
     with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as data:
         assert 0 < float(data["utilisation"].min()) <= float(data["utilisation"].max()) < 1
         assert not data["arrest_length"].values.any()
+
+
+def test_utilisation_at_a_critical_distance():
+    """The variant with the scene's load and amplitude has the value of the scene's own run."""
+    section = 'stress=[{name="section", shape="plane", normal="y", depth-max="20 um", depth-cells=8}]'
+    scene = ec.load_scene("fretting-mode-1", [*SMALL, "grid.cells-per-contact-radius=4", section])
+    table = {"type": "crossland", "slope": 0.3, "limit-amplitude": "2 GPa"}
+    near = {**table, "distance": "5 um", "method": "line"}
+    answer = ec.fretting_map(scene, load=["12.307 N"], amplitude=["0.5 um"], criterion=near, region="section")
+    summary = ec.fatigue(ec.run(scene), table, region="section", distance="5 um", method="line").summary
+    assert float(answer.dataset["utilisation"][0, 0]) == close(summary["at_distance"], rel=1e-9)
+    assert summary["at_distance"] < 0.9 * summary["utilisation"]
+    assert near["distance"] == "5 um"  # the table of the caller stays whole

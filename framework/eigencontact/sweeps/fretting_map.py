@@ -85,7 +85,8 @@ def fretting_map(
         the largest is the load, all values of the motion so that the largest magnitude is the amplitude (half of the
         range of a symmetric cycle).
     criterion : mapping or str, optional
-        Fatigue criterion: ``utilisation`` is its largest value over the limit in `region`.
+        Fatigue criterion: ``utilisation`` is its largest value over the limit in `region`, or with ``distance`` (and
+        ``method``) in the table its value at this critical distance, as of ``[[fatigue]]``.
     crack : mapping, optional
         Arguments of `eigencontact.crack`: ``arrest_length`` [m], 0 where no crack grows, infinite where none stops.
     region : str, optional
@@ -164,7 +165,7 @@ _MEASURED = {
     "regime": ("1", "running regime: 0 stick, 1 partial slip, 2 gross slip"),
     "cycle_energy": ("J", "work of friction in the last cycle"),
     "energy_ratio": ("1", "work of friction over the rectangle around the loop"),
-    "utilisation": ("1", "largest damage parameter over limit"),
+    "utilisation": ("1", "damage parameter over limit, largest or at the critical distance"),
     "arrest_length": ("m", "length at which a crack stops"),
 }
 
@@ -237,7 +238,10 @@ def _numbers(result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, re
     if criterion is not None:
         from eigencontact.postprocess.fatigue import fatigue
 
-        out["utilisation"] = fatigue(result, criterion, region=region).summary["utilisation"]
+        table = dict(criterion) if isinstance(criterion, Mapping) else criterion
+        near = {key: table.pop(key) for key in ("distance", "method") if isinstance(table, dict) and key in table}
+        summary = fatigue(result, table, region=region, **near).summary
+        out["utilisation"] = summary["at_distance" if near.get("distance") else "utilisation"]
     if crack is not None:
         from eigencontact.postprocess.crack import crack as evaluate
 

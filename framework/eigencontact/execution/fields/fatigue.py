@@ -132,7 +132,8 @@ def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> lis
     if len(region.steps) == 1:
         words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
         out.append(Caution("fatigue-cycle", words))
-    edge = max(float(size) for size in np.atleast_1d(dataset.attrs["cell_size"]))
+    sizes = np.atleast_1d(dataset.attrs["cell_size"])
+    edge = float(np.max(sizes[:1] if dataset.attrs.get("line") else sizes))  # the cell of a line has no end along y
     if z < edge and _near_edge(dataset, region, x, y):
         words = (
             f"the largest value, at ({place}), lies at the edge of the contact, where stress grows as cells and points "
