@@ -84,12 +84,13 @@ def test_agrees_with_the_region_on_the_cells_at_common_points():
 
 
 def test_default_plane_and_outline():
-    data = run({"name": "close", "shape": "plane", "around": "ball"})
+    small = {**BALL, "center": [0.5 * UM, 0.0, 1.3 * UM], "radius": 0.65 * UM}
+    data = run({"name": "close", "shape": "plane", "around": "ball"}, inclusions=[small])
     assert float(data.close_y) == 0.0
     low, high = float(data.close_x[0]), float(data.close_x[-1])
     pitch = 0.6 * UM / 8
-    assert low == close((0.5 - 2.6) * UM, abs=pitch)
-    assert high == close((0.5 + 2.6) * UM, abs=pitch)
+    assert low == close((0.5 - 1.3) * UM, abs=pitch)
+    assert high == close((0.5 + 1.3) * UM, abs=pitch)
     assert 0 < float(data.close_z[0]) < 0.6 * UM
     assert "close_outline" in data
     assert np.isfinite(data.close_von_mises).all()

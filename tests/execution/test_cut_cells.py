@@ -45,7 +45,7 @@ def scene(per_radius, inclusions, law=None, steps=({"normal_load": LOAD},), **mo
     ("ball", "per_radius", "bound"),
     [
         ({"material": HARD, "eigenstrain": [2e-3] * 3}, 8, 3e-3),
-        ({"material": {"type": "void"}}, 8, 0.02),
+        pytest.param({"material": {"type": "void"}}, 8, 0.02, marks=pytest.mark.slow),
         ({"material": {**NEVER, **HARD}}, 8, 3e-3),
         pytest.param({"material": {"type": "void"}}, 10, 0.01, marks=pytest.mark.slow),
     ],
@@ -97,7 +97,8 @@ def test_a_stiff_ball_in_what_yields(per_radius, increments, depth, approach_err
     assert float(data["law_residual"].max()) < 1e-4
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(7, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 7])
 def test_cells_beside_what_breaks_have_an_answer(seed):
     """Damage without a length: where a layer resists alone, cells cut by a stiff ball find no strains of parts."""
     draw = np.random.default_rng(seed)
@@ -142,17 +143,25 @@ def test_two_laws_in_a_cell_have_a_memory_each(earlier):
     np.testing.assert_array_equal(beside[2], beside[1])  # the second loading is elastic
 
 
-def test_both_memories_are_where_the_next_run_begins(earlier, tmp_path):
+#: Contact, and what both laws of a cell remember.
+MEMORIES = ("pressure", "residual_displacement_z", "plastic_strain_beside_1", "equivalent_eigenstrain_1")
+
+
+def test_both_memories_are_where_the_next_run_begins(earlier):
     folder, whole = earlier
     inclusions, law = BOTH
     body = {**STEEL, "law": law, "initial": {"results": str(folder)}}
     found = ec.run(scene(4, inclusions, steps=[AGAIN], body1=body)).dataset
-    names = ("pressure", "residual_displacement_z", "plastic_strain_beside_1", "equivalent_eigenstrain_1")
-    for name in names:
+    for name in MEMORIES:
         size = float(abs(whole[name][2]).max())
         np.testing.assert_allclose(found[name][0], whole[name][2], rtol=0, atol=1e-12 * size, err_msg=name)
+
+
+@pytest.mark.slow
+def test_both_memories_are_where_a_resumed_run_continues(earlier, tmp_path):
+    whole = earlier[1]
     with pytest.raises(Stop):
         ec.run(scene(4, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, watcher=Stopper(2))
     continued = ec.run(scene(4, *BOTH, [PRESS, FREE, AGAIN]), tmp_path, resume=True).dataset
-    for name in names:
+    for name in MEMORIES:
         np.testing.assert_array_equal(continued[name][2], whole[name][2], err_msg=name)

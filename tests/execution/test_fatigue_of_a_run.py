@@ -1,8 +1,6 @@
 """`[[fatigue]]` in a scene: the numbers of `eigencontact.fatigue`, in memory, in a folder, in a sweep; refusals."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -114,14 +112,3 @@ def test_two_tables_of_one_criterion_need_names():
     with pytest.raises(ec.EigencontactError, match="fatigue tables must have different names"):
         ec.plan(scene(TABLE, TABLE))
     assert len(ec.plan(scene(TABLE, {**TABLE, "name": "second"})).conclusions) == 2
-
-
-def test_nothing_of_it_is_imported_without_it():
-    code = (
-        "import sys, eigencontact as ec\n"
-        "ec.run(ec.load_scene('hertz', ['grid.cells-per-contact-radius=4', 'stress=[]']))\n"
-        "late = ('fields.fatigue', 'core.path_loops', 'stress_cycle')\n"
-        "print([name for name in sys.modules if name.endswith(late)])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
-    assert done.stdout.strip() == "[]"

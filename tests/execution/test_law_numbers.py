@@ -18,7 +18,9 @@ def scene(hardening, steps=LOADS, **more):
     return ec.Scene(**pressed({"type": "j2", "hardening": hardening, **more}, steps, 12))
 
 
-@pytest.fixture(scope="module", params=[PERFECT, BOTH], ids=["perfect", "both kinds"])
+@pytest.fixture(
+    scope="module", params=[pytest.param(PERFECT, marks=pytest.mark.slow), BOTH], ids=["perfect", "both kinds"]
+)
 def run(request, tmp_path_factory):
     return ec.run(scene(request.param), tmp_path_factory.mktemp("results"))
 

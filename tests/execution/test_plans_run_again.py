@@ -10,7 +10,7 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from eigencontact.viz import figures
 
-SECTION = [{"name": "section", "shape": "plane", "normal": "y", "depth-max": "6 um"}]
+SECTION = [{"name": "section", "shape": "plane", "normal": "y", "depths": ["1 um", "3 um"]}]
 BALL = {
     "geometry": {"type": "sphere", "radius": "105 um"}, "grid": {"cells": [10, 10], "size": ["22 um", "22 um"]},
     "stress": SECTION, "output": {"vtk": False},
@@ -20,7 +20,8 @@ COATING = {"type": "cuboid", "center": [0, 0, "2 um"], "edges": ["9 um", "9 um",
 HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.25}
 SCENES = {
     "coating in cells": {
-        "body1": STEEL, "inclusions": [{**COATING, "material": HARD}], "steps": [{"normal-load": "0.3 N"}], **BALL,
+        "body1": STEEL, "inclusions": [{**COATING, "material": HARD}], "steps": [{"normal-load": "0.3 N"}],
+        "numerics": {"inclusion-pitch": "2 um"}, **BALL,
     },
     "box that grows": {
         "body1": STEEL | {"law": YIELDING}, "numerics": {"inclusion-pitch": "2 um", "law-room": 0.0},

@@ -22,7 +22,7 @@ def strain(data):
 
 @pytest.fixture(scope="module")
 def fine():
-    return run([{**LOAD, "increments": 16}, UNLOAD])
+    return run([{**LOAD, "increments": 12}, UNLOAD])
 
 
 @pytest.fixture(scope="module")

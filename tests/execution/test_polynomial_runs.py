@@ -1,8 +1,5 @@
 """Scenes with whole inhomogeneities of polynomial eigenstrain: contact pressure, stress, errors, what is refused."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -95,7 +92,7 @@ def test_the_material_of_the_body_changes_nothing():
 
 def test_stress_is_smooth_and_a_void_bears_none():
     points = {"shape": "points", "points": [[0, 0, 0.5 * A], [0.2 * A, 0, 0.55 * A], [0.34 * A, 0, 0.5 * A]]}
-    found = run(ball(VOID, 0.33, 0.5), whole=6, stress=points).dataset["points_body1_von_mises"][-1].values
+    found = run(ball(VOID, 0.33, 0.5), cells=15, whole=4, stress=points).dataset["points_body1_von_mises"][-1].values
     assert not found[:2].any()
     assert found[2] > 0.5 * P0
 
@@ -168,19 +165,9 @@ def test_a_degree_out_of_range_is_refused():
         ec.plan(scene(ball(VOID, 0.2, 0.5), whole=40))
 
 
-def test_nothing_of_it_is_imported_without_it():
-    code = (
-        "import sys, eigencontact as ec; ec.run('hertz');"
-        "names = 'eigencontact.solvers.polynomial_inclusions', 'eigencontact.halfspace.moments';"
-        "print([name for name in names if name in sys.modules])"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.splitlines()[-1] == "[]"
-
-
 @pytest.mark.parametrize(("gap", "close_by"), [pytest.param(0.5, False, marks=pytest.mark.slow), (0.05, True)])
 def test_the_load_by_prescribed_eigenstrain_is_checked(gap, close_by, monkeypatch):
-    """An edge of a hot cube close to a void asks for more points; a rule of six times the points judges."""
+    """An edge of a hot cube close to a void asks for more points; a rule of four times the points judges."""
     from eigencontact.execution.interiors import checked_work
 
     edge = 0.2 * A
@@ -192,7 +179,7 @@ def test_the_load_by_prescribed_eigenstrain_is_checked(gap, close_by, monkeypatc
         result = run(ball(VOID, 0.33, 0.6), cube, whole=2, cells=15)
         return result.dataset["equivalent_eigenstrain_1"][-1].values, result.summary["inclusion_load_error"]
 
-    (refined, stated), (first, _), (judge, _) = found(1.0, 1.5, 2.25), found(1.0), found(1.0, 6.0)
+    (refined, stated), (first, _), (judge, _) = found(1.0, 1.5, 2.25), found(1.0), found(1.0, 4.0)
     largest = np.abs(judge).max()
     errors = [np.abs(values - judge).max() / largest for values in (first, refined)]
     assert bool(errors[0] > 1e-5) == close_by

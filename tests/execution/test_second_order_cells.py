@@ -37,6 +37,7 @@ def prints():
     return {n: indentation(3 * n + 1, n) for n in (4, 8)}
 
 
+@pytest.mark.slow
 def test_prints_come_to_the_limit_of_many_cells(prints):
     """77.53 nm at ten steps from the onset, by extrapolation of runs with up to 24 cells per contact radius.
 
@@ -55,9 +56,8 @@ def test_an_even_grid_reads_nearly_the_same_print(per_radius, difference):
     assert abs(depth[1] - depth[0]) < difference + 0.05  # to the digit that is known
 
 
-def test_residuals_hold(prints):
-    for data in prints.values():
-        assert float(data["law_residual"].max()) < 1e-4
+def test_residuals_hold():
+    assert float(indentation(10, 3, steps=3)["law_residual"].max()) < 1e-4
 
 
 MATRIX = Material(young_modulus=210e9, poisson_ratio=0.3)

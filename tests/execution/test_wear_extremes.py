@@ -148,15 +148,15 @@ def test_plastic_flow_and_wear_are_solved_together():
 
 @pytest.mark.parametrize("coefficient", [GENTLE, pytest.param(10 * GENTLE, marks=pytest.mark.slow)])
 def test_the_number_of_increments_does_not_matter(coefficient):
-    """What a cycle wears follows from its ends and turns, with a load that is kept: 1 increment a quarter, and 6."""
+    """What a cycle wears follows from its ends and turns, with a load that is kept: 1 increment a quarter, and 3."""
     volumes = []
-    for count in (1, 6):
+    for count in (1, 3):
         way = 0.025 * CONTACT
         cycle = [
             {"shift-x": way, "increments": count},
             {"shift-x": -way, "increments": 2 * count},
             {"shift-x": 0.0, "increments": count},
         ]
-        steps = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 6}]
+        steps = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 3}]
         volumes.append(ec.run(fretting(coefficient, steps=steps)).summary["worn_volume"])
     assert volumes[0] == close(volumes[1], rel=1e-5)
