@@ -166,7 +166,7 @@ def test_criteria_below_a_rolling_cylinder(finished):
         assert values[1] == close(dang_van, rel=2e-2)
         place = np.linspace(630e-6, -630e-6, 49) / a
         expected = p0 * hertz_stress(place, depth[row])[2]
-        np.testing.assert_allclose(data.section_stress.values[:49, 4, row, middle], expected, rtol=0, atol=2e-3 * p0)
+        np.testing.assert_allclose(data.section_stress.values[1:, 4, row, middle], expected, rtol=0, atol=2e-3 * p0)
     assert result.summary["fatigue_crossland_depth"] == close(0.5 * a, rel=0.06)
     assert not [warning for warning in result.summary["warnings"] if warning["code"].startswith("fatigue")]
 
