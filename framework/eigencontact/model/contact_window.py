@@ -82,7 +82,9 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
         return scene_grid, "given in the scene"
     native = next((geometry for geometry in geometries if isinstance(geometry, HasNativeGrid)), None)
     if native is not None:
-        return native.native_grid(), f"the grid that the geometry {native.key!r} brings"
+        cells = native.native_grid()
+        grid = spec.with_cells(cells.nx, cells.ny, cells.dx, cells.dy, cells.center)
+        return grid, f"the grid that the geometry {native.key!r} brings"
     if scene.numerics.boundary == "periodic":
         raise SceneError(
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
