@@ -155,7 +155,7 @@ def run(
             planned = calls.plan(loaded)
             folder = here / (planned.name if output is None else output)
             with progress(
-                enabled=verbose or not (quiet or as_json), verbose=verbose, line=planned.grid.line
+                enabled=verbose or not (quiet or as_json), verbose=verbose, unit=planned.grid.unit
             ) as watcher:
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, errors=errors, accuracy=accuracy,

@@ -10,7 +10,7 @@ from math import log10
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO
 
-from eigencontact.core.units import per_length, readable, time_in_words
+from eigencontact.core.units import readable, time_in_words
 
 if TYPE_CHECKING:
     from eigencontact.execution.run.driver import Watcher
@@ -39,17 +39,17 @@ _NOTHING = 1e-12
 
 
 @contextmanager
-def progress(*, enabled: bool, verbose: bool = False, line: bool = False) -> Iterator[Watcher | None]:
+def progress(*, enabled: bool, verbose: bool = False, unit: Callable[[str], str] = str) -> Iterator[Watcher | None]:
     """Watcher of a run that shows its course on the standard error stream; None where not enabled.
 
-    If `verbose`, each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`; loads
-    of a line contact are those per length.
+    If `verbose`, each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`. `unit`
+    gives the unit of a force, which is per length in a line contact: see `Grid.unit`.
     """
     if not enabled:
         yield None
         return
     if verbose:
-        yield VerboseLines(sys.stderr, line=line)
+        yield VerboseLines(sys.stderr, unit=unit)
         return
     if not draws_in_place(sys.stderr):
         yield ProgressLines(sys.stderr)
@@ -155,9 +155,11 @@ class ProgressLines:
 class VerboseLines(ProgressLines):
     """Watcher that writes a line for every load step: what was reached, iterations, residuals, time of each block."""
 
-    def __init__(self, stream: TextIO, clock: Callable[[], float] = monotonic, *, line: bool = False) -> None:
+    def __init__(
+        self, stream: TextIO, clock: Callable[[], float] = monotonic, *, unit: Callable[[str], str] = str
+    ) -> None:
         super().__init__(stream, clock)
-        self._line = line
+        self._unit = unit
         self._spent: Mapping[str, float] = {}
 
     def step_took(self, seconds: Mapping[str, float]) -> None:
@@ -168,7 +170,7 @@ class VerboseLines(ProgressLines):
         """Write the numbers, residuals and times of the step."""
         numbers = record.scalars
         reached = [
-            f"{text} {readable(numbers[name], per_length(unit) if self._line else unit)}"
+            f"{text} {readable(numbers[name], self._unit(unit))}"
             for name, text, unit in _REACHED
             if abs(numbers.get(name, 0.0)) > _NOTHING * (numbers.get("normal_load", 0.0) if unit == "N" else 1e-6)
         ]

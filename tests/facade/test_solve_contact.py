@@ -140,7 +140,7 @@ REFUSED = [
     ({"load": 1, "spacing": None}, "solve_contact.spacing must be given with an array"),
     ({"load": 1, "spacing": 0.0}, "solve_contact.spacing must be positive and finite [m] (got 0.0)"),
     ({"load": 1, "spacing": "5 N"}, "solve_contact.spacing must be a length [m]"),
-    ({"load": 1, "gap": GAP[0]}, "solve_contact.gap must be an array (ny, nx) [m] (got (81,))"),
+    ({"load": 1, "gap": GAP[0]}, "a row (nx,) makes a line contact with length='infinite' (got (81,))"),
     ({"load": 1, "gap": GAP * np.nan}, "solve_contact.gap must be finite everywhere [m]"),
     ({"load": 1, "gap": 3.0}, "solve_contact.gap must be an array (ny, nx) [m], a geometry component"),
     ({"load": 1, "bodies": None}, "solve_contact.bodies must be a HalfSpace or Layered"),

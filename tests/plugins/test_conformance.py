@@ -11,6 +11,7 @@ from eigencontact_verification.conformance import checks_for, parametrize_with_c
 
 GRAIN = hold(labels=np.array([[[0, 2], [2, 2], [2, 1]], [[0, 0], [0, 2], [1, 1]]]))
 BOWL = hold(x=np.arange(-3.0, 4.0), y=np.arange(-2.0, 3.0), gap=np.hypot(*np.ogrid[-2:3, -3:4]) ** 2)
+STYLUS = hold(x=np.arange(-3.0, 4.0), height=-(np.arange(-3.0, 4.0) ** 2))
 
 
 def shape(key, **parameters):
@@ -91,6 +92,8 @@ GEOMETRIES = [
     ec.make("topography", kind="geometry", file="gallery:rough_surface.npz"),
     ec.make("random-rough", kind="geometry", size=(1e-4, 5e-5), short_cutoff=1e-5, rms_slope=0.1),
     ec.make("gap-map", file=BOWL.name),
+    ec.make("wedge", half_angle=1.4, angle=0.3),
+    ec.make("profile", file=STYLUS.name),
 ]
 
 

@@ -61,8 +61,8 @@ REFUSED = {
     "unknown plugin": (
         ["geometry.type=shpere"],
         (
-            "geometry: unknown geometry 'shpere'; installed: 'cylinder', 'ellipsoid', 'gap-map', 'random-rough', "
-            "'rounded-cone', 'rounded-punch', 'sphere', 'topography'; did you mean 'sphere'?"
+            "geometry: unknown geometry 'shpere'; installed: 'cylinder', 'ellipsoid', 'gap-map', 'profile', "
+            "'random-rough', 'rounded-cone', 'rounded-punch', 'sphere', 'topography', 'wedge'; did you mean 'sphere'?"
         ),
     ),
     "unknown observer": (

@@ -46,7 +46,8 @@ def refined_grid(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dic
         cells = factor * spec.cells_per_contact_radius
         center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
-        return table | _of_line(plan), f"{cells:g} cells per contact radius"
+        strips = {name: value for name, value in _window(plan).items() if name in ("length", "datum-depth")}
+        return table | strips, f"{cells:g} cells per contact radius"
     return refined_window(plan, factor, alike=alike)
 
 
@@ -55,21 +56,19 @@ def refined_window(plan: Plan, factor: float, *, alike: bool = False) -> tuple[d
 
     With `alike` the number of cells stays odd or even: the middle of the window keeps or lacks a cell.
     """
-    grid = plan.grid
     number = _alike if alike else _rounded
-    nx, ny = (number(factor * count, count) for count in (grid.nx, grid.ny))
-    size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
-    if grid.line:
-        return {"cells": nx, "size": size[0], "center": list(grid.center)} | _of_line(plan), f"{nx} cells"
-    # the centre of the plan: an automatic window around inclusions has its own
-    return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
+    counts = [number(factor * count, count) for count in plan.grid.counts]
+    # the window of the plan: an automatic one around inclusions has its own centre
+    cells = {"cells": counts if len(counts) > 1 else counts[0]}
+    return _window(plan) | cells, f"{' x '.join(str(count) for count in counts)} cells"
 
 
-def _of_line(plan: Plan) -> dict[str, Any]:
-    """Keys of the grid of a line contact: displacements of all grids count against one depth."""
+def _window(plan: Plan) -> dict[str, Any]:
+    """Table of the cells of a plan; displacements of all grids of a line contact count against its depth."""
+    from eigencontact.scene.line import window_keys
+
     interface = plan.model.interface
-    datum = {} if interface is None or interface.datum is None else {"datum-depth": interface.datum}
-    return {"length": "infinite", **datum} if plan.grid.line else {}
+    return window_keys(plan.grid, None if interface is None else interface.datum)
 
 
 def _rounded(wanted: float, _: int) -> int:

@@ -138,7 +138,7 @@ def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
         factor = cells / spec.cells_per_contact_radius
     else:
         share = _WINDOW if expected is None else cells / max(cells_per_radius(expected, plan.grid), 1e-9)
-        factor = max(share, _WINDOW, _WAY / (plan.grid.nx if plan.grid.line else min(plan.grid.nx, plan.grid.ny)))
+        factor = max(share, _WINDOW, _WAY / min(plan.grid.counts))
     tables = plan.scene.resolved()
     output = {**tables["output"], "errors": False}
     coarse = {"grid": refined_grid(plan, min(1.0, factor))[0], "numerics": {"allow-coarse": True}}

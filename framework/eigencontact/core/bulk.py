@@ -12,6 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import SQRT2
 from eigencontact.core.tractions import side
@@ -61,23 +62,24 @@ def bulk_of(values: Mapping[str, float], body: int) -> FloatArray:
     return np.array([values.get(name, 0.0) for name in BULK_NAMES[body]])
 
 
-def in_plane_strain(stress: FloatArray, material: Material, *, plane_strain: bool = False) -> FloatArray:
+def in_plane_strain(stress: FloatArray, material: Material, grid: Grid | None = None) -> FloatArray:
     """Strain (xx, yy, xy) of a uniform stress (xx, yy, xy) [Pa] under a free surface.
 
-    In plane strain along y the strain yy is zero, and the stress yy follows: ν times the stress xx.
+    In plane strain, below strips of a grid without end along y, the strain yy is zero, and the stress yy follows: ν
+    times the stress xx.
 
     Examples
     --------
     >>> steel = Material(young_modulus=200e9, poisson_ratio=0.25)
     >>> in_plane_strain(np.array([200e6, 0.0, 0.0]), steel).tolist()
     [0.001, -0.00025, 0.0]
-    >>> in_plane_strain(np.array([200e6, 0.0, 0.0]), steel, plane_strain=True).tolist()
+    >>> in_plane_strain(np.array([200e6, 0.0, 0.0]), steel, Grid.of(8, 1, 1.0, 1.0, line=True)).tolist()
     [0.0009375, 0.0, 0.0]
     """
     E, nu = material.young_modulus, material.poisson_ratio
     xx, yy, xy = stress
     shear = xy / (2.0 * material.shear_modulus)
-    if plane_strain:
+    if grid is not None and 1 not in grid.bounded_axes:
         return np.array([(1.0 - nu * nu) * xx / E, 0.0, shear])
     return np.array([(xx - nu * yy) / E, (yy - nu * xx) / E, shear])
 
@@ -114,11 +116,11 @@ def dragged(strain: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def relative_strain(
-    values: Mapping[str, float], substrates: Iterable[Material | None], *, plane_strain: bool = False
+    values: Mapping[str, float], substrates: Iterable[Material | None], grid: Grid | None = None
 ) -> FloatArray:
     """Strain (xx, yy, xy) of the surface of body 1 less that of body 2; None is rigid and has none."""
     total = np.zeros(3)
     for body, material in enumerate(substrates, start=1):
         if material is not None:
-            total += side(body, "x") * in_plane_strain(bulk_of(values, body), material, plane_strain=plane_strain)
+            total += side(body, "x") * in_plane_strain(bulk_of(values, body), material, grid)
     return total

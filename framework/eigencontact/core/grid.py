@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import is_real, is_whole
+from eigencontact.core.units import per_length
 from eigencontact.errors import require
 
-__all__ = ["Box", "Grid"]
+__all__ = ["Box", "Grid", "MakeGrid"]
+
+Number = TypeVar("Number", int, float)
+Pair = tuple[float, float]
+#: Maker of cells: numbers along x and y, edges along x and y [m], middle of the window [m].
+MakeGrid = Callable[[int, int, float, float, Pair], "Grid"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,17 +137,22 @@ class Grid:
     @property
     def half_widths(self) -> tuple[float, float]:
         """Half edges of a cell along x and y, infinite along y for strips [m]."""
-        return 0.5 * self.dx, np.inf if self.line else 0.5 * self.dy
+        return 0.5 * self.dx, 0.5 * self.dy if 1 in self.bounded_axes else np.inf
 
     @property
     def edges(self) -> tuple[float, ...]:
         """Edges of a cell along x and y, of a strip that along x alone [m]."""
-        return (self.dx,) if self.line else (self.dx, self.dy)
+        return self._bounded((self.dx, self.dy))
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Number of cells along x and y, of strips that along x alone."""
+        return self._bounded((self.nx, self.ny))
 
     @property
     def mean_edge(self) -> float:
         """Edge of a square with the area of a cell; of a strip that along x [m]."""
-        return self.dx if self.line else float((self.dx * self.dy) ** 0.5)
+        return float(np.prod(self.edges) ** (1.0 / len(self.edges)))
 
     @property
     def size(self) -> tuple[float, float]:
@@ -149,12 +162,26 @@ class Grid:
     @property
     def sides(self) -> tuple[float, ...]:
         """Extents of the window along the axes on which it ends [m]."""
-        return self.size[:1] if self.line else self.size
+        return self._bounded(self.size)
 
     @property
     def bounded_axes(self) -> tuple[int, ...]:
         """Axes, of x, y and z, along which a region below the window ends: not y in a line contact."""
         return (0, 2) if self.line else (0, 1, 2)
+
+    def _bounded(self, pair: tuple[Number, Number]) -> tuple[Number, ...]:
+        """Return the values of a pair along x and y that belong to axes on which the window ends."""
+        return tuple(pair[axis] for axis in self.bounded_axes if axis < 2)
+
+    def unit(self, unit: str) -> str:
+        """Unit of a force, a work or an area on these cells: per length for strips; other units stay.
+
+        Examples
+        --------
+        >>> Grid.of(8, 8, 1.0, 1.0, line=True).unit("N")
+        'N/m'
+        """
+        return per_length(unit, line=self.line)
 
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Return ``(y, x)`` shaped ``(ny, 1)`` and ``(1, nx)``, ready to broadcast [m]."""
@@ -164,11 +191,22 @@ class Grid:
         """Return the grid of cells merged ``factor_y`` by ``factor_x``; left-over rows and columns are dropped."""
         nx, ny = self.nx // factor_x, self.ny // factor_y
         lost_x, lost_y = self.nx - nx * factor_x, self.ny - ny * factor_y
-        return Grid(
-            nx=nx,
-            ny=ny,
-            dx=self.dx * factor_x,
-            dy=self.dy * factor_y,
-            center=(self.center[0] - 0.5 * lost_x * self.dx, self.center[1] - 0.5 * lost_y * self.dy),
-            line=self.line,
-        )
+        center = (self.center[0] - 0.5 * lost_x * self.dx, self.center[1] - 0.5 * lost_y * self.dy)
+        return self.with_cells(nx, ny, self.dx * factor_x, self.dy * factor_y, center)
+
+    @classmethod
+    def of(cls, nx: int, ny: int, dx: float, dy: float, center: Pair = (0.0, 0.0), *, line: bool = False) -> Grid:
+        """Return rectangles, or one row of strips at y = 0, for which `ny`, `dy` and the place along y do not count.
+
+        Examples
+        --------
+        >>> Grid.of(8, 8, 0.5, 0.5, (1.0, 2.0), line=True)
+        Grid(nx=8, ny=1, dx=0.5, dy=1.0, center=(1.0, 0.0), line=True)
+        """
+        if line:
+            ny, dy, center = 1, 1.0, (center[0], 0.0)
+        return cls(nx=nx, ny=ny, dx=dx, dy=dy, center=center, line=line)
+
+    def with_cells(self, nx: int, ny: int, dx: float, dy: float, center: Pair) -> Grid:
+        """Return other cells of the same kind: see `Grid.of`."""
+        return Grid.of(nx, ny, dx, dy, center, line=self.line)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from eigencontact.core.array_types import FloatArray
+from eigencontact.core.arrays import real_array
 from eigencontact.core.held_arrays import PREFIX, HeldArrays, hold
 from eigencontact.errors import PluginError, SceneError, require
 from eigencontact.library.arguments import counts, lengths, plane
@@ -29,7 +31,8 @@ _ARGUMENTS = (
     (r"\b(steps(\.\d+)?[. ])?shift-[xy]\b", "shift"),
     (r"\b(friction|coulomb)\.coefficient\b", "friction"),
     (r"\bsteps(\.\d+)?\.increments\b", "increments"),
-    (r"\bgrid\.(cells|size|spacing)\b", r"\1"),
+    (r"\bgrid\.(cells|size|spacing|length)\b", r"\1"),
+    (r"\bgrid\.datum-depth\b", "datum_depth"),
     (r"\bbody([12])\.", r"bodies.\1."),
 )
 
@@ -48,6 +51,8 @@ def solve_contact(
     spacing: Any = None,
     size: Any = None,
     cells: Any = None,
+    length: Any = None,
+    datum_depth: Any = None,
     numerics: Mapping[str, Any] | None = None,
 ) -> ContactResult:
     """Solve a contact: the pressure, the shear and the gap between two bodies that are pressed together.
@@ -56,13 +61,15 @@ def solve_contact(
     ----------
     gap : (ny, nx) array [m], geometry component, or several components
         Initial separation of the surfaces on the cells of the window, rows along y, with its `spacing` or `size`; or
-        ``make("sphere", radius=1e-3)``, whose window is chosen unless it is given.
+        ``make("sphere", radius=1e-3)``, whose window is chosen unless it is given. Of a line contact the array is of
+        shape (nx,), (1, nx) or (nx, 1).
     bodies : HalfSpace, Layered or pair of them
         The lower body, which z points into, and the upper one; None is rigid, and so is an upper one that is not given.
     load : float, text or sequence of them, optional
-        Normal load [N]; of a sequence one step after the other. Either it or `approach` is given.
+        Normal load [N]; of a sequence one step after the other. Either it or `approach` is given. In a line contact
+        this load and the tangential one are per length [N/m]: ``"400 N/mm"``.
     approach : float, text or sequence of them, optional
-        How far the bodies have come together from a separation of 0 [m].
+        How far the bodies have come together from a separation of 0 [m]; in a line contact only with `datum_depth`.
     friction : float, mapping or component, optional
         Coefficient of friction, or a friction law. Without it the contact is frictionless.
     tangential_load : float, text or pair, optional
@@ -79,6 +86,12 @@ def solve_contact(
         Extent of the window along x and y [m].
     cells : int or pair, optional
         Number of cells along x and y; two of `cells`, `size` and `spacing` fix the window of a component.
+    length : "infinite", optional
+        Length of the contact along y: ``"infinite"`` makes a line contact in plane strain. `cells`, `size` and
+        `spacing` are then single values, those along x; arrays of the result are of shape (1, nx).
+    datum_depth : float or text, optional
+        Of a line contact: depth of the points in each body against which the surfaces move [m], by default the width of
+        the window.
     numerics : mapping, optional
         Fidelity and effort, as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``.
 
@@ -103,9 +116,23 @@ def solve_contact(
     '8.47 GPa, 6.03 um, 349 nm'
     >>> found.stress([[0, 0, 3e-6]]).shape
     (1, 3, 3)
+
+    A cylinder of 10 mm, as a line contact:
+
+    >>> x = (np.arange(64) - 31.5) * 0.01e-3
+    >>> line = ec.solve_contact(
+    ...     x**2 / 20e-3, ec.HalfSpace("210 GPa", 0.3), load="400 N/mm", spacing=0.01e-3, length="infinite"
+    ... )
+    >>> f"{line.max_pressure / 1e6:.0f} MPa, half width {line.radius * 1e6:.0f} um"
+    '1713 MPa, half width 148 um'
     """
     lower, upper = _pair(bodies)
-    geometry, window, arrays = _separation(gap, spacing, size, cells)
+    rule = "'infinite', which makes a line contact, or left out"
+    require(length is None or plain(length, f"{_HERE}.length") == "infinite", _HERE, "length", length, rule)
+    line = {} if length is None else {"length": "infinite"}
+    if datum_depth is not None:
+        line["datum-depth"] = datum_depth
+    geometry, window, arrays = _separation(gap, spacing, size, cells, line=length is not None)
     along = [name for name, value in (("tangential_load", tangential_load), ("shift", shift)) if value is not None]
     if along and friction is None:
         raise SceneError(
@@ -133,7 +160,7 @@ def solve_contact(
         "steps": history,
         "numerics": _pitch(lower, upper) | dict(numerics or {}),
         "output": {"pictures": False},
-        **({} if window is None else {"grid": window}),
+        "grid": {**(window or {}), **line},
     }
     if friction is not None:
         law = isinstance(friction, Mapping) or is_dataclass(friction)
@@ -175,7 +202,7 @@ def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
 
 
 def _separation(
-    gap: Any, spacing: Any, size: Any, cells: Any
+    gap: Any, spacing: Any, size: Any, cells: Any, *, line: bool
 ) -> tuple[Any, dict[str, Any] | None, tuple[HeldArrays, ...]]:
     """Geometry of a scene, its window, and the arrays that are to be kept."""
     shapes = gap if isinstance(gap, list | tuple) else [gap]
@@ -189,8 +216,7 @@ def _separation(
             names = ", ".join(window_fields)
             raise SceneError(f"{_HERE} must be given two of cells, size and spacing, or none of them (got {names})")
         return list(shapes), window_fields or None, ()
-    array = plane(_array(gap), _HERE, "gap", "m")
-    require(min(array.shape) >= 2, _HERE, "gap", array.shape, "an array (ny, nx) of 2 x 2 cells or more [m]")
+    array = _cells_of(gap, line=line)
     require(cells is None, _HERE, "cells", cells, f"left out: the gap has {array.shape[1]} x {array.shape[0]} cells")
     if (spacing is None) == (size is None):
         windows = "neither" if size is None else "both"
@@ -198,6 +224,11 @@ def _separation(
             f"{_HERE}.spacing must be given with an array, edges of its cells [m], or size (got {windows})"
         )
     ny, nx = array.shape
+    if line:
+        pitch = _single(size, "size") / nx if spacing is None else _single(spacing, "spacing")
+        x = (np.arange(nx) - 0.5 * (nx - 1)) * pitch
+        arrays = hold(x=x, y=[-0.5, 0.5], gap=np.vstack([array, array]))  # the same for all y
+        return {"type": "gap-map", "file": arrays.name}, {"cells": nx, "spacing": pitch}, (arrays,)
     if spacing is None:
         extent = lengths(size, 2, _HERE, "size")
         dx, dy = extent[0] / nx, extent[1] / ny
@@ -207,6 +238,24 @@ def _separation(
     arrays = hold(x=x, y=y, gap=array)
     grid = {"cells": (nx, ny), "spacing": (dx, dy)}
     return {"type": "gap-map", "file": arrays.name}, grid, (arrays,)
+
+
+def _cells_of(gap: Any, *, line: bool) -> FloatArray:
+    """Gap on rectangular cells ``(ny, nx)``, or on the strips of a line contact ``(1, nx)`` [m]."""
+    rule = "an array (nx,), (1, nx) or (nx, 1) of 2 cells or more with length='infinite' [m]"
+    if not line:
+        rule = "an array (ny, nx) of 2 x 2 cells or more [m]; a row (nx,) makes a line contact with length='infinite'"
+    array = real_array(_array(gap), _HERE, "gap", rule, "m")
+    row = array.ndim in (1, 2) and array.size == max(array.shape) >= 2
+    require(row if line else array.ndim == 2 and min(array.shape) >= 2, _HERE, "gap", array.shape, rule)
+    return plane(array.reshape(1, -1) if line else array, _HERE, "gap", "m")
+
+
+def _single(value: Any, name: str) -> float:
+    """Length along x [m], the only one of a line contact."""
+    dx, dy = lengths(value, 2, _HERE, name)
+    require(dx == dy, _HERE, name, value, "one length, that along x, with length='infinite' [m]")
+    return dx
 
 
 def _array(gap: Any) -> ArrayLike:

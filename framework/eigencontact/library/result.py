@@ -35,7 +35,8 @@ _HERE = "ContactResult"
 class ContactResult:
     """A contact that was solved, after its last step or another one.
 
-    `solve_contact` makes it. Arrays on the surface are of shape (ny, nx), rows along y; everything is in SI units.
+    `solve_contact` makes it. Arrays on the surface are of shape (ny, nx), rows along y, and (1, nx) of a line contact;
+    everything is in SI units.
 
     Attributes
     ----------
@@ -123,7 +124,7 @@ class ContactResult:
 
     @property
     def load(self) -> float:
-        """Normal load [N]."""
+        """Normal load [N], per length of a line contact [N/m]."""
         return self._number("normal_load")
 
     @property
@@ -138,7 +139,7 @@ class ContactResult:
 
     @property
     def radius(self) -> float:
-        """Radius of the circle of equal contact area [m]."""
+        """Radius of the circle of equal contact area [m]; half width of a line contact."""
         return self._number("contact_radius")
 
     @property

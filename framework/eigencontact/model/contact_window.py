@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.grid import Grid
+from eigencontact.core.grid import Grid, MakeGrid
 from eigencontact.errors import PlanError, SceneError
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.interface import Interface
@@ -39,11 +39,10 @@ _AROUND = 4
 
 def contact_window(scene: Scene, interface: Interface) -> Window:
     """Window of a contact without eigenstrain and inclusions."""
-    normal, measured = interface.normal, interface.measured
     grid, reason = _grid(scene, interface)
+    interface = interface.against(grid.size[0])
+    normal, measured = interface.normal, interface.measured
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
-    if interface.datum is None and grid.line:
-        normal = replace(normal, datum=grid.size[0])
     contacts = contacts_of_steps(scene, grid, interface)
     touched = reduce(ContactEstimate.join, [step.contact for step in contacts]) if contacts else whole
     box = tuple(
@@ -53,7 +52,7 @@ def contact_window(scene: Scene, interface: Interface) -> Window:
     expected = _expected(contacts, grid, normal)
     if expected is not None and not (measured or scene.numerics.allow_coarse):
         refuse_coarse(expected, grid)
-    growth = None if measured else _growth(scene, contacts)
+    growth = None if measured else _growth(scene, contacts, grid)
     _refuse_radius(scene, growth)
     return Window(grid=grid, reason=reason, box=(box[0], box[1]), expected=expected, growth=growth)
 
@@ -83,7 +82,9 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
         return scene_grid, "given in the scene"
     native = next((geometry for geometry in geometries if isinstance(geometry, HasNativeGrid)), None)
     if native is not None:
-        return native.native_grid(), f"the grid that the geometry {native.key!r} brings"
+        cells = native.native_grid()
+        grid = spec.with_cells(cells.nx, cells.ny, cells.dx, cells.dy, cells.center)
+        return grid, f"the grid that the geometry {native.key!r} brings"
     if scene.numerics.boundary == "periodic":
         raise SceneError(
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
@@ -92,14 +93,14 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
     controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
     # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
-    first_window = partial(_first_window, interface.separation, bare, line=spec.line)
+    first_window = partial(_first_window, interface.separation, bare, cells=spec.with_cells)
     start = max((first_window(control) for control, _ in controls), default=1.0)
     yields = scene.body1.law is not None or scene.body2.law is not None
     grid = _automatic_grid(spec, interface.separation, normal, controls, start, odd=yields)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
 
-def _first_window(separation: Any, normal: PairCoefficients, control: Control, *, line: bool) -> float:
+def _first_window(separation: Any, normal: PairCoefficients, control: Control, *, cells: MakeGrid) -> float:
     """Side of a square window, or width of one of a line contact, in which load and separation balance [m].
 
     Found to round-off, so that a scene scaled in length gets the same grid scaled.
@@ -109,10 +110,11 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control, *
         ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
         h = separation(ring, ring[::-1].copy())
         if control.normal_load is not None:
-            half_widths, area = (0.5 * side, np.inf if line else 0.5 * side), side if line else side**2
-            # Against the end of the window: the displacement of a strip has a free constant.
-            response = normal.table(np.array([0.0, 0.5 * side])[: 1 + line], np.zeros(1), half_widths)[0]
-            lift = (response[0] - response[-1] * line) * control.normal_load / area
+            cell = cells(1, 1, side, side, (0.0, 0.0))
+            # Of a strip against the end of the window: its displacement has a free constant.
+            places = np.zeros(1) if 1 in cell.bounded_axes else np.array([0.0, 0.5 * side])
+            middle, *end = normal.table(places, np.zeros(1), cell.half_widths)[0]
+            lift = (middle - sum(end)) * control.normal_load / cell.cell_area
         else:
             lift = abs(control.approach or 0.0)
         rise = float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0])
@@ -158,7 +160,7 @@ def _automatic_grid(
     largest: ContactEstimate | None = None
     across = 0.0
     for control, travel in controls:
-        estimate = settled_estimate(spec.center, separation, coefficients, control, start, line=spec.line)
+        estimate = settled_estimate(spec.center, separation, coefficients, control, start, spec.with_cells)
         if estimate is not None:
             across = max(across, min(estimate.extent))
             estimate = estimate.moved(travel)
@@ -174,14 +176,11 @@ def _automatic_grid(
     center = (0.5 * (largest.x0 + largest.x1), 0.5 * (largest.y0 + largest.y1))
     # Symmetric about the contact; an even number of cells halves the price of coefficients.
     nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) + odd for extent in (wide, high))
-    if spec.line:
-        _refuse_many(nx, spec)
-        middle = 0.0 if abs(center[0]) < 0.06 * wide else center[0]
-        return Grid(nx=nx, ny=1, dx=edge, dy=1.0, center=(middle, 0.0), line=True)
-    _refuse_many(nx * ny, spec)
     # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
     center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
-    return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
+    grid = spec.with_cells(nx, ny, edge, edge, center)
+    _refuse_many(grid.nx * grid.ny, spec)
+    return grid
 
 
 def _refuse_many(cells: int, spec: GridSpec) -> None:
@@ -221,12 +220,12 @@ def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[St
     return contacts
 
 
-def _growth(scene: Scene, contacts: Sequence[StepContact]) -> ContactGrowth | None:
+def _growth(scene: Scene, contacts: Sequence[StepContact], grid: Grid) -> ContactGrowth | None:
     """Growth of the contact where a load step is even in its radius."""
     if not (contacts and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
         return None
     largest = max(contacts, key=lambda step: step.width)
-    growth = contact_growth(largest.separation, largest.contact, largest.control, line=scene.grid.line)
+    growth = contact_growth(largest.separation, largest.contact, largest.control, grid)
     loaded = [step for step in contacts if step.control.normal_load]
     if growth is None or largest.control.normal_load is not None or not loaded:
         return growth

@@ -61,6 +61,10 @@ class Interface:
         """Normal displacement of both solids by pressure."""
         return self.pair("z", "z")
 
+    def against(self, depth: float) -> Interface:
+        """Interface whose displacements count against points at a depth [m] in a line contact that names no other."""
+        return replace(self, datum=depth) if self.line and self.datum is None else self
+
     def pair(self, displacement: str, traction: str) -> PairCoefficients:
         """Displacement of both solids along one direction by the traction along another."""
         return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement, self.datum)
@@ -105,12 +109,13 @@ def build_interface(scene: Scene, registry: Registry, solids: Solids) -> Interfa
     influences = {item.name: influence_for(registry, item.name, solids) for item in coupling.tractions}
     if scene.friction is not None:
         friction = build_component(registry, "friction-law", scene.friction, "friction")
-    if scene.grid.line:
-        _refuse_without_strips(influences.values())
-    return Interface(
+    interface = Interface(
         solids=solids, geometries=tuple(geometries), friction=friction, coupling=coupling, influences=influences,
         line=scene.grid.line, datum=scene.grid.datum_depth,
     )  # fmt: skip
+    if interface.line:
+        _refuse_without_strips(influences.values())
+    return interface
 
 
 def _refuse_without_strips(influences: Iterable[SurfaceInfluence]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -143,8 +143,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
     bodies = build_bodies(scene, registry)
     elastic = build_interface(scene, registry, bodies.solids)
     window = _window(scene, bodies, elastic)
-    if elastic is not None and elastic.line and elastic.datum is None:
-        elastic = replace(elastic, datum=window.grid.size[0])
+    elastic = elastic and elastic.against(window.grid.size[0])
     sources = place_sources(scene, registry, bodies, elastic, window, initial)
     cells = cut_cells(scene, bodies, window, sources, initial)
     wear = wear_model(scene, registry)

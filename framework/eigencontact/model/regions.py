@@ -89,7 +89,7 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     SceneError
         No points, or more than the memory of this machine can hold.
     """
-    request = _in_plane(request) if grid.line else request
+    request = request if 1 in grid.bounded_axes else _in_plane(request)
     _refuse_many(request, grid)
     if request.shape in ("line", "points"):
         return RegionLattice(
@@ -98,7 +98,7 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     depths = _depths(request)
     x, y, origin, finer = grid.x, grid.y, [0.0, 0.0], [1, 1]
     if request.start is not None or request.refinement is not None:
-        finer = [1 if grid.line else request.refinement or 1, request.refinement or 1]
+        finer = [request.refinement or 1 if axis in grid.bounded_axes else 1 for axis in (1, 0)]
         across, along = _spans(request, grid)
         (x, origin[1]), (y, origin[0]) = (
             _between(grid.x, grid.dx, finer[1], across), _between(grid.y, grid.dy, finer[0], along),
@@ -134,7 +134,7 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
     finer = request.refinement or 1
     return [
         (0, 0)  # the position counts
-        if axis == normal or (axis == 1 and grid.line)
+        if axis == normal or axis not in grid.bounded_axes
         else _span(first - 0.5 * pitch, pitch / finer, count * finer, (low[axis], high[axis]))
         for axis, (first, pitch, count) in enumerate(
             ((float(grid.x[0]), grid.dx, grid.nx), (float(grid.y[0]), grid.dy, grid.ny))

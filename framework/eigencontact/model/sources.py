@@ -333,9 +333,8 @@ def region_of_patch(scene: Scene, number: int, grid: Grid | None) -> Patch:
         )
     sizes = patch.size or (grid.size if grid is not None else (0.0, 0.0))
     middles = patch.center or (grid.center if grid is not None else (0.0, 0.0))
-    spans = [(middle - 0.5 * size, middle + 0.5 * size) for middle, size in zip(middles, sizes, strict=True)]
-    if scene.grid.line:
-        spans[1] = (-0.5, 0.5)
+    area = scene.grid.with_cells(1, 1, *sizes, middles)
+    spans = [(middle - 0.5 * size, middle + 0.5 * size) for middle, size in zip(area.center, area.size, strict=True)]
     return Patch(((spans[0][0], spans[1][0], 0.0), (spans[0][1], spans[1][1], patch.depth)))
 
 

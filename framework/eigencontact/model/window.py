@@ -68,23 +68,20 @@ def given_grid(spec: GridSpec) -> Grid | None:
     SceneError
         More cells than the memory of this machine can hold.
     """
-    if spec.cells is not None:
-        nx, ny = (spec.cells[0], 1) if spec.line else spec.cells
-        _refuse_many(nx, ny, "grid.cells")
-        if spec.size is not None:
-            dx, dy = spec.size[0] / nx, spec.size[1] / ny
-        else:
-            assert spec.spacing is not None
-            dx, dy = spec.spacing
-        return Grid(nx=nx, ny=ny, dx=dx, dy=1.0 if spec.line else dy, center=spec.center, line=spec.line)
-    if spec.size is not None:
+    if spec.automatic:
+        return None
+    counts, edges = spec.cells, spec.spacing
+    if counts is None:
+        assert spec.size is not None
         assert spec.spacing is not None
         nx, ny = (max(1, round(size / pitch)) for size, pitch in zip(spec.size, spec.spacing, strict=True))
-        _refuse_many(nx, 1 if spec.line else ny, "grid.spacing")
-        if spec.line:
-            return Grid(nx=nx, ny=1, dx=spec.size[0] / nx, dy=1.0, center=spec.center, line=True)
-        return Grid(nx=nx, ny=ny, dx=spec.size[0] / nx, dy=spec.size[1] / ny, center=spec.center)
-    return None
+        counts = nx, ny
+    if spec.size is not None:
+        edges = spec.size[0] / counts[0], spec.size[1] / counts[1]
+    assert edges is not None
+    grid = spec.with_cells(*counts, *edges, spec.center)
+    _refuse_many(grid.nx, grid.ny, "grid.cells" if spec.cells is not None else "grid.spacing")
+    return grid
 
 
 def _refuse_many(nx: int, ny: int, where: str) -> None:

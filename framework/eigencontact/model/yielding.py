@@ -91,7 +91,8 @@ def yielding_bodies(
         contacts = _coarse_contacts(scene, interface, grid)
         loads = _distinct([(at, load) for at, p in contacts for load in _loads(at, p, influences, interface.friction)])
         shapes = [source.shape for source in sources if source.body == body]
-        trial = _Trial(law, bodies.half_space(body), where, _bulk_stresses(scene, body, bodies.half_space(body)))
+        material = bodies.half_space(body)
+        trial = _Trial(law, material, where, _bulk_stresses(scene, body, material, grid))
         trial.refuse_bulk(_DEPTHS * max(grid.size))
         patch = _box_where(trial, loads, influences, shapes, scene, grid)
         if body in initial:
@@ -105,13 +106,12 @@ def yielding_bodies(
     return tuple(boxes)
 
 
-def _bulk_stresses(scene: Scene, body: int, material: Material) -> list[FloatArray]:
+def _bulk_stresses(scene: Scene, body: int, material: Material, grid: Grid) -> list[FloatArray]:
     """Mandel bulk stresses ``(6,)`` [Pa] of a body before the first step and at the end of each, each once."""
     at_rest = scene.bulk_at_rest
     history = [at_rest, *held_bulk([ramp for _, ramp in named_ramps(scene.steps, again=True)], at_rest)]
     distinct = np.unique([bulk_of(values, body) for values in history], axis=0)
-    strains = (in_plane_strain(stress, material, plane_strain=scene.grid.line) for stress in distinct)
-    return [plane_stress(strain, material) for strain in strains]
+    return [plane_stress(in_plane_strain(stress, material, grid), material) for stress in distinct]
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,9 +310,7 @@ def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator
         edge = max(min(contact.extent) / ACROSS, max(contact.extent) / (4 * ACROSS))
         nx, ny = (int(np.ceil(1.5 * extent / edge)) for extent in contact.extent)
         center = (0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1))
-        window = Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
-        if grid.line:
-            window = Grid(nx=nx, ny=1, dx=edge, dy=1.0, center=(center[0], 0.0), line=True)
+        window = grid.with_cells(nx, ny, edge, edge, center)
         # A periodic contact that nearly fills its window is solved in all of it.
         whole = periodic and max(a / b for a, b in zip(window.sides, grid.sides, strict=True)) > 1.0
         place = grid if whole else window

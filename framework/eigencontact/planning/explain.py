@@ -73,7 +73,7 @@ def plan_words(plan: Plan) -> PlanWords:
         *(f"            {precision}" for precision in plan.precisions),
         *([f"friction    {model.friction}"] if model.friction is not None else []),
         *(line for block in plan.blocks for line in block.facts(model)),
-        f"load        {_steps(plan)}{largest_loads(plan.scene)}",
+        f"load        {_steps(plan)}{largest_loads(plan.scene, plan.grid)}",
         *expected_lines(model),
     ]
     blocks = []

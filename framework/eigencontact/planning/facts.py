@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.units import per_length, readable
+from eigencontact.core.units import readable
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import cells_per_radius
 from eigencontact.model.words import nested_parameters, parameters, sizes, unit_of
@@ -21,7 +21,7 @@ def grid_lines(model: Model) -> list[str]:
     """Cells and window; of a line contact also what its loads and displacements mean."""
     grid, reason = model.grid, model.window.reason
     pitch, window = (" x ".join(readable(side, "m") for side in sides) for sides in (grid.edges, grid.sides))
-    if not grid.line:
+    if 1 in grid.bounded_axes:
         return [f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {reason}", f"window      {window}"]
     lines = [
         f"grid        {grid.nx} strips of {pitch}; {reason}",
@@ -56,11 +56,11 @@ def law_lines(model: Model) -> list[str]:
     return [f"{'' if number else 'law':<12}{text}" for number, text in enumerate(lines)]
 
 
-def largest_loads(scene: Scene) -> str:
+def largest_loads(scene: Scene, grid: Grid) -> str:
     """Largest of each load or motion of the history; empty without any."""
     texts = []
     for name, field in Step.model_fields.items():
-        unit = per_length(unit_of(field.annotation), line=scene.grid.line)
+        unit = grid.unit(unit_of(field.annotation))
         values = [abs(value) for step in scene.ramps if unit and (value := getattr(step, name)) is not None]
         if any(values):
             texts.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")
@@ -75,12 +75,10 @@ def expected_lines(model: Model) -> list[str]:
     wide, high = contact.extent
     is_round = abs(wide - high) < _ROUND * max(wide, high)
     sides = " x ".join(readable(side, "m") for side in contact.extent)
-    size = f"radius {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {sides}"
-    if model.grid.line:
-        size = f"half width {readable(0.5 * wide, 'm')}"
+    half = "radius" if 1 in model.grid.bounded_axes else "half width"
+    size = f"{half} {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {sides}"
     cells = cells_per_radius(contact, model.grid)
     restriction = ", without what lies in the bodies" if model.sources else ""
-    half = "half width" if model.grid.line else "radius"
     words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a {half}"
     return [f"expected    {words} (an estimate{restriction})"]
 

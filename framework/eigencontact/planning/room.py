@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import floor, inf, log10
+from math import floor, log10
 
-from eigencontact.core.units import per_length, readable
+from eigencontact.core.units import readable
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.model import Model
@@ -28,7 +28,7 @@ def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSma
     if step.control is None:
         return problem
     name, value, unit = _driven(step.control)
-    unit = per_length(unit, line=model.grid.line)
+    unit = model.grid.unit(unit)
     fits = load_that_fits(model, step)
     lower = f"lower the {name}"
     if fits is None:
@@ -92,13 +92,10 @@ def load_that_fits(model: Model, step: Step) -> float | None:
         )
         if contact is None:
             return True
-        (width, height), (x, y) = model.grid.size, model.grid.center
-        edge = 1e-9 * max(model.grid.sides)
-        if model.grid.line:
-            height = inf
-        return (
-            min(contact.x0 - x + 0.5 * width, x + 0.5 * width - contact.x1) > edge
-            and min(contact.y0 - y + 0.5 * height, y + 0.5 * height - contact.y1) > edge
+        ends = ((contact.x0, contact.x1), (contact.y0, contact.y1))[: len(model.grid.sides)]
+        return all(
+            min(low - middle + 0.5 * side, middle + 0.5 * side - high) > 1e-9 * max(model.grid.sides)
+            for (low, high), middle, side in zip(ends, model.grid.center, model.grid.sides, strict=False)
         )
 
     low, high = _LEAST, 1.0

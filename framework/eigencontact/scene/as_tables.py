@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
+from math import inf
 from typing import Any
 
 from pydantic import BaseModel
@@ -40,6 +41,8 @@ def table_of(item: Any) -> Any:
         return {"type": _type_of(item), **table} if isinstance(item, Component) else table
     if isinstance(item, list | tuple) and any(map(is_dataclass, item)):
         return [table_of(member) for member in item]
+    if isinstance(item, float) and item == inf:
+        return "infinite"  # as scenes write it: tables hold finite numbers
     if not isinstance(item, dict):
         return plain(item)
     out = {key: table_of(value) if key in _NESTED else value for key, value in item.items()}

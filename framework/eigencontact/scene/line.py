@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from eigencontact.scene.steps import named_ramps
 
 if TYPE_CHECKING:
+    from eigencontact.core.grid import Grid
     from eigencontact.scene.schema import Scene
 
-__all__ = ["check_line"]
+__all__ = ["check_line", "window_keys"]
 
 #: Loads and motions that turn the body out of its plane, or move it along its length.
 _ACROSS = frozenset({"moment-x", "tilt-x", "torsion-moment", "twist", "travel-y"})
 #: Motions against the inside of the bodies.
 _AGAINST_DEPTH = frozenset({"approach", "shift-x", "shift-y"})
+
+
+def window_keys(grid: Grid, datum_depth: float | None) -> dict[str, Any]:
+    """Keys of the table ``[grid]`` that give these cells; those of strips count displacements against a depth [m].
+
+    Examples
+    --------
+    >>> from eigencontact.core.grid import Grid
+    >>> window_keys(Grid(nx=4, ny=2, dx=0.5, dy=0.5), None)
+    {'cells': [4, 2], 'size': [2.0, 1.0], 'center': [0.0, 0.0]}
+    """
+    pairs: dict[str, list[Any]] = {"cells": list(grid.counts), "size": list(grid.sides)}
+    keys: dict[str, Any] = {**pairs, "center": list(grid.center)}
+    if grid.line:
+        keys |= {name: pair[0] for name, pair in pairs.items()}
+        keys |= {"length": "infinite"} | ({} if datum_depth is None else {"datum-depth": datum_depth})
+    return keys
 
 
 def check_line(scene: Scene) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
 from eigencontact.core.bulk import BULK_NAMES, IN_PLANE
+from eigencontact.core.grid import Grid
 from eigencontact.core.quantities import DataFile, loads_per_length
 from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError
@@ -100,9 +101,10 @@ class GridSpec(Table):
             raise ValueError("of at least 1 cell each way")
         if self.cells is not None and max(self.cells) > LARGEST:
             raise ValueError(f"of at most {LARGEST:g} cells each way")
-        if self.datum_depth is not None and not self.line:
-            raise ValueError("of length = 'infinite' beside datum-depth, which line contacts alone need")
-        if self.line:
+        if not self.line:
+            if self.datum_depth is not None:
+                raise ValueError("of length = 'infinite' beside datum-depth, which line contacts alone need")
+        else:
             pairs = {name: getattr(self, name) for name in ("cells", "size", "spacing")}
             wrong = next((name for name, pair in pairs.items() if pair is not None and pair[0] != pair[1]), None)
             if wrong is not None:
@@ -115,6 +117,10 @@ class GridSpec(Table):
     def line(self) -> bool:
         """Whether the cells are strips without end along y."""
         return self.length is not None
+
+    def with_cells(self, nx: int, ny: int, dx: float, dy: float, center: tuple[float, float]) -> Grid:
+        """Cells of the kind that the table asks for: see `Grid.of`."""
+        return Grid.of(nx, ny, dx, dy, center, line=self.line)
 
     @property
     def automatic(self) -> bool:

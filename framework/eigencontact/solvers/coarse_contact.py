@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.grid import Box, Grid
+from eigencontact.core.grid import Box, Grid, MakeGrid
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.control import Control
@@ -66,7 +66,7 @@ def estimate_contact(
         return None
     left, bottom = float(coarse.x[0]) - 0.5 * coarse.dx, float(coarse.y[0]) - 0.5 * coarse.dy
     x0, x1 = left + box.x0 * coarse.dx, left + box.x1 * coarse.dx
-    if grid.line:
+    if 1 not in grid.bounded_axes:
         half = 0.5 * (x1 - x0)
         return ContactEstimate(x0, x1, -half, half, float(pressure.max()))
     return ContactEstimate(
@@ -82,7 +82,7 @@ def close_estimate(
     grid: Grid, separation: Separation, coefficients: Coefficients, control: Control
 ) -> ContactEstimate | None:
     """Contact on cells that fit it, whatever the window of `grid`; None without contact."""
-    return settled_estimate(grid.center, separation, coefficients, control, max(grid.sides), line=grid.line)
+    return settled_estimate(grid.center, separation, coefficients, control, max(grid.sides), grid.with_cells)
 
 
 def settled_estimate(
@@ -91,14 +91,14 @@ def settled_estimate(
     coefficients: Coefficients,
     control: Control,
     start: float,
-    *,
-    line: bool = False,
+    cells: MakeGrid = Grid.of,
 ) -> ContactEstimate | None:
     """Contact on a window that it fills by a third to four fifths; the search begins with a side of `start` [m]."""
     size = np.array([start, start])
     center = np.array(place, dtype=float)
     for _ in range(60):
-        grid = _cells(_CELLS, size / _CELLS, center, line=line)
+        dx, dy = size / _CELLS
+        grid = cells(_CELLS, _CELLS, float(dx), float(dy), (float(center[0]), float(center[1])))
         estimate = estimate_contact(grid, separation, coefficients, control, periodic=False)
         if estimate is None:
             return None
@@ -108,7 +108,8 @@ def settled_estimate(
         edge = 0.5 - np.abs(middle - center) / size - 0.5 * share
         if np.all(share < 0.8) and np.all(share > 0.3) and np.all(edge > 0.02):
             # Once more on finer cells: a box of whole cells overstates the contact by about one of them.
-            close = _cells(_FINER, 1.25 * extent / _FINER, middle, line=line)
+            dx, dy = 1.25 * extent / _FINER
+            close = cells(_FINER, _FINER, float(dx), float(dy), (float(middle[0]), float(middle[1])))
             return estimate_contact(close, separation, coefficients, control, periodic=False, cells=_FINER)
         if np.all(share <= 2.5 / _CELLS):
             size = size / 8.0
@@ -119,10 +120,3 @@ def settled_estimate(
         if np.any(share < 0.3):
             center = np.where(share < 0.3, middle, center)
     return None
-
-
-def _cells(count: int, edges: FloatArray, center: FloatArray, *, line: bool) -> Grid:
-    """Cells with the edges (dx, dy) [m] around a middle, `count` each way; one row of strips of a line contact."""
-    if line:
-        return Grid(nx=count, ny=1, dx=float(edges[0]), dy=1.0, center=(float(center[0]), 0.0), line=True)
-    return Grid(nx=count, ny=count, dx=edges[0], dy=edges[1], center=(float(center[0]), float(center[1])))

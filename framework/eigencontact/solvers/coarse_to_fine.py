@@ -324,9 +324,8 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
     DomainTooSmall
         There is pressure in the outermost cells.
     """
-    sides = {"x": pressure[:, [0, -1]]}
-    if not grid.line:
-        sides["y"] = pressure[[0, -1]]
+    ends = (pressure[:, [0, -1]], pressure[[0, -1]])
+    sides = dict(zip("xy", ends[: len(grid.sides)], strict=False))
     touched = [name for name, edge in sides.items() if np.any(edge > 0)]
     if touched:
         sizes = " x ".join(f"{size:.4g} m" for size in grid.sides)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 
-__all__ = ["contact_area", "line_contact_area", "radius_of_area"]
+__all__ = ["area_under_pressure", "contact_area", "line_contact_area", "radius_of_area"]
 
 #: Share of a cell by which each boundary between a loaded and an unloaded cell overstates the area.
 PER_BOUNDARY = (pi - 1.0 + log(2.0)) / 24.0
@@ -82,6 +82,13 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
         outward = 2.0 * third[smooth] / (np.sqrt(root[smooth]) - slope[smooth])
         cells -= float(np.sum(2.5 - np.clip(outward, 1.5, 3.0)))
     return cells * grid.cell_area
+
+
+def area_under_pressure(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:
+    """Area of contact under a pressure ``(ny, nx)`` [m^2], of one metre of the length of strips."""
+    if grid.line:
+        return line_contact_area(pressure, grid, periodic=periodic)
+    return contact_area(pressure > 0, grid, periodic=periodic)
 
 
 def radius_of_area(area: float, grid: Grid) -> float:

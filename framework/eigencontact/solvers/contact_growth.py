@@ -23,6 +23,7 @@ from typing import Literal
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.grid import Grid
 from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.control import Control
 
@@ -101,7 +102,7 @@ class ContactGrowth:
 
 
 def contact_growth(
-    separation: Separation, contact: ContactEstimate, control: Control, *, line: bool = False
+    separation: Separation, contact: ContactEstimate, control: Control, grid: Grid | None = None
 ) -> ContactGrowth | None:
     """Growth of a contact whose gap rises in all directions from the middle; None of others, which have no one radius.
 
@@ -113,9 +114,10 @@ def contact_growth(
         The largest contact of the load history.
     control : Control
         Under which it is that large.
-    line : bool
-        Whether it is a line contact, with two directions.
+    grid : Grid, optional
+        Cells of the window: strips make a line contact, with two directions.
     """
+    line = grid is not None and 1 not in grid.bounded_axes
     wide, high = contact.extent
     middle = _lowest(separation, contact)
     end = 0.5 * np.sqrt(wide * high)

@@ -159,7 +159,7 @@ def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str,
         return None
     middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
     loaded = {name: field[box.y0 : box.y1, box.x0 : box.x1] for name, field in fields.items()}
-    return middle, (window.dx, np.inf if window.line else window.dy), loaded
+    return middle, (2.0 * window.half_widths[0], 2.0 * window.half_widths[1]), loaded
 
 
 def _rows(edges: tuple[float, float], count: int) -> int:

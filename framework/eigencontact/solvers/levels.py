@@ -18,8 +18,9 @@ def coarse_factors(grid: Grid) -> tuple[int, int] | None:
 
     Only the finer direction of stretched cells is merged, until they are nearly square.
     """
-    merge_y = grid.ny >= 2 * COARSEST and grid.dy <= 1.5 * grid.dx
-    merge_x = grid.nx >= 2 * COARSEST and (grid.line or grid.dx <= 1.5 * grid.dy)
+    half_x, half_y = grid.half_widths
+    merge_y = grid.ny >= 2 * COARSEST and half_y <= 1.5 * half_x
+    merge_x = grid.nx >= 2 * COARSEST and half_x <= 1.5 * half_y
     return (2 if merge_y else 1, 2 if merge_x else 1) if merge_y or merge_x else None
 
 

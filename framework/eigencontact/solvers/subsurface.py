@@ -248,7 +248,7 @@ class SubsurfaceStress:
         dx, dy = self.grid.dx, self.grid.dy
         x, y = self._layout.x.lattice * dx, self._layout.y.lattice * dy
         below, left = mirrored(y), mirrored(x)
-        if self.grid.line:
+        if 1 not in self.grid.bounded_axes:
             y = np.zeros_like(y)  # the field of strips is the same at all y
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
         prepared = all_tables(kernels, self.depths, self.grid.half_widths, reach, self._threads)

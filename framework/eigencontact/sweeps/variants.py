@@ -102,6 +102,7 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
     PlanError
         No variant can be planned, or the window would have too many cells.
     """
+    from eigencontact.scene.line import window_keys
     from eigencontact.scene.schema import GridSpec
 
     out, grids = _planned(variants)
@@ -116,20 +117,14 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
         high = max(middle + span for middle, span in zip(middles, half, strict=True))
         spans.append((low, high))
     counts = [2 * ceil(0.5 * (high - low) / edge * (1 - 1e-9)) for (low, high), edge in zip(spans, edges, strict=True)]
-    line = all(grid.line for grid in grids)
-    counts[1] = 1 if line else counts[1]
-    if counts[0] * counts[1] > _MOST:
+    rectangles = max(grids, key=lambda grid: len(grid.counts))  # strips only where all variants are line contacts
+    shared = rectangles.with_cells(counts[0], counts[1], edges[0], edges[1], (0.5 * sum(spans[0]), 0.5 * sum(spans[1])))
+    if shared.nx * shared.ny > _MOST:
         raise PlanError(
-            f"a shared grid must have at most {_MOST} cells (got {counts[0]} x {counts[1]}: the largest window in the "
+            f"a shared grid must have at most {_MOST} cells (got {shared.nx} x {shared.ny}: the largest window in the "
             "finest cells); give grid.cells and grid.size in the scene, or vary less"
         )
-    spec = GridSpec(
-        cells=counts[0] if line else (counts[0], counts[1]),
-        size=counts[0] * edges[0] if line else (counts[0] * edges[0], counts[1] * edges[1]),
-        center=(0.5 * sum(spans[0]), 0.5 * sum(spans[1])),
-        length="infinite" if line else None,
-        datum_depth=max(grid.size[0] for grid in grids) if line else None,
-    )
+    spec = GridSpec.model_validate(window_keys(shared, max(grid.size[0] for grid in grids)))
     return [variant if variant.scene is None or variant.refused else replace(variant, scene=variant.scene.model_copy(
         update={"grid": spec}).within(variant.scene.folder)) for variant in out]  # fmt: skip
 

@@ -28,6 +28,8 @@ __all__ = [
     "rounded_punch_pressure",
     "stress_under",
     "trailing_edge_tension",
+    "wedge_half_width",
+    "wedge_pressure",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -87,6 +89,27 @@ def rounded_punch_pressure(x: ArrayLike, angle: float) -> FloatArray:
     free = np.pi - 2.0 * angle
     curve = free * np.cos(phi) + np.sin(phi) * first + np.sin(angle) * second
     return np.asarray(2.0 * inner / (np.pi * (free - np.sin(2.0 * angle))) * curve)
+
+
+def wedge_half_width(load: float, slope: float, contact_modulus: float) -> float:
+    """Half width P / (E* s) [m] of a sharp wedge |x| s on a plane, under a load P per length (J. 5.2)."""
+    return load / (contact_modulus * slope)
+
+
+def wedge_pressure(x0: ArrayLike, x1: ArrayLike, a: float, slope: float, contact_modulus: float) -> FloatArray:
+    """Mean pressure [Pa] from x0 to x1 under a wedge of half width a: that of (E* s / π) arcosh(a / |x|) (J. 5.2).
+
+    Its integral from 0 to x is (E* s / π) (x arcosh(a / |x|) + a arcsin(x / a)): the pressure at the edge is infinite,
+    and its mean is not.
+    """
+    low, high = (np.asarray(x, dtype=float) for x in (x0, x1))
+
+    def carried(x: FloatArray) -> FloatArray:
+        inside = np.clip(x / a, -1.0, 1.0)
+        safe = np.maximum(np.abs(inside), np.finfo(float).tiny)
+        return np.asarray(inside * np.arccosh(1.0 / safe) + np.arcsin(inside))
+
+    return np.asarray(contact_modulus * slope * a / np.pi * (carried(high) - carried(low)) / (high - low))
 
 
 def flamant(x: ArrayLike, z: ArrayLike) -> tuple[FloatArray, FloatArray]:

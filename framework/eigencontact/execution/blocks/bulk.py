@@ -48,8 +48,7 @@ class BulkStress(Stateless):
         for body, material in enumerate(without_layers(model.bodies.solids), start=1):
             if material is None:
                 continue
-            flat = model.grid.line
-            strains = [in_plane_strain(bulk_of(values, body), material, plane_strain=flat) for values in self._history]
+            strains = [in_plane_strain(bulk_of(values, body), material, model.grid) for values in self._history]
             largest = float(np.abs(strains).max())
             if largest > _LARGE:
                 words = (

@@ -46,7 +46,7 @@ class BulkField(Cause):
 
     def __init__(self, request: StressRequest, lattice: RegionLattice, solid: Solid, grid: Grid) -> None:
         self._body, self._quantities, self._lattice, self._solid = request.body, request.fields, lattice, solid
-        self._center, self._plane_strain = grid.center, grid.line
+        self._grid = grid
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
@@ -56,13 +56,13 @@ class BulkField(Cause):
         columns = {quantity: getattr(self, f"_{quantity}_at")(strain, depths) for quantity in self._quantities}
         fields = {quantity: values[:, place] for quantity, values in columns.items()}
         if "displacement" in fields:
-            fields["displacement"][:2] += dragged(strain, x - self._center[0], y - self._center[1])
+            fields["displacement"][:2] += dragged(strain, x - self._grid.center[0], y - self._grid.center[1])
         return {name: values.reshape(-1, *self._lattice.shape) for name, values in fields.items()}
 
     def _strain(self, values: Mapping[str, float]) -> FloatArray:
         """Strain (xx, yy, xy) that all depths share."""
         substrate = self._solid if isinstance(self._solid, Material) else self._solid.deep_material
-        return in_plane_strain(bulk_of(values, self._body), substrate, plane_strain=self._plane_strain)
+        return in_plane_strain(bulk_of(values, self._body), substrate, self._grid)
 
     def _material(self, depth: float) -> Material:
         return self._solid if isinstance(self._solid, Material) else self._solid.material_at(float(depth))

@@ -110,7 +110,7 @@ class Responding(Interior):
         stress, material = bulk_of(values, self.body), self._half_space.material
         if not stress.any():
             return None
-        return plane_stress(in_plane_strain(stress, material, plane_strain=self._grid.line), material)
+        return plane_stress(in_plane_strain(stress, material, self._grid), material)
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
         """Stored values on the cells of this interior."""

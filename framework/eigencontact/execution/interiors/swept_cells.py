@@ -97,7 +97,7 @@ class SweptCells(Cells):
         self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
         deep, across, wide = self._averages.width
-        self._width = (deep, 0 if self._grid.line else across, wide)
+        self._width = (deep, across if 1 in self._grid.bounded_axes else 0, wide)
         self._rim = self._content.rim(self._width).ravel()
         matrix = self._half_space.material
         self._faces = linked_cells(self._content, whole, self._places, matrix)

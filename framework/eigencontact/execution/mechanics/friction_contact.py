@@ -225,7 +225,7 @@ class ContactWithFriction(Contact):
         if not bulk:
             return moved
         (y, x), (x0, y0) = self._grid.axes(), self._grid.center
-        strain = relative_strain(bulk, self._substrates, plane_strain=self._grid.line)
+        strain = relative_strain(bulk, self._substrates, grid=self._grid)
         along = dragged(strain, x - x0, y - y0)
         stretched = along[["xy".index(c) for c in self._components]]
         return stretched if moved is None else moved + stretched

@@ -25,7 +25,7 @@ from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.window import Window
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
-from eigencontact.solvers.contact_area import contact_area, line_contact_area, radius_of_area
+from eigencontact.solvers.contact_area import area_under_pressure, radius_of_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalSolver
 from eigencontact.solvers.solution import NormalSolution
@@ -207,10 +207,7 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
     certificate = solution.report.certificate
     assert certificate is not None
     loaded = solution.pressure > 0
-    if grid.line:
-        area = line_contact_area(solution.pressure, grid, periodic=periodic)
-    else:
-        area = contact_area(loaded, grid, periodic=periodic)
+    area = area_under_pressure(solution.pressure, grid, periodic=periodic)
     return {
         "normal_load": solution.normal_load,
         "approach": solution.approach,

@@ -10,7 +10,6 @@ import numpy as np
 
 from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.grid import Box, Grid
-from eigencontact.core.units import per_length
 from eigencontact.errors import NotConverged, SceneError, require
 from eigencontact.solvers.report import FrictionCertificate, Progress, SolveReport
 from eigencontact.solvers.solution import SolverOptions
@@ -318,7 +317,7 @@ class TangentialSolver:
 
     def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> Overloaded:
         capacity = self._capacity(bound, fields)
-        units = [per_length(unit, line=self.grid.line) for unit in ("N", "N", "N m")]
+        units = [self.grid.unit(unit) for unit in ("N", "N", "N m")]
         forces = ", ".join(
             f"{MODES[mode][1]} {value:.6g} of at most {capacity[mode]:.6g} {units[mode]}"
             for mode, value in free.items()
