@@ -90,11 +90,12 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
         )
     pairs = zip(_controls(scene), held_travel(scene.ramps), strict=True)
-    controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
+    touching = (pair for pair in pairs if 0.0 not in (pair[0].normal_load, pair[0].approach))
+    controls = list(dict.fromkeys(touching))  # steps of a fretting cycle have one load
     # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
     first_window = partial(_first_window, interface.separation, bare, cells=spec.with_cells)
-    start = max((first_window(control) for control, _ in controls), default=1.0)
+    start = max((first_window(control) for control in dict.fromkeys(control for control, _ in controls)), default=1.0)
     yields = scene.body1.law is not None or scene.body2.law is not None
     grid = _automatic_grid(spec, interface.separation, normal, controls, start, odd=yields)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
@@ -208,16 +209,20 @@ class StepContact(NamedTuple):
 
 def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[StepContact]:
     """Contacts of the load steps, each on coarse cells over the whole window; steps without contact are left out."""
-    periodic, contacts = scene.numerics.boundary == "periodic", list[StepContact]()
-    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.ramps), strict=True):
+    pairs = list(zip(_controls(scene), held_travel(scene.ramps), strict=True))
+    contacts = {pair: _contact_of_step(scene, grid, interface, *pair) for pair in dict.fromkeys(pairs)}
+    return [contact for contact in map(contacts.__getitem__, pairs) if contact is not None]
 
-        def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
-            return interface.separation(x - x0, y - y0)
 
-        contact = estimate_contact(grid, separation, interface.normal, control, periodic=periodic)
-        if contact is not None:
-            contacts.append(StepContact(contact, control, separation))
-    return contacts
+def _contact_of_step(
+    scene: Scene, grid: Grid, interface: Interface, control: Control, travel: tuple[float, float]
+) -> StepContact | None:
+    def separation(x: FloatArray, y: FloatArray) -> FloatArray:
+        return interface.separation(x - travel[0], y - travel[1])
+
+    periodic = scene.numerics.boundary == "periodic"
+    contact = estimate_contact(grid, separation, interface.normal, control, periodic=periodic)
+    return None if contact is None else StepContact(contact, control, separation)
 
 
 def _growth(scene: Scene, contacts: Sequence[StepContact], grid: Grid) -> ContactGrowth | None:

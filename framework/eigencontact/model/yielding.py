@@ -306,7 +306,7 @@ def _clipped_bounds(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | No
 def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator[tuple[Grid, FloatArray]]:
     """Window and pressure [Pa] of the contact at the end of each step, with some `ACROSS` cells across it."""
     normal, periodic = interface.normal, scene.numerics.boundary == "periodic"
-    for contact, control, separation in contacts_of_steps(scene, grid, interface):
+    for contact, control, separation in dict.fromkeys(contacts_of_steps(scene, grid, interface)):
         edge = max(min(contact.extent) / ACROSS, max(contact.extent) / (4 * ACROSS))
         nx, ny = (int(np.ceil(1.5 * extent / edge)) for extent in contact.extent)
         center = (0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1))
