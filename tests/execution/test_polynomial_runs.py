@@ -1,5 +1,7 @@
 """Scenes with whole inhomogeneities of polynomial eigenstrain: contact pressure, stress, errors, what is refused."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import SceneError
+from eigencontact.warnings_.after import _degree
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
@@ -147,6 +150,16 @@ def test_a_degree_that_misses_the_error_is_refused_or_warned_of():
         ec.plan(scene(ball(VOID, 0.33, 0.5), whole=2, error=1e-3))
     codes = {caution["code"]: caution["error"] for caution in run(ball(VOID, 0.33, 0.4), whole=2).summary["warnings"]}
     assert codes["inclusion-degree"] > 0.05
+
+
+@pytest.mark.parametrize(
+    ("error", "words"), [(0.2, "by 20 % of itself"), (112.36, "does not resolve their eigenstrain")]
+)
+def test_an_error_above_one_is_not_told_in_parts(error, words):
+    record = SimpleNamespace(scalars={"inclusion_degree_error": error})
+    (caution,) = _degree(ec.plan(scene(ball(VOID, 0.33, 0.5), whole=2)).model, record)
+    assert words in caution.words
+    assert "11236" not in caution.words
 
 
 @pytest.mark.parametrize(

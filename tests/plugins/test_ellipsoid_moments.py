@@ -6,7 +6,7 @@ import pytest
 from close import close
 from eigencontact.core.jets import monomials
 from eigencontact.halfspace.moments import moment_field
-from eigencontact.plugin import HasMomentPotentials, HasMomentSums, derivatives_of
+from eigencontact.plugin import HasMomentIntegrals, HasMomentPotentials, HasMomentSums, derivatives_of
 from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
 from eigencontact_plugins.shapes.ellipsoid_ferrers import outer_derivatives
 from eigencontact_plugins.shapes.sphere import SphericalInclusion
@@ -58,6 +58,7 @@ def sums_one_by_one(shape, degree, name, orders, points, *, image):
 def test_abilities():
     assert isinstance(Ellipsoid(center=CENTER, semi_axes=(1, 2, 1.5)), HasMomentPotentials)
     assert isinstance(Ellipsoid(center=CENTER, semi_axes=(1, 2, 1.5)), HasMomentSums)
+    assert isinstance(Ellipsoid(center=CENTER, semi_axes=(1, 2, 1.5)), HasMomentIntegrals)
 
 
 @every_shape
@@ -189,6 +190,69 @@ def test_chi_equals_quadrature_over_the_volume(semi_axes, order):
     )
     expected = np.einsum("nm,opm->nop", shape.densities(4, *nodes.T) * weights, kernels)
     assert worst(sums_one_by_one(shape, 4, "chi", orders, points, image=True), expected) < 1e-11
+
+
+# Integrals ---------------------------------------------------------------------------------------------------------
+
+
+def random_weights(orders_by_name, degree, seed=7):
+    rng = np.random.default_rng(seed)
+    return {
+        name: (orders, rng.normal(size=(2, count_of(degree), len(orders)))) for name, orders in orders_by_name.items()
+    }
+
+
+KERNELS = {
+    "phi": lambda x, y, z: np.sqrt(x * x + y * y + z * z) ** -1,
+    "psi": lambda x, y, z: np.sqrt(x * x + y * y + z * z),
+    "chi": lambda x, y, z: z * np.log(np.sqrt(x * x + y * y + z * z) + z) - np.sqrt(x * x + y * y + z * z),
+}
+
+
+@every_shape
+@pytest.mark.parametrize("image", [False, True], ids=["region", "image"])
+def test_integrals_equal_quadrature_over_the_volume_at_each_point(semi_axes, image):
+    """Sum over points of test function times Σ weight ∫ρ ∂^γ kernel dV; kernels differentiated by jets."""
+    shape = Ellipsoid(center=CENTER, semi_axes=semi_axes, rotation=TURN)
+    nodes, of_node = shape.density_rule((14, 14, 28))
+    mirror = np.array([1.0, 1.0, -1.0 if image else 1.0])
+    points = np.array(CENTER)[:, None] + directions(5) * 4.0 * max(semi_axes)
+    points[2] = np.abs(points[2]) + (2.5 if image else 0.0)
+    weights = random_weights({"phi": orders_of(3), "psi": orders_of(4), **({"chi": CHI} if image else {})}, 3)
+    tests = np.random.default_rng(8).normal(size=(3, points.shape[1]))
+    offset = points[:, :, None] - (nodes * mirror).T[:, None, :]
+    of_density = shape.densities(3, *nodes.T) * of_node
+    expected, scale = 0.0, 0.0
+    for name, (orders, of_orders) in weights.items():
+        kernels = derivatives_of(KERNELS[name], orders, *offset)
+        terms = np.einsum("kno,nm,opm,dp->kdnop", of_orders, of_density, kernels, tests, optimize=True)
+        expected, scale = expected + terms.sum(axis=(2, 3, 4)), scale + np.abs(terms).sum(axis=(2, 3, 4))
+    got = shape.moment_integrals(3, weights, *points, tests, image=image)
+    assert got.shape == (2, 3)
+    assert (np.abs(got - expected) / scale).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", THREE)
+def test_integrals_add_sums_at_points_inside_on_the_boundary_and_outside(name):
+    shape = Ellipsoid(center=CENTER, semi_axes=SHAPES[name], rotation=TURN)
+    own = directions(90) * np.repeat([0.5, 1.0, 1.3], 30)
+    points = np.array(CENTER)[:, None] + shape.axes @ (own * np.array(SHAPES[name])[:, None])
+    weights = random_weights({"phi": orders_of(2, 3), "psi": orders_of(4)}, 4)
+    tests = np.random.default_rng(8).normal(size=(3, 90))
+    sums = shape.moment_sums(4, weights, *points, image=False)
+    expected, scale = sums @ tests.T, np.abs(sums) @ np.abs(tests).T
+    assert (np.abs(shape.moment_integrals(4, weights, *points, tests, image=False) - expected) / scale).max() < 1e-12
+
+
+def test_integrals_of_an_image_next_to_a_disc_equal_the_sums():
+    """Some points are so close that Chi is integrated along a line."""
+    shape = Ellipsoid(center=(0.0, 0.0, 0.06), semi_axes=SHAPES["disc"])
+    points = np.array([[0.0, 0.4, 1.0, 3.0], [0.0, 0.1, 0.0, 1.0], [0.0, 0.02, 0.05, 2.0]])
+    weights = random_weights({"phi": orders_of(3), "psi": orders_of(4), "chi": CHI}, 2)
+    tests = np.random.default_rng(8).normal(size=(2, 4))
+    sums = shape.moment_sums(2, weights, *points, image=True)
+    expected, scale = sums @ tests.T, np.abs(sums) @ np.abs(tests).T
+    assert (np.abs(shape.moment_integrals(2, weights, *points, tests, image=True) - expected) / scale).max() < 1e-12
 
 
 @pytest.mark.parametrize("name", [*THREE, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)])

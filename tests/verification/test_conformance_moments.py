@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eigencontact.plugin import HasMomentPotentials, HasMomentSums
+from eigencontact.plugin import HasMomentIntegrals, HasMomentPotentials, HasMomentSums
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
 from eigencontact_verification.conformance import ConformanceError, checks_for
@@ -11,7 +11,8 @@ from eigencontact_verification.conformance.kit import _OF_ABILITY
 
 GRAIN = {"center": (0.1, 0.2, 2.0), "semi_axes": (1.0, 0.7, 1.3), "rotation": (0.3, 0.4, 0.1)}
 STRAIGHT = GRAIN | {"rotation": None}
-CHECKS = {check.__name__: check for check, of in _OF_ABILITY.items() if of in {HasMomentPotentials, HasMomentSums}}
+ABILITIES = {HasMomentIntegrals, HasMomentPotentials, HasMomentSums}
+CHECKS = {check.__name__: check for check, of in _OF_ABILITY.items() if of in ABILITIES}
 FAULTS = {}
 
 
@@ -207,6 +208,13 @@ class DensitiesOfChiNotMirrored(FaultyWeights):
     def changed(self, name, orders, weights, image):  # noqa: ARG002
         odd = np.array([1.0, 1.0, 1.0, -1.0] + [1.0] * (weights.shape[1] - 4))
         return weights * odd[:, None] if name == "chi" else weights
+
+
+@plant("check_moment_integrals")
+class PointsInsideForgotten(Ellipsoid):
+    def moment_integrals(self, degree, weights, x, y, z, tests, *, image):
+        tests = tests if image else tests * ~self.contains(x, y, z)
+        return super().moment_integrals(degree, weights, x, y, z, tests, image=image)
 
 
 @pytest.mark.parametrize("name", FAULTS)

@@ -1,13 +1,15 @@
 """Errors that whole inhomogeneities state by their degree, beside true ones: random scenes, shares, pictures."""
 
+import json
+
 import numpy as np
 import pytest
 
 from close import close
-from eigencontact_verification.benchmarks import degrees
+from eigencontact_verification.benchmarks import degree_errors, degrees
 from eigencontact_verification.benchmarks.benchmark import Task
-from eigencontact_verification.benchmarks.degree_errors import FACTORS, agreement
-from eigencontact_verification.benchmarks.degree_scenes import KINDS, RADIUS, judged, random_scenes
+from eigencontact_verification.benchmarks.degree_errors import FACTORS, agreement, collect
+from eigencontact_verification.benchmarks.degree_scenes import KINDS, RADIUS, Errors, judged, random_scenes
 from eigencontact_verification.benchmarks.process import perform
 
 
@@ -48,6 +50,24 @@ def test_errors_of_one_scene():
         (stated, true), (stated_next, true_next) = (getattr(found[degree], name) for degree in (1, 2))
         assert stated > stated_next > 0
         assert true > true_next > 1e-4
+
+
+def test_stored_scenes_are_not_measured_again(tmp_path, monkeypatch):
+    measured = []
+
+    def errors(scene, _degrees, truth, _cells):
+        measured.append((scene, truth))
+        return {2: Errors(pressure=(1.0, 0.5), eigenstrain=(0.2, len(measured)), foretold=(0.3, 0.1))}
+
+    monkeypatch.setattr(degree_errors, "judged", errors)
+    file, scenes = tmp_path / "ball.jsonl", random_scenes("ball", 5)
+    assert collect("ball", [4, 1], file, -1.0) == {}
+    assert collect("ball", [4, 1], file, 60.0)[4]["2"]["eigenstrain"] == (0.2, 1)
+    again = collect("ball", [1, 2, 4], file, 60.0)
+    assert {number: item["2"]["eigenstrain"][1] for number, item in again.items()} == {4: 1, 1: 2, 2: 3}
+    assert measured == [(scenes[4], 9), (scenes[1], 9), (scenes[2], 9)]
+    numbers = [json.loads(line)["scene"] for line in file.read_text(encoding="utf-8").splitlines()]
+    assert numbers == [4, 1, 2]
 
 
 @pytest.mark.slow

@@ -107,6 +107,11 @@ def _degree(model: Model, last: StepRecord) -> Iterator[Caution]:
             f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give "
             "a higher degree, or allow that error"
         )
+        if error >= 1.0:
+            words = (
+                "the degree of whole inhomogeneities does not resolve their eigenstrain: its estimated error exceeds "
+                "the eigenstrain itself; give a higher degree, or cells"
+            )
         yield Caution("inclusion-degree", words, error)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -131,16 +131,14 @@ class Ellipsoid(InclusionShape):
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
         unit, semi_axes = self._scaled()
-
-        def focal(points: Points, degrees: tuple[int, int]) -> FloatArray:
-            return focal_chi(semi_axes, self.axes, orders, points, degrees)
-
         scales = np.array([unit ** (4 - sum(order)) for order in orders])[:, None]
         at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
-        values, place = self._by_cubature(len(orders), at, focal)
-        values *= scales
-        if place.size:
-            values[:, place] = integrated_chi(self, orders, *(t[place] for t in at))
+        values = np.empty((len(orders), at[0].size))
+        for place, degrees, points in self._cubatures(at):
+            if degrees is None:
+                values[:, place] = integrated_chi(self, orders, *(t[place] for t in at))
+            else:
+                values[:, place] = scales * focal_chi(semi_axes, self.axes, orders, points, degrees)
         return values.reshape(len(orders), *np.shape(x))
 
     def far_field(self) -> PointSources:
@@ -182,11 +180,11 @@ class Ellipsoid(InclusionShape):
         local_orders, transform = self._along_axes(orders)
         count = len(density_scales(degree))
 
-        def evaluate(points: Points, *, outside: bool) -> FloatArray:
-            asked = (("phi", tuple(local_orders)),)
-            return weighted_sums(semi_axes, degree, asked, None, points, outside=outside)
-
-        values = self._on_sides(count * len(local_orders), x, y, z, evaluate).reshape(count, len(local_orders), -1)
+        asked = (("phi", tuple(local_orders)),)
+        sums = np.zeros((count * len(local_orders), np.size(x)))
+        for place, share, points, outside in self._sides(x, y, z):
+            sums[:, place] += share * weighted_sums(semi_axes, degree, asked, None, points, outside=outside)
+        values = sums.reshape(count, len(local_orders), -1)
         if transform is not None:
             values = transform @ values
         values *= np.array([unit ** (2 - sum(order)) for order in orders])[:, None]
@@ -203,14 +201,40 @@ class Ellipsoid(InclusionShape):
         image: bool,
     ) -> FloatArray:
         """See `HasMomentSums`; Phi and Psi to round-off, Chi as `chi`."""
+        sums = self._sums(degree, weights, [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)], None, image=image)
+        return sums.reshape(len(sums), *np.shape(x))
+
+    def moment_integrals(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        tests: FloatArray,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """See `HasMomentIntegrals`."""
+        return self._sums(degree, weights, [np.asarray(t, dtype=float) for t in (x, y, z)], tests, image=image)
+
+    def _sums(
+        self,
+        degree: int,
+        weights: Mapping[str, tuple[Sequence[Order], FloatArray]],
+        at: Sequence[FloatArray],
+        tests: FloatArray | None,
+        *,
+        image: bool,
+    ) -> FloatArray:
+        """Sums at points, ``(k, points)``, or with tests ``(d, points)`` times each over the points, ``(k, d)``."""
         unit, semi_axes = self._scaled()
-        at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
         asked: list[tuple[str, tuple[Order, ...]]] = []
         local: list[FloatArray] = []
-        total: FloatArray | None = None
+        total: FloatArray | float = 0.0
         for name, (orders, of_orders) in weights.items():
             if name == "chi":
-                total = self._chi_sums(degree, orders, of_orders, at)
+                total = self._chi_sums(degree, orders, of_orders, at, tests)
                 continue
             scaled = of_orders * np.array([unit ** ((2 if name == "phi" else 4) - sum(order)) for order in orders])
             if image:  # the potentials of the mirror image are those of the region at the mirrored point
@@ -221,39 +245,51 @@ class Ellipsoid(InclusionShape):
             local.append(scaled.reshape(len(scaled), -1))
         if asked:
             joined = np.concatenate(local, axis=1)
-
-            def evaluate(points: Points, *, outside: bool) -> FloatArray:
-                return weighted_sums(semi_axes, degree, tuple(asked), joined, points, outside=outside)
-
-            sums = self._on_sides(len(joined), at[0], at[1], -at[2] if image else at[2], evaluate)
-            total = sums if total is None else total + sums
-        assert total is not None
-        return total.reshape(len(total), *np.shape(x))
+            sums = np.zeros((len(joined), at[0].size if tests is None else len(tests)))
+            for place, share, points, outside in self._sides(at[0], at[1], -at[2] if image else at[2]):
+                parts = None if tests is None else share * tests[:, place]
+                values = weighted_sums(semi_axes, degree, tuple(asked), joined, points, parts, outside=outside)
+                if tests is None:
+                    sums[:, place] += share * values
+                else:
+                    sums += values
+            total = total + sums
+        return np.asarray(total)
 
     def _chi_sums(
-        self, degree: int, orders: Sequence[Order], weights: FloatArray, at: Sequence[FloatArray]
+        self,
+        degree: int,
+        orders: Sequence[Order],
+        weights: FloatArray,
+        at: Sequence[FloatArray],
+        tests: FloatArray | None,
     ) -> FloatArray:
-        """Weighted sums of derivatives of Chi of the densities, ``(k, points)``."""
+        """Weighted sums of derivatives of Chi of the densities: see `_sums`."""
         unit, semi_axes = self._scaled()
         scaled = weights * np.array([unit ** (4 - sum(order)) for order in orders])
         flat = scaled.reshape(len(weights), -1)
+        # Sums of orders without and with a derivative along z stand for two orders of one potential.
+        along = np.array([order[2] for order in orders], dtype=bool)
+        both = np.concatenate([weights * ~along, weights * along])
+        plane = [(i, j, 0) for i, j, _ in orders]
 
-        def focal(points: Points, degrees: tuple[int, int]) -> FloatArray:
-            return focal_chi_sums(semi_axes, self.axes, degree, orders, flat, points, degrees)
+        def phi(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+            sums = self.moment_sums(degree, {"phi": (plane, both)}, x, y, z, image=False)
+            return sums.reshape(2, len(weights), -1)
 
-        values, place = self._by_cubature(len(weights), at, focal)
-        if place.size:
-            # Sums of orders without and with a derivative along z stand for two orders of one potential.
-            along = np.array([order[2] for order in orders], dtype=bool)
-            both = np.concatenate([weights * ~along, weights * along])
-            plane = [(i, j, 0) for i, j, _ in orders]
-
-            def phi(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-                sums = self.moment_sums(degree, {"phi": (plane, both)}, x, y, z, image=False)
-                return sums.reshape(2, len(weights), -1)
-
-            values[:, place] = integrated_sums(self.bounds, phi, [t[place] for t in at])
-        return values
+        total = np.zeros((len(weights), at[0].size if tests is None else len(tests)))
+        for place, degrees, points in self._cubatures(at):
+            parts = None if tests is None else tests[:, place]
+            if degrees is None:
+                sums = integrated_sums(self.bounds, phi, [t[place] for t in at])
+                sums = sums if parts is None else sums @ parts.T
+            else:
+                sums = focal_chi_sums(semi_axes, self.axes, degree, orders, flat, points, degrees, parts)
+            if tests is None:
+                total[:, place] = sums
+            else:
+                total += sums
+        return total
 
     def _in_axes(self, x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coordinates along the semi-axes, from the centre."""
@@ -274,10 +310,10 @@ class Ellipsoid(InclusionShape):
         unit, semi_axes = self._scaled()
         local_orders, transform = self._along_axes(orders)
 
-        def evaluate(points: Points, *, outside: bool) -> FloatArray:
-            return potential_derivatives(potential, semi_axes, local_orders, points, outside=outside)
-
-        values = self._on_sides(len(local_orders), x, y, z, evaluate)
+        values = np.zeros((len(local_orders), np.size(x)))
+        for place, share, points, outside in self._sides(x, y, z, CHUNK):
+            sums = potential_derivatives(potential, semi_axes, local_orders, points, outside=outside)
+            values[:, place] += share * sums
         if transform is not None:
             values = transform @ values
         power = 2 if potential == "phi" else 4
@@ -295,50 +331,43 @@ class Ellipsoid(InclusionShape):
             return tuple(orders), None
         return turned_derivatives(self.axes, tuple(orders))
 
-    def _on_sides(
-        self, rows: int, x: FloatArray, y: FloatArray, z: FloatArray, evaluate: Callable[..., FloatArray]
-    ) -> FloatArray:
-        """Rows of `evaluate`, of points in units of `_scaled` on one side; on the boundary the mean of both sides."""
+    def _sides(
+        self, x: FloatArray, y: FloatArray, z: FloatArray, chunk: int | None = None
+    ) -> Iterator[tuple[NDArray[np.intp], FloatArray, Points, bool]]:
+        """Points of one side: where they are, their share of it, coordinates in units of `_scaled`, whether outside.
+
+        Points on the boundary are half of each side.
+        """
         unit, _ = self._scaled()
         points = [np.ravel(t) for t in self._in_axes(x, y, z)]
         level = self._level(points)
         border = np.abs(level) <= SNAP
         depth = np.broadcast_to(z, np.shape(x)).ravel()
         surface = border & (depth == 0)
-        outside = (level > SNAP) | surface
-        halves = border & ~surface
-        values = np.empty((rows, level.size))
+        share = np.where((level > SNAP) | surface, 1.0, np.where(border, 0.5, 0.0))
+        for outside, of_side in ((False, 1.0 - share), (True, share)):
+            place = np.flatnonzero(of_side)
+            for first in range(0, place.size, chunk or max(place.size, 1)):
+                part = place[first : first + (chunk or place.size)]
+                yield (
+                    part,
+                    of_side[part],
+                    (points[0][part] / unit, points[1][part] / unit, points[2][part] / unit),
+                    outside,
+                )
 
-        def at(place: NDArray[np.intp]) -> Points:
-            return points[0][place] / unit, points[1][place] / unit, points[2][place] / unit
+    def _cubatures(self, at: Sequence[FloatArray]) -> Iterator[tuple[NDArray[np.intp], tuple[int, int] | None, Points]]:
+        """Points that share a cubature over the focal ellipse of the image, its degrees, the points in its units.
 
-        for first in range(0, level.size, CHUNK):
-            chunk = slice(first, first + CHUNK)
-            for side in (False, True):
-                place = first + np.flatnonzero((outside[chunk] == side) & ~halves[chunk])
-                if place.size:
-                    values[:, place] = evaluate(at(place), outside=side)
-        place = np.flatnonzero(halves)
-        if place.size:
-            values[:, place] = 0.5 * (evaluate(at(place), outside=False) + evaluate(at(place), outside=True))
-        return values
-
-    def _by_cubature(
-        self,
-        rows: int,
-        at: Sequence[FloatArray],
-        focal: Callable[[Points, tuple[int, int]], FloatArray],
-    ) -> tuple[FloatArray, NDArray[np.intp]]:
-        """Rows of a cubature over the focal ellipse of the image, of given degrees; points where that is too dear."""
+        Degrees are None where a cubature would be too dear.
+        """
         unit, semi_axes = self._scaled()
         across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._in_axes(at[0], at[1], -at[2])))
-        offset = (at[0] - self.center[0], at[1] - self.center[1], at[2] + self.center[2])
-        values = np.empty((rows, at[0].size))
-        for degrees in map(tuple, np.unique(np.stack([across, around])[:, around >= 0], axis=1).T.tolist()):
+        offset = [(t - c) / unit for t, c in zip(at, (*self.center[:2], -self.center[2]), strict=True)]
+        across[around < 0] = -1
+        for degrees in map(tuple, np.unique(np.stack([across, around]), axis=1).T.tolist()):
             place = np.flatnonzero((across == degrees[0]) & (around == degrees[1]))
-            x, y, z = (t[place] / unit for t in offset)
-            values[:, place] = focal((x, y, z), degrees)
-        return values, np.flatnonzero(around < 0)
+            yield place, None if degrees[1] < 0 else degrees, (offset[0][place], offset[1][place], offset[2][place])
 
 
 eigencontact_register = hook_for(Ellipsoid)

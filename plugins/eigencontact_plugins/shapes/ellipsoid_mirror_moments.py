@@ -75,6 +75,7 @@ def focal_chi_sums(
     weights: FloatArray,
     points: tuple[FloatArray, FloatArray, FloatArray],
     degrees: tuple[int, int],
+    tests: FloatArray | None = None,
 ) -> FloatArray:
     """Weighted sums of derivatives of Chi of the densities, ``(k, points)``.
 
@@ -92,12 +93,15 @@ def focal_chi_sums(
         x - x_c, y - y_c, z + z_c: offsets along Z count downwards from the mirrored centre.
     degrees : (int, int)
         Degrees of the cubature across and around the ellipse, for the uniform density.
+    tests : (d, points), optional
+        Functions by which the sums are multiplied before they are added over the points: ``(k, d)``.
     """
     # derivatives of higher order converge later across the ellipse, and have harmonics of higher order around it
     across, around = degrees[0] + (degrees[0] * degree) // 12 + 2 * degree, degrees[1] + 2 * degree
     nodes, of_node, height = focal_cubature(semi_axes, axes, (across, around))
     table = _coefficients(tuple(semi_axes.tolist()), tuple(axes.ravel().tolist()), degree, tuple(orders))
-    rows = {key: weights[:, sources] @ half for key, (sources, half) in table.items()}
+    rows = [weights[:, sources] @ half for sources, half in table.values()]
+    of_functions = np.concatenate([values for row in rows for values in (row.real, -row.imag)], axis=1)
     of_density = []
     for n in range(degree + 1):
         share = of_node * height**n  # √(1 - ξ² - η²)^(2n) more than the uniform density
@@ -105,19 +109,24 @@ def focal_chi_sums(
         of_density.append(mass * share / share.sum())
     functions = ladder("image", degree + 2)
     half = len(functions.half)
-    place = {low: [functions.half.index((0, low, m)) for m in range(low + 3)] for _, low in rows}
+    place = {low: [functions.half.index((0, low, m)) for m in range(low + 3)] for _, low in table}
     x, y, z = points
     out = np.zeros((len(weights), x.size))
+    products = np.zeros((of_functions.shape[1], 0 if tests is None else len(tests)))
     step = max(1, PAIRS // len(of_node))
     for first in range(0, x.size, step):
         chunk = slice(first, first + step)
         # the mirrored source lies at -z', so that its depth adds to that of the field point
         at = (x[chunk] - nodes[:, :1], y[chunk] - nodes[:, 1:2], z[chunk] + nodes[:, 2:])
         values = functions.values(*at)
-        for (n, low), row in rows.items():
-            real, imaginary = (of_density[n] @ values[[part + m for m in place[low]]] for part in (0, half))
-            out[:, chunk] += row.real @ real - row.imag @ imaginary
-    return out
+        sums = np.concatenate([
+            of_density[n] @ values[[part + m for m in place[low]]] for n, low in table for part in (0, half)
+        ])  # fmt: skip
+        if tests is None:
+            out[:, chunk] = of_functions @ sums
+        else:
+            products += sums @ tests[:, chunk].T
+    return out if tests is None else np.asarray(of_functions @ products)
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,13 @@ Appell and J. Kampé de Fériet 1926, Fonctions hypergéométriques et hypersph�
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import factorial, gamma, pi, prod, sqrt
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import FloatArray, Order
 from eigencontact_plugins.shapes.ellipsoid_ferrers import (
@@ -88,42 +88,30 @@ class _Terms:
     ----------
     columns : list of (n, γ)
         Derivatives of V_n.
-    source, block, column : (terms,)
-        Which potential (of density and order, see `sources`), times which coordinate (3 for none), which derivative.
-    factor : (terms,)
-        And the factor.
-    sources : int
-        Number of potentials times densities times orders.
+    table : (4 columns, sources)
+        Sparse factors: times x, y, z or no coordinate, by derivative; sources are potentials, densities and orders.
+    blocks : tuple of int
+        Coordinates that occur, 0 to 2, and 3 for none.
     inner : (columns, monomials), optional
-        Their polynomials inside, up to `degree`.
+        Polynomials of the derivatives inside, up to `degree`.
     """
 
     columns: list[Column]
-    source: NDArray[np.intp]
-    block: NDArray[np.intp]
-    column: NDArray[np.intp]
-    factor: FloatArray
-    sources: int
+    table: Any
+    blocks: tuple[int, ...]
     degree: int
     inner: FloatArray | None
 
     def contracted(self, weights: FloatArray | None) -> FloatArray:
         """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)`` or each source alone."""
-        count = self.sources if weights is None else len(weights)
-        out = np.zeros((4, len(self.columns), count))
-        if weights is None:
-            np.add.at(out, (self.block, self.column, self.source), self.factor)
-        else:
-            target = self.block * len(self.columns) + self.column
-            order = np.argsort(target, kind="stable")
-            places, starts = np.unique(target[order], return_index=True)
-            parts = self.factor[order, None] * weights.T[self.source[order]]
-            out.reshape(-1, count)[places] = np.add.reduceat(parts, starts, axis=0)
-        return out.transpose(0, 2, 1)
+        rows = self.table.toarray() if weights is None else self.table @ weights.T
+        return np.asarray(rows).reshape(4, len(self.columns), -1).transpose(0, 2, 1)
 
 
 @lru_cache(maxsize=16)
 def _terms(semi_axes: tuple[float, float, float], degree: int, asked: Asked, *, outside: bool) -> _Terms:
+    from scipy.sparse import coo_array  # late: most runs need no moments
+
     short = int(np.argmin(semi_axes))
     scales = density_scales(degree)
     found: dict[Column, int] = {}
@@ -143,9 +131,11 @@ def _terms(semi_axes: tuple[float, float, float], degree: int, asked: Asked, *, 
     # a derivative of V_n, of degree 2n + 2, has at least the n of its density
     most = max(2 * n + 2 - sum(order) for n, order in columns)
     inner = None if outside else inner_polynomials(np.array(semi_axes), columns, max(most, 0))
-    index = np.array([row[:3] for row in rows], dtype=np.intp).T
-    factors = np.array([row[3] for row in rows])
-    return _Terms(columns, index[0], index[1], index[2], factors, source, max(most, 0), inner)
+    places = [block * len(columns) + column for _, block, column, _ in rows]
+    factors, sources = [row[3] for row in rows], [row[0] for row in rows]
+    table = coo_array((factors, (places, sources)), shape=(4 * len(columns), source)).tocsr()
+    blocks = tuple(sorted({row[1] for row in rows}))
+    return _Terms(columns, table, blocks, max(most, 0), inner)
 
 
 def _of_potential(
@@ -170,7 +160,14 @@ def _sum(first: Order, second: Order, sign: int = 1) -> Order:
 
 
 def weighted_sums(
-    semi_axes: FloatArray, degree: int, asked: Asked, weights: FloatArray | None, points: Points, *, outside: bool
+    semi_axes: FloatArray,
+    degree: int,
+    asked: Asked,
+    weights: FloatArray | None,
+    points: Points,
+    tests: FloatArray | None = None,
+    *,
+    outside: bool,
 ) -> FloatArray:
     """Weighted sums of derivatives of Φ and Ψ of the densities, in the axes of the ellipsoid.
 
@@ -186,22 +183,42 @@ def weighted_sums(
         Over potentials, densities and orders, in this nesting; left out: all m values one by one.
     points : three arrays (points,)
         All outside or all inside; on the boundary the limit from that side.
+    tests : (d, points), optional
+        Functions by which the sums are multiplied before they are added over the points; needs weights.
 
     Returns
     -------
-    (k or m, points)
+    (k or m, points), or (k, d) with tests
     """
     a, b, c = (float(axis) for axis in semi_axes)
     terms = _terms((a, b, c), degree, asked, outside=outside)
+
+    def chunks() -> Iterator[tuple[slice, list[FloatArray | float], FloatArray]]:
+        """Points, their coordinates and 1, and the derivatives of V_n, or inside the monomials, there."""
+        for first in range(0, points[0].size, CHUNK):
+            part = slice(first, first + CHUNK)
+            here = points[0][part], points[1][part], points[2][part]
+            values = (
+                outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
+            )
+            yield part, [*here, 1.0], values
+
+    if tests is not None and weights is not None:
+        count = len(terms.columns) if terms.inner is None else terms.inner.shape[1]
+        products = np.zeros((4, count, len(tests)))
+        for part, factors, values in chunks():
+            for block in terms.blocks:
+                products[block] += values @ (factors[block] * tests[:, part]).T
+        if terms.inner is not None:
+            products = terms.inner @ products
+        return np.asarray(weights @ (terms.table.T @ products.reshape(-1, len(tests))))
     blocks = terms.contracted(weights)
     if terms.inner is not None:
         blocks = blocks @ terms.inner
-    used = [block for block in range(4) if blocks[block].any()]
-    rows = blocks[used].reshape(-1, blocks.shape[2])
+    rows = blocks[list(terms.blocks)].reshape(-1, blocks.shape[2])
     out = np.zeros((blocks.shape[1], points[0].size))
-    for first in range(0, points[0].size, CHUNK):
-        here = (points[0][first : first + CHUNK], points[1][first : first + CHUNK], points[2][first : first + CHUNK])
-        values = outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
-        for block, part in zip(used, (rows @ values).reshape(len(used), len(out), values.shape[-1]), strict=True):
-            out[:, first : first + CHUNK] += part if block == 3 else here[block] * part
+    for part, factors, values in chunks():
+        sums = (rows @ values).reshape(len(terms.blocks), len(out), values.shape[-1])
+        for block, of_block in zip(terms.blocks, sums, strict=True):
+            out[:, part] += factors[block] * of_block
     return out

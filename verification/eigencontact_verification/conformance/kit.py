@@ -10,6 +10,7 @@ from eigencontact.errors import nearest
 from eigencontact.plugin import (
     HasFarField,
     HasMirrorPotential,
+    HasMomentIntegrals,
     HasMomentPotentials,
     HasMomentSums,
     HasPotentials,
@@ -33,6 +34,7 @@ from eigencontact_verification.conformance import (
     law_elastic,
     law_mechanics,
     layered,
+    moment_integrals,
     moment_sums,
     moments,
     region,
@@ -61,6 +63,7 @@ _OF_ABILITY: dict[Check, type] = {
     region.check_volume_fractions: HasVolumeFractions,
     **dict.fromkeys(_functions(densities, moments), HasMomentPotentials),
     **dict.fromkeys(_functions(moment_sums), HasMomentSums),
+    moment_integrals.check_moment_integrals: HasMomentIntegrals,
 }
 
 
