@@ -35,8 +35,8 @@ _DIVISIONS = (1, 2, 4)
 #: Elements to a half width in the undivided mesh, and in that of the quick audit.
 _PARTS, _QUICK = 4, 2
 #: Elements at the edges of contact and stick are smaller by this factor. The finest mesh of the quick audit (3136
-#: elements) then has Cattaneo's shear within .29 % and slip within .07 % of the largest; 4160 elements of a/16 had 6.4 %
-#: and .4 % (`test_line_elements`).
+#: elements) then has Cattaneo's shear within .29 % and slip within .07 % of the largest; 4160 elements of a/16 had
+#: 6.4 % and .4 % (`test_line_elements`).
 _SHARPER = 32
 #: Growth from element to element of a mesh with one element to a half width.
 _GROWTH = 16.0
