@@ -11,6 +11,7 @@ from eigencontact_verification.fem import assembly, planes
 from eigencontact_verification.fem import solve as solving
 from eigencontact_verification.fem.mesh import Grid, build_grid, graded_lines
 from eigencontact_verification.fem.model import Layer, Model, Patch, Region, lame
+from eigencontact_verification.fem.recovery import recovered
 from eigencontact_verification.fem.solve import NotConverged, solve, solve_system
 from eigencontact_verification.oracles import boussinesq, cuboid_quadrature, eshelby, mindlin
 
@@ -55,6 +56,25 @@ def boundary(grid):
 
 def largest(found, expected):
     return np.abs(found - expected).max() / np.abs(expected).max()
+
+
+# ---------------------------------------------------------------- recovery
+
+
+@pytest.mark.parametrize("face", [0.0, 1e-18, -1e-18])
+def test_a_face_on_a_mirrored_plane_leaves_its_strain(face):
+    """A face and its image, apart by round-off, left no point to interpolate from: the strain was zero on the plane."""
+    grid = Grid(lines=(np.linspace(0.0, 1.0, 5),) * 3, order=2)
+    points = np.array([[0.0, 0.3, 0.3], [0.2, 0.3, 0.3]])
+    breaks = ([face, 0.5], [], [])
+    strain = recovered(lambda x: (1 + x[:, 0, None, None] ** 2) * STRAIN, grid, ("even", "none"), points, breaks=breaks)
+    assert strain == close(np.array([1.0, 1.04])[:, None, None] * STRAIN, rel=1e-12)
+
+
+def test_faces_without_elements_between_them_are_refused():
+    grid = Grid(lines=(np.linspace(0.0, 1.0, 5),) * 3, order=2)
+    with pytest.raises(ValueError, match="must have elements between them"):
+        recovered(lambda x: x, grid, ("none", "none"), np.full((1, 3), 0.51), breaks=([0.5, 0.52], [], []))
 
 
 # ---------------------------------------------------------------- mesh

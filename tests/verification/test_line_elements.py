@@ -248,6 +248,48 @@ def test_plastic_contact_with_friction():
     assert np.abs(s.stress([[0.0, 0.7]], body=2)).max() < 1e-7 * P0  # elastic, and nothing touches it
 
 
+def slip_of_partial_slip(x, c):
+    """Slip by Cattaneo's shear, from its gradient 2 mu p0 sqrt(x² - c²) / E* between stick and the contact's edge."""
+    x = np.clip(np.abs(x), c, 1.0)
+    return MU * P0 * (x * np.sqrt(x * x - c * c) - c * c * np.arccosh(x / c))
+
+
+def partial_slip_errors(**mesh):
+    """Largest error of shear and of slip within .8 of the half width, by the largest of each; smallest element."""
+    c = np.sqrt(0.4)
+    loads = (LineStep(normal=P), LineStep(normal=P, shear=0.6 * MU * P))
+    s = pressed(*loads, bodies=(HALF, HALF), friction=MU, window=1.25, reach=60.0, deep=0.5, **mesh)
+    x, now = np.linspace(-0.8, 0.8, 401), s.moments[1]
+    shear = MU * (hertz(x) - hertz(x, c))
+    slip = slip_of_partial_slip(x, c)
+    errors = (np.interp(x, s.x, now.shear) - shear, np.interp(x, s.x, now.slip) - slip)
+    sizes = (shear.max(), slip_of_partial_slip(1.0, c))
+    return [float(np.abs(e).max() / size) for e, size in zip(errors, sizes, strict=True)]
+
+
+EDGES = np.sqrt(0.4) * np.array([-1.0, 1.0])
+GRADED = {"fine": 0.5, "growth": 4.0, "edges": (-1.0, *EDGES, 1.0), "sharp": 1 / 64}
+
+
+def test_elements_that_are_small_at_the_edges_have_the_shear():
+    """196 of them against 260 elements of an eighth: 3 % instead of 15 %."""
+    even, graded = partial_slip_errors(fine=0.25, growth=2.0, divisions=1), partial_slip_errors(**GRADED)
+    assert graded[0] < 0.04
+    assert graded[0] < even[0] / 3
+    assert graded[1] < even[1] / 2
+
+
+@pytest.mark.slow
+def test_order_with_elements_that_are_small_at_the_edges():
+    """The meshes of the quick audit: .29 % of shear and .074 % of slip on the finest, orders 1.7 and 2.1."""
+    sizes = np.array([1.0, 0.5, 0.25])
+    shear, slip = np.transpose([partial_slip_errors(divisions=d, **GRADED) for d in (1, 2, 4)])
+    assert 1.4 < order(sizes, shear) < 2.0
+    assert 1.9 < order(sizes, slip) < 2.4
+    assert shear[-1] < 0.004
+    assert slip[-1] < 0.001
+
+
 def test_refusals():
     with pytest.raises(ValueError, match=r"\|shear\| must be below"):
         pressed(LineStep(normal=P, shear=MU * P), friction=MU)

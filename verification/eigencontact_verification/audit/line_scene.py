@@ -14,6 +14,7 @@ from eigencontact_verification.audit.contact_scene import INCOMPRESSIBLE, body_l
 from eigencontact_verification.audit.stored import StoredRegion, regions_at
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
 __all__ = ["StoredLine", "is_line", "line_scene", "read_line"]
@@ -22,6 +23,8 @@ FloatArray = NDArray[np.float64]
 
 #: Part of the largest friction from which a contact slides as a whole: its shift has no equation then.
 _SLIDES = 1 - 1e-6
+#: Part of what friction carries below which a strip sticks.
+_STICKS = 1 - 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,6 +61,22 @@ class StoredLine:
     bulk: FloatArray
     fields: dict[str, FloatArray]
     regions: list[list[StoredRegion]]
+
+    def edges(self, steps: Iterable[int]) -> list[float]:
+        """Places where contact or stick ends in these steps, ascending, at least a strip apart [m]."""
+        places = [0.0]
+        for k in steps:
+            pressure = self.fields["pressure"][k]
+            bound = self.scene["friction"] * pressure
+            zones = [pressure > 0]
+            if "shear_x" in self.fields:
+                zones.append(np.abs(self.fields["shear_x"][k]) < _STICKS * bound)
+            for zone in zones:
+                inside = self.x[zone]
+                places += [inside[0] - self.cell / 2, inside[-1] + self.cell / 2] if inside.size else []
+        edges = np.unique(places)
+        edges = edges[np.append(True, np.diff(edges) > self.cell)]
+        return [float(edge) for edge in edges if abs(edge) > self.cell]
 
 
 def is_line(path: str | Path) -> bool:

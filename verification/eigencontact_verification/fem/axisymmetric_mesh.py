@@ -35,7 +35,7 @@ _MARGIN, _GAP = 0.5, 0.25
 _CORE = 0.6
 
 
-def graded_lines(fixed: ArrayLike, fine: Sequence[Interval], size: float, growth: float) -> FloatArray:
+def graded_lines(fixed: ArrayLike, fine: Sequence[Interval], size: ArrayLike, growth: float) -> FloatArray:
     """Coordinates from the first to the last of ``fixed`` with all of ``fixed`` among them.
 
     Parameters
@@ -44,24 +44,30 @@ def graded_lines(fixed: ArrayLike, fine: Sequence[Interval], size: float, growth
         Coordinates that must be lines.
     fine : sequence of (low, high)
         Intervals (or points, low = high) where the spacing is about ``size``.
+    size : float or (intervals,)
+        Spacing there, one for all or one for each interval.
     growth : float
         Ratio of neighbouring spacings away from them, > 1.
 
     Notes
     -----
-    The spacing wanted is ``size + log(growth) * distance``; its integrated reciprocal between two fixed lines, rounded
-    up, is the number of intervals there.
+    The spacing wanted is ``size + log(growth) * distance``, the smallest over the intervals; its integrated reciprocal
+    between two fixed lines, rounded up, is the number of intervals there.
     """
     ends = np.unique(np.asarray(fixed, dtype=float))
     intervals = np.asarray(fine, dtype=float)
+    sizes = np.broadcast_to(np.asarray(size, dtype=float), len(intervals))
     rate = float(np.log(growth))
 
     def spacing(x: FloatArray) -> FloatArray:
         away = np.maximum(0.0, np.maximum(intervals[:, 0] - x[:, None], x[:, None] - intervals[:, 1]))
-        return np.asarray(size + rate * away.min(axis=1))
+        return np.asarray((sizes + rate * away).min(axis=1))
 
-    middles = (intervals[:, None, 0] + intervals[None, :, 1]).ravel() / 2  # where the nearest interval may change
-    breaks = np.unique(np.concatenate((ends, intervals.ravel(), middles)))
+    # where one interval's spacing may pass another's: two that rise towards each other, or one that rises to a constant
+    ahead = (sizes[:, None] - sizes[None]) / rate
+    middles = (intervals[:, None, 0] + intervals[None, :, 1] + ahead) / 2
+    levels = np.stack((intervals[None, :, 1] + ahead, intervals[None, :, 0] - ahead))
+    breaks = np.unique(np.concatenate((ends, intervals.ravel(), middles.ravel(), levels.ravel())))
     breaks = breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]
     h = spacing(breaks)
     length, rise = np.diff(breaks), np.diff(h)

@@ -72,6 +72,10 @@ class LineContact:
         Interval of x where elements keep the size `fine` and contact is looked for [m]; the origin lies within.
     fine, deep : float
         That size, and the depth to which it is kept [m].
+    edges : tuple of float
+        Places x in the window where contact or stick ends, and tractions fall as a root [m].
+    sharp : float
+        Size of elements there and at the surface [m]; less than `fine`.
     reach : float
         Half width and depth of the mesh [m].
     growth : float
@@ -95,6 +99,8 @@ class LineContact:
     reach: float
     friction: float = 0.0
     deep: float = 0.0
+    edges: tuple[float, ...] = ()
+    sharp: float = 0.0
     growth: float = 1.5
     divisions: int = 1
     outer: str = "fixed"
@@ -121,8 +127,10 @@ class LineContact:
     def grid(self) -> Grid:
         """Mesh of either body, (x, z)."""
         low, high = self.window
-        x = graded_lines((-self.reach, low, 0.0, high, self.reach), [(low, high)], self.fine, self.growth)
-        z = graded_lines((0.0, self.reach), [(0.0, self.deep)], self.fine, self.growth)
+        sharp = [(edge, edge) for edge in self.edges]
+        sizes = [self.fine] + [self.sharp] * len(sharp)
+        x = graded_lines((-self.reach, low, 0.0, high, self.reach), [(low, high), *sharp], sizes, self.growth)
+        z = graded_lines((0.0, self.reach), [(0.0, self.deep), *[(0.0, 0.0)] * len(sharp)], sizes, self.growth)
         return build(x, z, (), self.fine, self.divisions)
 
     def meshed(self) -> tuple[PlaneBody, ...]:

@@ -125,15 +125,25 @@ def recovered(
 
 
 def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: bool) -> tuple[FloatArray, FloatArray]:
-    """Places ``(n, count)`` of Gauss points around coordinates `at`, and the weights of Lagrange's interpolation."""
+    """Places ``(n, count)`` of Gauss points around coordinates `at`, and the weights of Lagrange's interpolation.
+
+    Raises
+    ------
+    ValueError
+        No element lies between the breaks on both sides of a coordinate.
+    """
     gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
     if mirrored:
         gauss = np.concatenate([-gauss[::-1], gauss])
         breaks = np.sort(np.concatenate([breaks, -breaks]))
+        # a face and its image that differ by round-off are one: nothing lies between them to interpolate from
+        breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * np.ptp(line))[: breaks.size]]
     side = np.searchsorted(breaks, gauss)
     places = np.empty((at.size, _COUNT))
     for row, (x, own) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
         choice = gauss[side == own]
+        if not choice.size:
+            raise ValueError(f"faces must have elements between them (got none around {x:.9g}); merge them")
         first = int(np.clip(np.searchsorted(choice, x) - _COUNT // 2, 0, max(choice.size - _COUNT, 0)))
         chosen = choice[first : first + _COUNT]
         # a part of the body one element thick has two Gauss points: the line through them
