@@ -5,11 +5,12 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from eigencontact.accuracy.carry import Axes, axes_of, carried
+from eigencontact.accuracy.carry import Axes, axes_of, carried, without_gaps
 from eigencontact.accuracy.estimate import estimate
 from eigencontact.results.history import HISTORY_STEP
 
@@ -72,7 +73,7 @@ class Share:
 
     def at(self, axes: Axes) -> NDArray[Any]:
         """Largest of the estimates at the points of the run."""
-        return np.asarray(np.max([carried(part, places, axes, smooth=False) for places, part in self.errors], axis=0))
+        return reduce(np.maximum, (carried(part, places, axes, smooth=False) for places, part in self.errors))
 
 
 def differences(
@@ -91,7 +92,7 @@ def differences(
         for (size, other), field in zip(varied, fields, strict=True):
             if values is None or field is None:
                 break
-            coarse = np.nan_to_num(field)
+            coarse = without_gaps(field)
             kept = [_within(at, own) for at, own in zip(other.axes, base.axes, strict=True)]
             leading = map(np.arange, coarse.shape[: coarse.ndim - len(kept)])
             places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -85,7 +86,8 @@ class FieldErrors:
         values = (field := Sampled(self._run, name)).at(max(field.positions))
         if values is None:
             return None
-        error, _ = self._errors_at(name, field, values, max(field.positions), shares)
+        parts, errors, edged = self._errors_at(name, field, values, max(field.positions), shares)
+        error = _in_one_number(values, parts, errors, edged, shares)
         return ErrorBar(
             value=error.largest, error=error.error, source=error.source, order=error.order, parts=error.parts
         )
@@ -137,9 +139,10 @@ class FieldErrors:
         for time, step in field.positions.items():
             if (values := field.at(time)) is None:
                 continue
-            error, total[step] = self._errors_at(name, field, values, time, shares)
+            parts, total[step], edged = self._errors_at(name, field, values, time, shares)
             if step == len(total) - 1:
-                self.fields[name], source = error, error.source
+                self.fields[name] = _in_one_number(values, parts, total[step], edged, shares)
+                source = self.fields[name].source
         attrs: dict[str, str | int] = {
             "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": source,
             "long_name": f"estimated error of: {variable.attrs['long_name']}",
@@ -153,20 +156,14 @@ class FieldErrors:
         values: NDArray[Any],
         time: float,
         shares: Mapping[str, Mapping[float, Share]],
-    ) -> tuple[FieldError, NDArray[Any]]:
-        """Error of a field in one step: in one number, and at all points."""
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[Any], int]:
+        """Errors of a field in one step at points, by source and in sum, and the number of dimensions with edges."""
         edged = len(field.axes) if _ROLES[self._run.variables[name].attrs["role"]] else 0
         parts = {
-            source: np.max([by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)], axis=0)
+            source: reduce(np.maximum, (by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)))
             for source, by_time in shares.items()
         }
-        errors = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
-        sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
-        largest = max(sizes, key=lambda source: sizes[source])
-        order = shares[largest][max(shares[largest])].order
-        error = FieldError.of(values, errors, edged, source=largest, order=order)
-        scale = error.error / (sum(sizes.values()) or 1.0)
-        return replace(error, parts={source: scale * size for source, size in sizes.items()}), errors
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), edged), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -179,6 +176,22 @@ class FieldErrors:
         ]
         attrs = {"role": "error", **number.attributes()}
         return Variable(name=number.name, dims=("step",), values=np.array([*values, last]), attrs=attrs)
+
+
+def _in_one_number(
+    values: NDArray[Any],
+    parts: Mapping[str, NDArray[Any]],
+    errors: NDArray[Any],
+    edged: int,
+    shares: Mapping[str, Mapping[float, Share]],
+) -> FieldError:
+    """Error of a field after the last step, from its errors at points by source and in sum."""
+    sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+    largest = max(sizes, key=lambda source: sizes[source])
+    order = shares[largest][max(shares[largest])].order
+    error = FieldError.of(values, errors, edged, source=largest, order=order)
+    scale = error.error / (sum(sizes.values()) or 1.0)
+    return replace(error, parts={source: scale * size for source, size in sizes.items()})
 
 
 def _fields(results: Results) -> Iterator[str]:
