@@ -249,14 +249,14 @@ def run(
     if not (folder is None or isinstance(folder, str | Path)):
         raise SceneError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
     target = None if folder is None else Path(folder).absolute()  # before a plugin can change the working directory
+    if accuracy is not None:
+        from eigencontact.scene.accuracy import with_accuracy
+
+        scene = with_accuracy(scene.scene if isinstance(scene, Plan) else load_scene(scene), accuracy)
     if isinstance(scene, Plan):
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
-    if accuracy is not None:
-        from eigencontact.scene.accuracy import with_accuracy
-
-        planned = plan(with_accuracy(planned.scene, accuracy), registry=registry)
     if resume and planned.scene.accuracy is not None:
         raise SceneError("resume must be without accuracy (got both); a run to an accuracy stores its answer alone")
     if resume and target is None:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Axes", "axes_of", "carried"]
+__all__ = ["Axes", "axes_of", "carried", "without_gaps"]
 
 #: Places along each dimension of the points of a field [m].
 Axes = tuple["FloatArray", ...]
@@ -61,13 +59,20 @@ def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) ->
     >>> np.abs(carried(x**3, fine, coarse, smooth=True) - coarse[0] ** 3).max() < 1e-14
     np.True_
     """
-    values = np.nan_to_num(values)
+    values = without_gaps(values)
     for axis, (places, others) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
         if _alike(places, others):
             continue
-        weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
-        values = np.moveaxis(np.tensordot(weights, values, axes=(1, axis)), 0, axis)
+        first, weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
+        along = [-1 if n == axis else 1 for n in range(values.ndim)]
+        near = (np.take(values, first + n, axis=axis) * weight.reshape(along) for n, weight in enumerate(weights))
+        values = reduce(np.add, near)
     return values
+
+
+def without_gaps(values: NDArray[Any]) -> NDArray[Any]:
+    """Values with zero in place of NaN; a copy only where there is one."""
+    return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
 def _alike(places: FloatArray, others: FloatArray) -> bool:
@@ -75,16 +80,16 @@ def _alike(places: FloatArray, others: FloatArray) -> bool:
 
 
 @lru_cache(maxsize=64)  # all fields and steps of a run have the same places
-def _weights(start: bytes, target: bytes, count: int) -> FloatArray:
-    """Weights (target, start) of Lagrange's polynomials through the `count` places around each of the others."""
+def _weights(start: bytes, target: bytes, count: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """First of the `count` places around each of the others, and weights (count, others) of Lagrange's polynomials."""
     places, others = np.frombuffer(start), np.frombuffer(target)
     count = min(count, places.size)
-    rows = np.arange(others.size)
     at = np.clip(others, places[0], places[-1])
     first = np.clip(np.searchsorted(places, at) - count // 2, 0, places.size - count)
     near = [places[first + n] for n in range(count)]
-    weights = np.zeros((others.size, places.size))
+    weights = np.ones((count, others.size))
     for n in range(count):
-        factors: Sequence[Any] = [(at - near[m]) / (near[n] - near[m]) for m in range(count) if m != n]
-        weights[rows, first + n] = np.prod(factors, axis=0) if factors else 1.0
-    return weights
+        for m in range(count):
+            if m != n:
+                weights[n] *= (at - near[m]) / (near[n] - near[m])
+    return first, weights

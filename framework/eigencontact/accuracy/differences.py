@@ -5,11 +5,12 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from eigencontact.accuracy.carry import Axes, axes_of, carried
+from eigencontact.accuracy.carry import Axes, axes_of, carried, without_gaps
 from eigencontact.accuracy.estimate import estimate
 from eigencontact.results.history import HISTORY_STEP
 
@@ -18,11 +19,15 @@ if TYPE_CHECKING:
 
     from eigencontact.accuracy.sources import ErrorSource
 
-__all__ = ["Results", "Sampled", "Share", "differences", "neighbours", "shares_of", "time_of"]
+__all__ = ["Results", "Sampled", "Share", "differences", "largest_near", "neighbours", "shares_of", "time_of"]
 
 
 #: All but the last, and all but the first of the points along a dimension.
 _SIDES = (slice(None, -1), slice(1, None))
+
+
+#: A difference is at least this part of those at the neighbours: where it changes its sign it is small by chance.
+_OF_OTHERS = 0.5
 
 
 class Results(Protocol):
@@ -72,7 +77,7 @@ class Share:
 
     def at(self, axes: Axes) -> NDArray[Any]:
         """Largest of the estimates at the points of the run."""
-        return np.asarray(np.max([carried(part, places, axes, smooth=False) for places, part in self.errors], axis=0))
+        return reduce(np.maximum, (carried(part, places, axes, smooth=False) for places, part in self.errors))
 
 
 def differences(
@@ -91,7 +96,7 @@ def differences(
         for (size, other), field in zip(varied, fields, strict=True):
             if values is None or field is None:
                 break
-            coarse = np.nan_to_num(field)
+            coarse = without_gaps(field)
             kept = [_within(at, own) for at, own in zip(other.axes, base.axes, strict=True)]
             leading = map(np.arange, coarse.shape[: coarse.ndim - len(kept)])
             places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))
@@ -101,7 +106,7 @@ def differences(
             continue
         factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
         errors = [
-            (factor * _filled(part, len(base.axes))).astype(np.float32)
+            (factor * largest_near(part, len(base.axes), _OF_OTHERS)).astype(np.float32)
             for factor, part in zip(factors, parts, strict=True)
         ]
         yield time, Share(list(zip(places, errors, strict=True)), order)
@@ -139,17 +144,20 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
     return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
 
 
-def _filled(part: NDArray[Any], points: int) -> NDArray[Any]:
-    """Differences that are at least half of those of their neighbours along the last `points` dimensions.
+def largest_near(field: NDArray[Any], points: int, share: float = 1.0) -> NDArray[Any]:
+    """Largest of the value at each point and a share of those next to it, along the last `points` dimensions.
 
-    Where a difference changes its sign it is small by chance.
+    Examples
+    --------
+    >>> largest_near(np.array([0.0, 4.0, 0.0, 0.0]), 1, 0.5)
+    array([2., 4., 2., 0.])
     """
-    filled = part.copy()
-    for axis in range(part.ndim - points, part.ndim):
-        ends = [tuple(side if n == axis else slice(None) for n in range(part.ndim)) for side in _SIDES]
+    largest = field.copy()
+    for axis in range(field.ndim - points, field.ndim):
+        ends = [tuple(side if n == axis else slice(None) for n in range(field.ndim)) for side in _SIDES]
         for end, other in (ends, ends[::-1]):
-            np.maximum(filled[end], 0.5 * part[other], out=filled[end])
-    return filled
+            np.maximum(largest[end], share * field[other], out=largest[end])
+    return largest
 
 
 def _within(places: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from eigencontact.accuracy.differences import Results, Sampled, Share, differences, neighbours, time_of
+from eigencontact.accuracy.carry import without_gaps
+from eigencontact.accuracy.differences import (
+    Results,
+    Sampled,
+    Share,
+    differences,
+    largest_near,
+    neighbours,
+    time_of,
+)
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.core.field_error import FieldError, beside_edges, error_name
 from eigencontact.core.numbers import ErrorBar, Number
@@ -61,7 +71,9 @@ class FieldErrors:
     differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
     where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
     surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
-    difference to a neighbour.
+    difference to a neighbour. At a largest or smallest value, and next to it, coarser points do not tell how sharp a
+    peak is: the error is at least the step to the neighbours, times the part that this is of the largest step nearby.
+    It is one at a sharp peak, and a third to a half at a smooth one.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
@@ -85,7 +97,8 @@ class FieldErrors:
         values = (field := Sampled(self._run, name)).at(max(field.positions))
         if values is None:
             return None
-        error, _ = self._errors_at(name, field, values, max(field.positions), shares)
+        parts, errors, edged = self._errors_at(name, field, values, max(field.positions), shares)
+        error = _in_one_number(values, parts, errors, edged, shares)
         return ErrorBar(
             value=error.largest, error=error.error, source=error.source, order=error.order, parts=error.parts
         )
@@ -137,9 +150,10 @@ class FieldErrors:
         for time, step in field.positions.items():
             if (values := field.at(time)) is None:
                 continue
-            error, total[step] = self._errors_at(name, field, values, time, shares)
+            parts, total[step], edged = self._errors_at(name, field, values, time, shares)
             if step == len(total) - 1:
-                self.fields[name], source = error, error.source
+                self.fields[name] = _in_one_number(values, parts, total[step], edged, shares)
+                source = self.fields[name].source
         attrs: dict[str, str | int] = {
             "role": "error", "units": str(variable.attrs["units"]), "estimates": name, "source": source,
             "long_name": f"estimated error of: {variable.attrs['long_name']}",
@@ -153,20 +167,14 @@ class FieldErrors:
         values: NDArray[Any],
         time: float,
         shares: Mapping[str, Mapping[float, Share]],
-    ) -> tuple[FieldError, NDArray[Any]]:
-        """Error of a field in one step: in one number, and at all points."""
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[Any], int]:
+        """Errors of a field in one step at points, by source and in sum, and the number of dimensions with edges."""
         edged = len(field.axes) if _ROLES[self._run.variables[name].attrs["role"]] else 0
         parts = {
-            source: np.max([by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)], axis=0)
+            source: reduce(np.maximum, (by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)))
             for source, by_time in shares.items()
         }
-        errors = _bounded(values, np.sum(list(parts.values()), axis=0), edged)
-        sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
-        largest = max(sizes, key=lambda source: sizes[source])
-        order = shares[largest][max(shares[largest])].order
-        error = FieldError.of(values, errors, edged, source=largest, order=order)
-        scale = error.error / (sum(sizes.values()) or 1.0)
-        return replace(error, parts={source: scale * size for source, size in sizes.items()}), errors
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), edged, len(field.axes)), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -179,6 +187,22 @@ class FieldErrors:
         ]
         attrs = {"role": "error", **number.attributes()}
         return Variable(name=number.name, dims=("step",), values=np.array([*values, last]), attrs=attrs)
+
+
+def _in_one_number(
+    values: NDArray[Any],
+    parts: Mapping[str, NDArray[Any]],
+    errors: NDArray[Any],
+    edged: int,
+    shares: Mapping[str, Mapping[float, Share]],
+) -> FieldError:
+    """Error of a field after the last step, from its errors at points by source and in sum."""
+    sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+    largest = max(sizes, key=lambda source: sizes[source])
+    order = shares[largest][max(shares[largest])].order
+    error = FieldError.of(values, errors, edged, source=largest, order=order)
+    scale = error.error / (sum(sizes.values()) or 1.0)
+    return replace(error, parts={source: scale * size for source, size in sizes.items()})
 
 
 def _fields(results: Results) -> Iterator[str]:
@@ -211,13 +235,21 @@ def _histories(
             yield time, estimate(value, pairs, lowest, highest, scatters=scatters)
 
 
-def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int) -> NDArray[Any]:
-    """Errors that are at edges no less than a part of the difference to the neighbours; NaN where the field is."""
-    steps = np.zeros(values.shape)
-    for axis in range(values.ndim - edged, values.ndim):
-        jumps = np.abs(np.diff(np.nan_to_num(values), axis=axis))
-        for side in (slice(None, -1), slice(1, None)):
-            at = tuple(side if n == axis else slice(None) for n in range(values.ndim))
-            np.maximum(steps[at], jumps, out=steps[at])
-    bounded = np.where(beside_edges(values, edged), np.maximum(errors, _OF_NEIGHBOUR * steps), errors)
-    return np.where(np.isfinite(values), bounded, np.nan)
+def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, points: int) -> NDArray[Any]:
+    """Errors that are at edges and peaks no less than the steps to the neighbours let expect; NaN where a field is.
+
+    The last `points` dimensions are those of the points, along the last `edged` of which it has edges.
+    """
+    field = without_gaps(values)
+    steps, peaks = np.zeros(values.shape), field != 0.0
+    for axis in range(values.ndim - points, values.ndim):
+        first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
+        rises = np.diff(field, axis=axis, prepend=first, append=last)
+        before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
+        peaks &= before * after <= 0.0
+        steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
+    slopes = largest_near(steps, points)
+    sharp = np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0)
+    bounds = largest_near(np.where(peaks, sharp * steps, 0.0), points)
+    bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * steps), bounds)
+    return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)

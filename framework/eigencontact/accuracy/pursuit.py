@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.bars import Accuracy, Run
-from eigencontact.accuracy.changes import changed, refined_grid
+from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.levers import Way, cheapest, levers_of
 from eigencontact.accuracy.runs import Runs, edge_of
 from eigencontact.accuracy.targets import Targets, check_names, is_field, targets_of, variable_of
@@ -132,7 +132,10 @@ class Answer:
 
 
 def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
-    """Tables of the first run: the scene on few cells, which need not show what the scene's own would."""
+    """Tables of the first run: the scene on few cells, which need not show what the scene's own would.
+
+    The window is that of the plan, so that finer runs need not search it.
+    """
     spec, expected = plan.scene.grid, plan.model.window.expected
     if spec.automatic and plan.scene.geometry:
         factor = cells / spec.cells_per_contact_radius
@@ -141,7 +144,7 @@ def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
         factor = max(share, _WINDOW, _WAY / min(plan.grid.counts))
     tables = plan.scene.resolved()
     output = {**tables["output"], "errors": False}
-    coarse = {"grid": refined_grid(plan, min(1.0, factor))[0], "numerics": {"allow-coarse": True}}
+    coarse = {"grid": refined_window(plan, min(1.0, factor), alike=True)[0], "numerics": {"allow-coarse": True}}
     return changed(tables, coarse) | {"output": output}
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.bars import Accuracy, Run, error_bars
-from eigencontact.accuracy.changes import changed, refined_grid
+from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.fields import FieldErrors
 from eigencontact.accuracy.sources import Variation, error_sources
 
@@ -92,7 +92,7 @@ class Runs:
             ratio, grid = fits[0]
             near = replace(near, changes={**near.changes, "grid": grid}, ratio=ratio)
             fits = [pair for pair in known if _APART * ratio <= pair[0] <= _FAR]
-            ratio, grid = fits[0] if fits else (1.5 * ratio, refined_grid(plan, 1.0 / (1.5 * ratio))[0])
+            ratio, grid = fits[0] if fits else (1.5 * ratio, refined_window(plan, 1.0 / (1.5 * ratio), alike=True)[0])
             return [near, replace(far, changes={**far.changes, "grid": grid}, ratio=ratio)]
 
         return variations

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.changes import Changes, refined_grid, refined_steps, refined_window
+from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
 from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
 from eigencontact.accuracy.settings import FIDELITIES, degree_of
 
@@ -87,7 +87,7 @@ def _cells(plan: Plan) -> list[Variation]:
 
 
 def _finer_cells(plan: Plan, factor: float) -> Changes:
-    return {"grid": refined_grid(plan, factor)[0]}
+    return {"grid": refined_window(plan, factor, alike=True)[0]}
 
 
 def _has_path(plan: Plan) -> bool:
