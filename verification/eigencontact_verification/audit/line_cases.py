@@ -52,6 +52,7 @@ _KINDS: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "shear": ("stress", "x [m]", ("s_xz",), "Pa"),
     "slip": ("displacement", "x [m]", ("u_x",), "m"),
     "stress": ("stress", "z [m]", ("s_xx", "s_yy", "s_zz", "s_xz"), "Pa"),
+    "plastic strain": ("strain", "z [m]", ("e_p",), "1"),
 }
 
 
@@ -63,11 +64,12 @@ class LineProfile:
     ----------
     profile : Profile
     kind : str
-        Key of what is compared: ``"half width"``, ``"pressure"``, ``"shear"``, ``"slip"`` or ``"stress"``.
+        Key of what is compared: ``"half width"``, ``"pressure"``, ``"shear"``, ``"slip"``, ``"stress"`` or
+        ``"plastic strain"``, the equivalent one.
     moments : tuple of int
         Load steps, from 0: of every point, or one for all.
     body : int
-        Of stress, from 1 among those that deform.
+        Of stress and plastic strain, from 1 among those that deform.
     values, own : (n, components) float64
         Stored values and their numerical error.
     """
@@ -157,7 +159,10 @@ def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArra
     if line.kind == "slip":
         before = solution.moments[k - 1].slip if k else 0 * now.slip
         return -np.interp(x, solution.x, now.slip - before)[:, None]
-    return solution.stress(line.profile.points[:, [0, 2]], k, line.body).T
+    points = line.profile.points[:, [0, 2]]
+    if line.kind == "plastic strain":
+        return solution.plastic_strain(points, k, line.body)[:, None]
+    return solution.stress(points, k, line.body).T
 
 
 def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[LineCase, ...], tuple[Gap, ...]]:
@@ -215,7 +220,7 @@ def _lines(stored: StoredLine) -> list[LineProfile]:
                 lines.append(_line(kind, f", step {k + 1}", points, 0, sign * values[here, None], error[:, None], (k,)))
     for k in dict.fromkeys((peak, pulled, last)):
         lines += _stress(stored, k)
-    return lines
+    return lines + _strains(stored)
 
 
 def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
@@ -238,6 +243,28 @@ def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
             body = numbers.index(region.body) + 1
             name = f" {where}, step {k + 1}, {region.name}"
             lines.append(_line("stress", name, points[chosen], 2, stress[chosen], error, (k,), body))
+    return lines
+
+
+def _strains(stored: StoredLine) -> list[LineProfile]:
+    """Columns of cells in the middle and near the left edge of the contact, after the last step."""
+    numbers = [body["number"] for body in stored.scene["bodies"]]
+    a, last = float(stored.half_width.max()), len(stored.load) - 1
+    lines = []
+    for strain in stored.strains:
+        deep = np.flatnonzero((strain.z > _SHALLOW * a) & (strain.z < _FARTHEST * a))
+        for place, where in ((0.0, "in the middle"), (-0.9 * a, "near the edge")):
+            column = int(np.abs(strain.x - place).argmin())
+            chosen = spread(deep, _POINTS)
+            values = strain.values[chosen, column]
+            if chosen.size < 5 or not values.any():
+                continue
+            z = strain.z[chosen]
+            points = np.stack((np.full_like(z, strain.x[column]), 0 * z, z), axis=1)
+            error = np.maximum(_bend(strain.values[:, column]), _bend(strain.values[:, column]).max() / 2)[chosen]
+            body = numbers.index(strain.body) + 1
+            name = f" {where}, step {last + 1}, body {strain.body}"
+            lines.append(_line("plastic strain", name, points, 2, values[:, None], error[:, None], (last,), body))
     return lines
 
 

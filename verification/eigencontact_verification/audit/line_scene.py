@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["StoredLine", "is_line", "line_scene", "read_line"]
+__all__ = ["StoredLine", "StoredStrain", "is_line", "line_scene", "read_line"]
 
 FloatArray = NDArray[np.float64]
 
@@ -25,6 +25,25 @@ FloatArray = NDArray[np.float64]
 _SLIDES = 1 - 1e-6
 #: Part of what friction carries below which a strip sticks.
 _STICKS = 1 - 1e-6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StoredStrain:
+    """Equivalent plastic strain of a body after the last step.
+
+    Attributes
+    ----------
+    body : int
+        From 1.
+    x, z : (nx,), (nz,) float64
+        Middles of its cells [m].
+    values : (nz, nx) float64
+    """
+
+    body: int
+    x: FloatArray
+    z: FloatArray
+    values: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,6 +68,8 @@ class StoredLine:
         ``"pressure"`` and, with friction, ``"shear_x"`` [Pa], ``"slip_x"`` [m].
     regions : list of list of StoredRegion
         Stress, by step.
+    strains : list of StoredStrain
+        Of bodies that yield.
     """
 
     name: str
@@ -61,6 +82,7 @@ class StoredLine:
     bulk: FloatArray
     fields: dict[str, FloatArray]
     regions: list[list[StoredRegion]]
+    strains: list[StoredStrain]
 
     def edges(self, steps: Iterable[int]) -> list[float]:
         """Places where contact or stick ends in these steps, ascending, at least a strip apart [m]."""
@@ -118,6 +140,15 @@ def read_line(path: str | Path) -> StoredLine:
             bulk=np.stack([data[name].values if name in remote else 0 * load for name in ends]),
             fields={name: np.asarray(data[name].values, dtype=float)[:, 0] for name in names},
             regions=[regions_at(data, at) for at in range(load.size)],
+            strains=[
+                StoredStrain(
+                    body=number,
+                    **{axis: np.asarray(data[f"cells_{number}_{axis}"].values, dtype=float) for axis in "xz"},
+                    values=np.asarray(data[name].values[-1], dtype=float)[:, 0],
+                )
+                for number in (1, 2)
+                if (name := f"equivalent_plastic_strain_{number}") in data.variables
+            ],
         )
     if not load.max(initial=0.0) > 0:
         raise NotJudged("none of its steps has a load")
