@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from eigencontact import __version__
+from eigencontact.core.parallel import available_threads
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
 from eigencontact.execution.fields.fatigue import Damage, damage_of
@@ -83,6 +84,7 @@ def fatigue(
     method: Literal["point", "line", "volume"] = "point",
     life: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
+    threads: int | None = None,
 ) -> Fatigue:
     """Where a crack starts: a fatigue criterion over one cycle at the points of a region.
 
@@ -108,6 +110,8 @@ def fatigue(
     folder : str or Path, optional
         Where ``fatigue-<criterion>-<region>`` is stored: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
         default nothing is stored.
+    threads : int, optional
+        Threads that share the points; by default one for each core.
 
     Returns
     -------
@@ -142,7 +146,7 @@ def fatigue(
     source = Path(results) if isinstance(results, str | Path) else None
     with opened(results) as dataset:
         cycle_region = cycle_of_region(dataset, region, cycle, strain=component.needs_strain, source=source)
-        damage = damage_of(dataset, component, cycle_region, settings)
+        damage = damage_of(dataset, component, cycle_region, settings, threads or available_threads())
         summary = {"generator": f"eigencontact {__version__}", **damage.summary}
         answer = Fatigue(_dataset(dataset, component, damage), summary)
         if folder is None:

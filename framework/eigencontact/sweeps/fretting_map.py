@@ -137,7 +137,7 @@ def fretting_map(
         for i, p in enumerate(axes[0].values)
         for j, d in enumerate(axes[1].values)
     ]
-    measure = partial(_numbers, criterion=criterion, crack=crack, region=region)
+    measure = partial(_numbers, criterion=criterion, crack=crack, region=region, threads=None if workers == 1 else 1)
     finished = []
     for outcome in outcomes(variants, None, workers=workers, measure=measure):
         finished.append(outcome)
@@ -223,7 +223,9 @@ def _variant(
         return Variant(label, place, named, None, str(problem))
 
 
-def _numbers(result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, region: str | None) -> dict[str, float]:
+def _numbers(
+    result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, region: str | None, threads: int | None
+) -> dict[str, float]:
     """Numbers of one run, in the process that ran it."""
     dataset = result.dataset
     scalars = {str(name): np.asarray(item.values) for name, item in dataset.data_vars.items() if item.dims == ("step",)}
@@ -240,7 +242,7 @@ def _numbers(result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, re
 
         table = dict(criterion) if isinstance(criterion, Mapping) else criterion
         near = {key: table.pop(key) for key in ("distance", "method") if isinstance(table, dict) and key in table}
-        summary = fatigue(result, table, region=region, **near).summary
+        summary = fatigue(result, table, region=region, threads=threads, **near).summary
         out["utilisation"] = summary["at_distance" if near.get("distance") else "utilisation"]
     if crack is not None:
         from eigencontact.postprocess.crack import crack as evaluate

@@ -12,7 +12,7 @@ __all__ = ["BENCHMARKS"]
 _NAMES = (
     "hertz", "stress", "fidelity", "eigenstrain", "cloud", "trade", "tangential", "inhomogeneity", "degrees",
     "degree_errors", "error_bars", "field_errors", "accuracy_asked", "balls", "largest", "layers", "plasticity", "wear",
-    "rough", "fatigue",
+    "rough", "fatigue", "lines",
     "predictions", "start", "store",
 )  # fmt: skip
 BENCHMARKS: dict[str, Benchmark] = {

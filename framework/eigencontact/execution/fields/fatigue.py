@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.cautions import Caution
 from eigencontact.core.numbers import Number
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.units import readable
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.conclusion import Conclusion, Findings
@@ -20,7 +22,7 @@ from eigencontact.execution.fields.critical_distance import value_near
 from eigencontact.execution.fields.stress_cycle import CycleOfRegion, cycle_of_region
 from eigencontact.model.model import Model
 from eigencontact.model.regions import region_lattice
-from eigencontact.plugin.fatigue import FatigueCriterion, StressCycle, checked_damage
+from eigencontact.plugin.fatigue import DamageParameter, FatigueCriterion, StressCycle, checked_damage
 from eigencontact.results.borders import Variable
 from eigencontact.scene.fatigue import CriticalDistance
 
@@ -32,8 +34,8 @@ __all__ = ["ROLE", "Damage", "EvaluateFatigue", "damage_of", "fatigue_conclusion
 
 #: Role of the variables of results that hold the utilisation of a criterion.
 ROLE = "fatigue"
-#: Points that a criterion is asked for at once.
-_PART = 20_000
+#: Points that a criterion is asked for at once: 20 000 take 4 % longer, and leave a thread without work.
+_PART = 5_000
 #: A hot spot is at the edge of the contact within so many cells of it, and less deep than one.
 _EDGE = 2
 #: Time of a criterion with planes per point and step [s]: 30 000 points and 24 steps took 3.9 s of processor time.
@@ -63,9 +65,9 @@ class Damage:
 
 
 def damage_of(
-    dataset: Results, criterion: FatigueCriterion, region: CycleOfRegion, settings: CriticalDistance
+    dataset: Results, criterion: FatigueCriterion, region: CycleOfRegion, settings: CriticalDistance, threads: int = 1
 ) -> Damage:
-    """Evaluate a criterion over a cycle in a region.
+    """Evaluate a criterion over a cycle in a region, parts of its points in threads.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def damage_of(
     PluginError
         An answer of the criterion that is no damage parameter.
     """
-    value, normal = _in_parts(criterion, region.cycle)
+    value, normal = _in_parts(criterion, region.cycle, threads)
     hot = int(value.argmax())
     cautions = _cautions(dataset, region, value)
     summary: dict[str, Any] = {
@@ -111,16 +113,19 @@ def damage_of(
     return Damage(region, value, normal, summary)
 
 
-def _in_parts(criterion: FatigueCriterion, cycle: StressCycle) -> tuple[FloatArray, FloatArray | None]:
-    values, normals = [], []
-    for start in range(0, cycle.points, _PART):
+def _in_parts(criterion: FatigueCriterion, cycle: StressCycle, threads: int) -> tuple[FloatArray, FloatArray | None]:
+    starts = range(0, cycle.points, _PART)
+    answers: dict[int, DamageParameter] = {}
+
+    def ask(start: int) -> None:
         part = slice(start, start + _PART)
         strain = None if cycle.strain is None else cycle.strain[..., part]
-        answer = checked_damage(criterion, StressCycle(stress=cycle.stress[..., part], strain=strain))
-        values.append(answer.value)
-        normals.append(answer.normal)
-    normal = None if any(item is None for item in normals) else np.concatenate([n for n in normals if n is not None])
-    return np.concatenate(values), normal
+        answers[start] = checked_damage(criterion, StressCycle(stress=cycle.stress[..., part], strain=strain))
+
+    in_parallel(threads, [partial(ask, start) for start in starts])
+    normals = [normal for start in starts if (normal := answers[start].normal) is not None]
+    value = np.concatenate([answers[start].value for start in starts])
+    return value, np.concatenate(normals) if len(normals) == len(starts) else None
 
 
 def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> list[Caution]:
@@ -176,10 +181,12 @@ class EvaluateFatigue(Conclusion):
         Criterion, region, cycle.
     points, steps : int
         Their numbers, for the cost.
+    threads : int
+        Threads that share the points.
     """
 
-    def __init__(self, model: FatigueModel, points: int, steps: int) -> None:
-        self._model, label = model, model.request.label
+    def __init__(self, model: FatigueModel, points: int, steps: int, threads: int) -> None:
+        self._model, self._threads, label = model, threads, model.request.label
         self.name, self.why = f"fatigue:{label}", f"[[fatigue]] {model.criterion.key!r} in {model.region.label!r}"
         names = ["utilisation", "x", "y", "depth"]
         names += ["at_distance"] if model.request.distance else []
@@ -193,7 +200,7 @@ class EvaluateFatigue(Conclusion):
         model, request = self._model, self._model.request
         cycle = request.cycle if isinstance(request.cycle, str) else tuple(request.cycle)
         region = cycle_of_region(results, model.region.label, cycle, strain=model.criterion.needs_strain)
-        damage = damage_of(results, model.criterion, region, request)
+        damage = damage_of(results, model.criterion, region, request, self._threads)
         summary = damage.summary
         values = dict(zip(("x", "y", "depth"), summary["place"], strict=True))
         values |= {"utilisation": summary["utilisation"], "at_distance": summary["at_distance"]}
@@ -251,10 +258,10 @@ def _number(label: str, key: str, name: str) -> Number:
 
 def fatigue_conclusions(model: Model) -> Sequence[Conclusion]:
     """One conclusion for each fatigue table of a scene."""
-    conclusions = []
+    conclusions, threads = [], model.numerics.threads or available_threads()
     for item in model.fatigue:
         lattice = region_lattice(item.region, model.grid)
         points = lattice.depths.size * lattice.target[0] * lattice.target[1]
         points = points if lattice.points is None else len(lattice.points)
-        conclusions.append(EvaluateFatigue(item, points, model.steps))
+        conclusions.append(EvaluateFatigue(item, points, model.steps, threads))
     return conclusions
