@@ -67,7 +67,7 @@ class TractionField(Cause):
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
             quantity: [
-                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum)
+                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum, interface.period)
                 for t in self._tractions
             ]
             for quantity in self._quantities
@@ -202,7 +202,7 @@ class TractionField(Cause):
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
-        data = tuple(kernel.datum for kernel in self._kernels[quantity])
+        data = tuple((kernel.datum, kernel.period) for kernel in self._kernels[quantity])
         how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 

@@ -203,7 +203,9 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     first, *more = interface.geometries
     geometry: object = RevolutionSum.of(interface.geometries) if more else first
     reference = None
-    if not (model.scene.losses or model.periodic or grid.line) and isinstance(geometry, HasReferencePressure):
+    if not (model.scene.losses or model.periodic or grid.ended_axes != (0, 1)) and isinstance(
+        geometry, HasReferencePressure
+    ):
         simpler = "without inclusions and eigenstrain" if model.sources else ""
         simpler = "on the bare substrate" if layered_bodies(interface.solids) else simpler
         reference = ReferencePressure(geometry, first.key, grid, interface.solids, simpler)
