@@ -58,6 +58,7 @@ def test_stress_inside_is_that_of_the_line_contact():
 
 RADIUS, FORCE = 105e-6, 0.65
 BALL_A, BALL_P0, _ = hertz.hertz_sphere(FORCE, RADIUS, E_STAR)
+VOID = {"type": "void"}
 BALL = ec.make("sphere", radius=RADIUS)
 PITCH, ACROSS = 2.6 * BALL_A / 24, 24
 

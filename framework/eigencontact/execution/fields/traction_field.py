@@ -15,7 +15,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import plane_round_off, settled
-from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost
+from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost, tables_of_images
 from eigencontact.execution.blocks.step import Step as LoadStep
 from eigencontact.execution.fields.cause import Cause
 from eigencontact.execution.interiors.interior import loads
@@ -89,6 +89,7 @@ class TractionField(Cause):
         """Add price and kernels of a quantity; three coefficients of displacement count as six of stress."""
         lattice, numerics, pressure = self._lattice, self._numerics, interface.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
+        sampling *= tables_of_images(numerics)
         near = self._near[quantity]
         if lattice.points is not None:
             tables = int(np.where(near, _TABLES * _MEANS, 1).sum())
