@@ -5,8 +5,9 @@ With K(y) the field of one rectangle, S that of the strip and R that of a long r
 
     Σ_n K(y + nL)  =  Σ_{|n| <= N} K(y + nL)  +  β (S - R(y))  +  C
 
-C is the end correction: beyond the long rectangle the sum of rectangles differs from the even load by the odd
-derivatives of K there, times L^(2k-1) B_2k(1/2)/(2k)! (1 - β^2k), with Bernoulli's polynomials (Euler and Maclaurin).
+C is the end correction: beyond each end of the long rectangle the sum of rectangles differs from the even load by
+the sum over k of -L^(2k-1) B_2k(1/2)/(2k)! (1 - β^2k) times the odd derivative of order 2k - 1 of K there, along the
+outward direction, with Bernoulli's polynomials (the formula of Euler and Maclaurin, DLMF 2.10.1, at midpoints).
 Differences of K at neighbouring images stand for the derivatives, so that C only changes weights of the last images.
 The displacement has the free constant of the strip: its mean along y is β times that of the strip.
 """
