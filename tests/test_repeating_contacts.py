@@ -93,6 +93,13 @@ def test_a_row_of_balls_is_in_equilibrium_with_its_neighbours_one_by_one():
     assert np.ptp(gap) < 2e-5 * np.mean(lift)
 
 
+def test_a_step_at_the_seam_along_y_is_told_and_one_along_x_is_not():
+    rows, columns = np.mgrid[0:8, 0:8] * 1e-9
+    for gap, told in ((rows, True), (columns, False)):
+        run = ec.solve_contact(gap, STEEL, load=0.1, spacing=1e-6, numerics=REPEATING | {"allow-contact-at-edge": True})
+        assert ("periodic-seam" in {caution["code"] for caution in run.summary["warnings"]}) == told
+
+
 REFUSED = [
     ({"approach": 1e-7, "load": None}, "must not prescribe approach in a contact that repeats along y without"),
     ({"steps": [{"normal-load": 1.0, "tilt-x": 1e-3}], "load": None}, "must not prescribe tilt-x in a contact that"),
