@@ -20,6 +20,7 @@ from eigencontact_plugins.surface_loads import PressureLoad
 from eigencontact_verification.oracles.line_contact import (
     cattaneo_shear,
     cattaneo_stick,
+    hertz_cylinder,
     hertz_pressure,
     hertz_stress,
     rounded_punch_load,
@@ -284,3 +285,30 @@ def test_the_middle_of_a_long_cylinder_is_a_line_contact():
     row = ec.run(tables).dataset.pressure.values[-1, cells[1] // 2]
     _, data = solved(cells[0], steps=[{"normal-load": float(row.sum()) * 3.0 / cells[0]}])
     np.testing.assert_allclose(row, data.pressure.values[-1, 0], rtol=0, atol=5e-3 * row.max())
+
+
+@pytest.mark.slow
+def test_the_middle_of_a_long_cylinder_is_a_line_contact_of_its_load_there():
+    """The profile across tends to that of plane strain as (a / length)^2; the load in the middle only as 1 / ln."""
+    steel, load, radius, nx = ec.HalfSpace(210e9, 0.3), 400e3, 10e-3, 32
+    a, p0 = hertz_cylinder(load, radius, 210e9 / 0.91)
+    dx, ratios, errors, shares = 3.1 * a / nx, (8, 16, 32, 64), [], []
+    for ratio in ratios:
+        length, rows = ratio * a, 8 * ratio + 1  # of the straight part; eight rows beyond it stay free
+        long = ec.solve_contact(
+            ec.make("cylinder", radius=radius, length=length), steel, load=load * length, cells=(nx, rows + 8),
+            spacing=(dx, length / rows), numerics={"tolerance": 1e-9},
+        )  # fmt: skip
+        middle = long.pressure[(rows + 8) // 2]
+        share = float(middle.sum()) * dx / load
+        plane = ec.solve_contact(
+            ec.make("cylinder", radius=radius), steel, load=share * load, cells=nx, spacing=dx, length="infinite",
+            numerics={"tolerance": 1e-11},
+        )  # fmt: skip
+        errors.append(float(np.abs(middle - plane.pressure[0]).max()) / p0)
+        shares.append(share)
+    order = -np.polyfit(np.log(ratios), np.log(errors), 1)[0]
+    assert abs(order - 2.05) < 0.15
+    assert errors[-1] < 1e-4
+    assert shares == sorted(shares)
+    assert 0.85 < shares[-1] < 0.95

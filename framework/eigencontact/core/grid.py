@@ -88,6 +88,8 @@ class Grid:
     line : bool
         Whether the cells are strips without end along y, in plane strain. There is one row of them, and 1 m of their
         length is counted: forces, areas and work are per metre.
+    repeats_y : bool
+        Whether the window repeats along y, and not along x: forces, areas and work are those of one period.
 
     Examples
     --------
@@ -102,6 +104,7 @@ class Grid:
     dy: float
     center: tuple[float, float] = (0.0, 0.0)
     line: bool = False
+    repeats_y: bool = False
 
     def __post_init__(self) -> None:
         for name in ("nx", "ny"):
@@ -168,6 +171,11 @@ class Grid:
     def bounded_axes(self) -> tuple[int, ...]:
         """Axes, of x, y and z, along which a region below the window ends: not y in a line contact."""
         return (0, 2) if self.line else (0, 1, 2)
+
+    @property
+    def ended_axes(self) -> tuple[int, ...]:
+        """Axes, of x and y, on which the window ends: a contact there lacks the cells beyond."""
+        return (0,) if self.repeats_y or self.line else (0, 1)
 
     def _bounded(self, pair: tuple[Number, Number]) -> tuple[Number, ...]:
         """Return the values of a pair along x and y that belong to axes on which the window ends."""

@@ -40,6 +40,7 @@ _AROUND = 4
 def contact_window(scene: Scene, interface: Interface) -> Window:
     """Window of a contact without eigenstrain and inclusions."""
     grid, reason = _grid(scene, interface)
+    grid = replace(grid, repeats_y=scene.numerics.repeats_y)
     interface = interface.against(grid.size[0])
     normal, measured = interface.normal, interface.measured
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])

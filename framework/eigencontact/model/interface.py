@@ -10,11 +10,12 @@ import numpy as np
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.tractions import ALONG, Traction
-from eigencontact.errors import PlanError
+from eigencontact.errors import PlanError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import influence_for, kernel_key
 from eigencontact.model.coupling import Coupling, coupling_of
 from eigencontact.model.kernels import PairCoefficients, Solids
+from eigencontact.model.window import given_grid
 from eigencontact.plugin import FrictionLaw, Geometry, HasNativeGrid, SurfaceInfluence
 from eigencontact.scene.components import build_component, build_components
 from eigencontact.scene.schema import Scene
@@ -39,7 +40,7 @@ class Interface:
         By traction.
     line : bool
         Whether it is a line contact: the geometries count at y = 0.
-    datum : float or None
+    datum, period : float or None
         As of `PairCoefficients`.
     """
 
@@ -50,6 +51,7 @@ class Interface:
     influences: Mapping[str, SurfaceInfluence]
     line: bool = False
     datum: float | None = None
+    period: float | None = None
 
     @property
     def tractions(self) -> tuple[Traction, ...]:
@@ -62,12 +64,18 @@ class Interface:
         return self.pair("z", "z")
 
     def against(self, depth: float) -> Interface:
-        """Interface whose displacements count against points at a depth [m] in a line contact that names no other."""
-        return replace(self, datum=depth) if self.line and self.datum is None else self
+        """Interface whose displacements count against points at a depth [m], where none far away is at rest.
+
+        So it is in line contacts and under loads that repeat along y, unless the scene names a depth.
+        """
+        endless = self.line or self.period is not None
+        return replace(self, datum=depth) if endless and self.datum is None else self
 
     def pair(self, displacement: str, traction: str) -> PairCoefficients:
         """Displacement of both solids along one direction by the traction along another."""
-        return PairCoefficients(self.influences[ALONG[traction].name], self.solids, displacement, self.datum)
+        return PairCoefficients(
+            self.influences[ALONG[traction].name], self.solids, displacement, self.datum, self.period
+        )
 
     def kernel_key(self, traction: str) -> str:
         """Names of the plugins behind the kernels of the traction along a direction."""
@@ -111,20 +119,33 @@ def build_interface(scene: Scene, registry: Registry, solids: Solids) -> Interfa
         friction = build_component(registry, "friction-law", scene.friction, "friction")
     interface = Interface(
         solids=solids, geometries=tuple(geometries), friction=friction, coupling=coupling, influences=influences,
-        line=scene.grid.line, datum=scene.grid.datum_depth,
+        line=scene.grid.line, datum=scene.grid.datum_depth, period=_period(scene),
     )  # fmt: skip
-    if interface.line:
+    if interface.line or interface.period is not None:
         _refuse_without_strips(influences.values())
     return interface
 
 
+def _period(scene: Scene) -> float | None:
+    """Period along y [m] of a scene that repeats along y alone, the extent of its window."""
+    if not scene.numerics.repeats_y:
+        return None
+    grid = given_grid(scene.grid)
+    if grid is None:
+        raise SceneError(
+            "grid must be given with numerics.boundary = 'periodic-y' (got automatic); its size along y is the period: "
+            "give cells and size"
+        )
+    return grid.size[1]
+
+
 def _refuse_without_strips(influences: Iterable[SurfaceInfluence]) -> None:
-    """Refuse influences that know rectangles alone in a line contact."""
+    """Refuse influences that know rectangles alone in a line contact, and where the window repeats along y."""
     for influence in influences:
         if not influence.has_strips:
             raise PlanError(
-                f"grid.length must be left out with surface influence {influence.key!r} (got 'infinite'); it has no "
-                "strips, only rectangles"
+                f"grid.length and numerics.boundary = 'periodic-y' must be left out with surface influence "
+                f"{influence.key!r} (got one of them); it has no strips, only rectangles"
             )
 
 

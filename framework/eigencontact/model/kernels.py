@@ -15,6 +15,7 @@ from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.core.tractions import TRACTIONS, side
 from eigencontact.errors import PlanError
+from eigencontact.halfspace.images import repeated
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
 __all__ = ["KernelUse", "PairCoefficients", "Solid", "Solids", "StressCoefficients"]
@@ -51,8 +52,25 @@ def _sampled(
     half_widths: tuple[float, float],
     body: Any,
     datum: float | None,
+    period: float | None,
 ) -> FloatArray:
-    """Influence coefficients; the displacement of a strip is that against the point at the depth `datum` below it."""
+    """Influence coefficients of a rectangle, or of one that repeats along y with a `period`.
+
+    The displacement of a strip, and so the mean of one that repeats, is that against the point at the depth `datum`
+    below the strip.
+    """
+    if period is not None:
+        x, y, z = place
+        strip = (x, np.zeros(1), z), (half_widths[0], np.inf)
+        mean = _sampled(influence, quantity, components, *strip, body, datum, None)
+        evaluate = influence.displacement if quantity == "displacement" else influence.stress
+
+        def field(y: FloatArray, b: float) -> FloatArray:
+            if b == half_widths[1]:
+                return influence.sample(quantity, components, x, y, z, half_widths, body)
+            return evaluate(components, x[None, :], y[:, None], z, (half_widths[0], b), body)
+
+        return repeated(field, y, half_widths[1], period, mean)
     values = influence.sample(quantity, components, *place, half_widths, body)
     shift = _of_datum(influence, quantity, components, half_widths, body, datum)
     return values if shift is None else values - shift
@@ -86,12 +104,15 @@ class PairCoefficients:
     datum : float or None
         Depth of the points against which the surfaces of a line contact move [m]; by default one that follows the
         cells.
+    period : float or None
+        Period along y with which the traction repeats [m]; None where it does not.
     """
 
     influence: SurfaceInfluence
     bodies: Solids
     component: str
     datum: float | None = None
+    period: float | None = None
 
     @property
     def parity(self) -> tuple[int, int]:
@@ -111,7 +132,10 @@ class PairCoefficients:
         total: FloatArray | None = None
         for body, weight in self._weights().items():
             at = (x, y, 0.0)
-            values = _sampled(self.influence, "displacement", [self.component], at, half_widths, body, self.datum)[0]
+            names = [self.component]
+            values = _sampled(
+                self.influence, "displacement", names, at, half_widths, body, self.datum, self.period
+            )[0]  # fmt: skip
             values = weight * values if weight != 1.0 else values
             total = values if total is None else total + values
         assert total is not None
@@ -135,7 +159,7 @@ class StressCoefficients:
     ----------
     quantity : "stress" or "displacement"
         Values are per unit traction, [-] or [m/Pa].
-    datum : float or None
+    datum, period : float or None
         As of `PairCoefficients`.
     """
 
@@ -143,6 +167,7 @@ class StressCoefficients:
     body: Any
     quantity: str = "stress"
     datum: float | None = None
+    period: float | None = None
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -157,7 +182,10 @@ class StressCoefficients:
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Values at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)``."""
-        return _sampled(self.influence, self.quantity, components, (x, y, z), half_widths, self.body, self.datum)
+        place = (x, y, z)
+        return _sampled(
+            self.influence, self.quantity, components, place, half_widths, self.body, self.datum, self.period
+        )  # fmt: skip
 
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float

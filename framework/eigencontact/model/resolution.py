@@ -51,8 +51,10 @@ def pressure_error(cells: float) -> float:
 
 
 def cells_per_radius(contact: ContactEstimate, grid: Grid) -> float:
-    """Cells to the half of the narrower side of a contact."""
-    return 0.5 * min(extent / edge for extent, edge in zip(contact.extent, grid.edges, strict=False))
+    """Cells to the half of the narrower side of a contact; a contact all along a period counts by its width."""
+    pairs = list(zip(contact.extent, grid.edges, strict=False))
+    along = grid.repeats_y and contact.extent[1] > (1.0 - _ROUND_OFF) * grid.size[1]
+    return 0.5 * min(extent / edge for extent, edge in (pairs[:1] if along else pairs))
 
 
 def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:

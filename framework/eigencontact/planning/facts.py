@@ -18,16 +18,15 @@ _ROUND = 0.1
 
 
 def grid_lines(model: Model) -> list[str]:
-    """Cells and window; of a line contact also what its loads and displacements mean."""
+    """Cells and window; of a line contact or a period along y also what its loads and displacements mean."""
     grid, reason = model.grid, model.window.reason
     pitch, window = (" x ".join(readable(side, "m") for side in sides) for sides in (grid.edges, grid.sides))
-    if 1 in grid.bounded_axes:
-        return [f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {reason}", f"window      {window}"]
-    lines = [
-        f"grid        {grid.nx} strips of {pitch}; {reason}",
-        f"window      {window}",
-        "length      infinite: line contact in plane strain, loads, work and areas per metre",
-    ]
+    lines = [f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {reason}", f"window      {window}"]
+    if 1 not in grid.bounded_axes:
+        lines[0] = f"grid        {grid.nx} strips of {pitch}; {reason}"
+        lines.append("length      infinite: line contact in plane strain, loads, work and areas per metre")
+    elif grid.repeats_y:
+        lines.append("period      the window repeats along y: loads, work and areas are those of one period")
     if model.interface is not None and model.interface.datum is not None:
         named = "grid.datum-depth" if model.scene.grid.datum_depth is not None else "the width of the window"
         lines.append(f"datum       displacements against the depth of {readable(model.interface.datum, 'm')} ({named})")

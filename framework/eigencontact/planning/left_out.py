@@ -37,7 +37,9 @@ def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
     if contact and contact.friction is None and not scene.output.tangential_displacement:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if contact and not model.periodic:
-        out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
+        along = " along x" if model.grid.repeats_y else ""
+        why = f'numerics.boundary = "{scene.numerics.boundary}": the half-space is exact'
+        out.append(LeftOut(f"periodic images{along}", why))
     out += [effect for block in blocks for effect in block.left_out(model)]
     if model.sources:
         out += _of_the_eigenstrain(model)

@@ -92,10 +92,11 @@ def load_that_fits(model: Model, step: Step) -> float | None:
         )
         if contact is None:
             return True
-        ends = ((contact.x0, contact.x1), (contact.y0, contact.y1))[: len(model.grid.sides)]
+        grid, ends = model.grid, ((contact.x0, contact.x1), (contact.y0, contact.y1))
         return all(
-            min(low - middle + 0.5 * side, middle + 0.5 * side - high) > 1e-9 * max(model.grid.sides)
-            for (low, high), middle, side in zip(ends, model.grid.center, model.grid.sides, strict=False)
+            min(ends[axis][0] - grid.center[axis], grid.center[axis] - ends[axis][1]) + 0.5 * grid.size[axis]
+            > 1e-9 * max(grid.sides)
+            for axis in grid.ended_axes
         )
 
     low, high = _LEAST, 1.0

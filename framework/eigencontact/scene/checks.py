@@ -18,6 +18,7 @@ from eigencontact.scene.annotations import parts_of
 __all__ = [
     "at_least",
     "both_alike",
+    "boundary_of_axes",
     "finite",
     "folder_name",
     "in_range",
@@ -170,6 +171,17 @@ def refuse_deep(data: Any) -> None:
 def both_alike(value: Any) -> Any:
     """Let one value stand for both directions."""
     return [value, value] if isinstance(value, int | float | str) and not isinstance(value, bool) else value
+
+
+def boundary_of_axes(value: Any) -> Any:
+    """Name of the boundary along the axes x and y."""
+    pairs = {("periodic", "periodic"): "periodic", ("non-periodic", "periodic"): "periodic-y"}
+    pairs["non-periodic", "non-periodic"] = "non-periodic"
+    if not isinstance(value, list | tuple):
+        return value
+    if tuple(value) == ("periodic", "non-periodic"):
+        raise ValueError("periodic along y where it is along one axis; turn the scene by 90 degrees")
+    return pairs.get(tuple(value), value)
 
 
 def one_or_many(value: Any) -> Any:

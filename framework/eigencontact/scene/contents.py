@@ -10,7 +10,7 @@ from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.labels import ordinal
-from eigencontact.scene.line import check_line
+from eigencontact.scene.line import check_line, check_repeating
 from eigencontact.scene.steps import Step, expected_points, named_ramps
 from eigencontact.scene.table import ComponentTable
 
@@ -34,6 +34,7 @@ def check_contents(scene: Scene) -> None:
     _check_steps(scene)
     _check_bulk(scene)
     check_line(scene)
+    check_repeating(scene)
     for name in type(scene).model_fields:
         value = getattr(scene, name)
         for table in value if isinstance(value, list) else [value]:

@@ -1,4 +1,4 @@
-"""What a line contact cannot have, or needs."""
+"""What line contacts, and contacts that repeat along y alone, cannot have or need."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from eigencontact.core.grid import Grid
     from eigencontact.scene.schema import Scene
 
-__all__ = ["check_line", "window_keys"]
+__all__ = ["check_line", "check_repeating", "window_keys"]
 
 #: Loads and motions that turn the body out of its plane, or move it along its length.
 _ACROSS = frozenset({"moment-x", "tilt-x", "torsion-moment", "twist", "travel-y"})
@@ -19,7 +19,7 @@ _AGAINST_DEPTH = frozenset({"approach", "shift-x", "shift-y"})
 
 
 def window_keys(grid: Grid, datum_depth: float | None) -> dict[str, Any]:
-    """Keys of the table ``[grid]`` that give these cells; those of strips count displacements against a depth [m].
+    """Keys of the table ``[grid]`` that give these cells, with the depth [m] against which displacements count.
 
     Examples
     --------
@@ -31,12 +31,17 @@ def window_keys(grid: Grid, datum_depth: float | None) -> dict[str, Any]:
     keys: dict[str, Any] = {**pairs, "center": list(grid.center)}
     if grid.line:
         keys |= {name: pair[0] for name, pair in pairs.items()}
-        keys |= {"length": "infinite"} | ({} if datum_depth is None else {"datum-depth": datum_depth})
-    return keys
+        keys["length"] = "infinite"
+    return keys | ({} if datum_depth is None else {"datum-depth": datum_depth})
 
 
 def check_line(scene: Scene) -> None:
     """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
+    if scene.grid.datum_depth is not None and not (scene.grid.line or scene.numerics.repeats_y):
+        raise ValueError(
+            f"!grid.datum-depth must be left out unless length = 'infinite' or numerics.boundary = 'periodic-y' (got "
+            f"{scene.grid.datum_depth:g}): distant points are at rest elsewhere"
+        )
     if not scene.grid.line:
         return
     if scene.inclusions and not scene.numerics.in_cells:
@@ -55,17 +60,45 @@ def check_line(scene: Scene) -> None:
             f"!{across_bulk[0].replace('_', '-')} must be left out in a line contact (got grid.length = 'infinite'): "
             "in plane strain the bulk stress yy follows from xx, and xy has nothing to do with the plane"
         )
+    _check_motions(
+        scene, "a line contact", "(got grid.length = 'infinite'): plane strain has no turn about x or z and no motion "
+        "of the geometry along y", "in plane strain",
+    )  # fmt: skip
+
+
+def check_repeating(scene: Scene) -> None:
+    """Raise ValueError, with a whole sentence after ``!``, for parts that a contact repeating along y cannot have."""
+    if not scene.numerics.repeats_y:
+        return
+    where = "with numerics.boundary = 'periodic-y'"
+    if scene.grid.line:
+        raise ValueError(f"!grid.length must be left out {where} (got 'infinite'): strips have no end along y already")
+    parts = {
+        "inclusions": scene.inclusions, "eigenstrain": scene.eigenstrain, "body1.law": scene.body1.law,
+        "body2.law": scene.body2.law, "body1.medium": scene.body1.medium, "body2.medium": scene.body2.medium,
+        "bulk-stress": scene.bulk_at_rest,
+    }  # fmt: skip
+    present = next((name for name, part in parts.items() if part), None)
+    if present is not None:
+        raise ValueError(
+            f"!{present} must be left out {where} (got both): homogeneous elastic bodies can repeat along y alone"
+        )
+    _check_motions(
+        scene, "a contact that repeats along y", "(got numerics.boundary = 'periodic-y'): a turn about x or z, or a "
+        "motion along y, moves the geometry out of its period", "under loads that repeat along y",
+    )  # fmt: skip
+
+
+def _check_motions(scene: Scene, contact: str, reason: str, why: str) -> None:
+    """Refuse turns about x and z and travel along y, and motions against the inside without a depth."""
     for where, step in named_ramps(scene.steps):
         across = [name for name in step.prescribed if name in _ACROSS]
         if across:
-            raise ValueError(
-                f"!{where} must not prescribe {across[0]} in a line contact (got grid.length = 'infinite'): plane "
-                "strain has no turn about x or z and no motion of the geometry along y; leave it out"
-            )
+            raise ValueError(f"!{where} must not prescribe {across[0]} in {contact} {reason}; leave it out")
         moved = [name for name in step.prescribed if name in _AGAINST_DEPTH]
         if moved and scene.grid.datum_depth is None:
             raise ValueError(
-                f"!{where} must not prescribe {moved[0]} in a line contact without grid.datum-depth (got none): in "
-                "plane strain displacements have no limit far away, so name the depth of the points that move "
-                "by it, or give the load"
+                f"!{where} must not prescribe {moved[0]} in {contact} without grid.datum-depth (got none): {why} "
+                "displacements have no limit far away, so name the depth of the points that move by it, or give the "
+                "load"
             )

@@ -23,6 +23,7 @@ from eigencontact.scene.body import Body
 from eigencontact.scene.checks import (
     at_least,
     both_alike,
+    boundary_of_axes,
     folder_name,
     in_range,
     non_negative,
@@ -72,8 +73,9 @@ class GridSpec(Table):
         Length of the contact along y. ``"infinite"`` makes a line contact; `cells`, `size` and `spacing` are then those
         along x.
     datum_depth : float, optional
-        Of a line contact: depth of the points in each body against which the surfaces move [m], by default the width of
-        the window. In plane strain displacements have no limit far away, so an approach needs this depth.
+        Of a line contact, and of a window that repeats along y alone: depth of the points in each body against which
+        the surfaces move [m], by default the width of the window. Displacements have no limit far away there, so an
+        approach needs this depth.
     """
 
     cells: Annotated[tuple[int, int] | None, BeforeValidator(both_alike)] = None
@@ -101,10 +103,7 @@ class GridSpec(Table):
             raise ValueError("of at least 1 cell each way")
         if self.cells is not None and max(self.cells) > LARGEST:
             raise ValueError(f"of at most {LARGEST:g} cells each way")
-        if not self.line:
-            if self.datum_depth is not None:
-                raise ValueError("of length = 'infinite' beside datum-depth, which line contacts alone need")
-        else:
+        if self.line:
             pairs = {name: getattr(self, name) for name in ("cells", "size", "spacing")}
             wrong = next((name for name, pair in pairs.items() if pair is not None and pair[0] != pair[1]), None)
             if wrong is not None:
@@ -153,8 +152,9 @@ class Numerics(Table):
     law_room : float
         Room around the part of a body in which its law may be more than elastic, in sizes of that part: the cells fill
         both, and become more where that proves too little.
-    boundary : {"non-periodic", "periodic"}
-        Whether the window stands alone on the half-space, or repeats along x and y.
+    boundary : {"non-periodic", "periodic", "periodic-y"}
+        Whether the window stands alone on the half-space, repeats along x and y, or repeats along y alone. A pair
+        such as ``["non-periodic", "periodic"]`` names the axes x and y.
     coupling : {"none", "partial", "one-way", "full"}
         Which displacements follow from which tractions in a contact with friction: ``"none"``, each along its own
         traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with each
@@ -190,7 +190,9 @@ class Numerics(Table):
     inclusion_pitch: PositiveLength | None = None
     inclusion_refinement: Annotated[int, AfterValidator(in_range(1, 8, "finer cells along an edge"))] = 1
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
-    boundary: Literal["non-periodic", "periodic"] = "non-periodic"
+    boundary: Annotated[Literal["non-periodic", "periodic", "periodic-y"], BeforeValidator(boundary_of_axes)] = (
+        "non-periodic"
+    )
     coupling: Literal["none", "partial", "one-way", "full"] = "full"
     precision: Literal["double", "single", "auto"] = "double"
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
@@ -205,6 +207,11 @@ class Numerics(Table):
     def in_cells(self) -> bool:
         """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
         return self.inclusion_resolution == "cells"
+
+    @property
+    def repeats_y(self) -> bool:
+        """Whether the window repeats along y alone."""
+        return self.boundary == "periodic-y"
 
 
 class Output(Table):

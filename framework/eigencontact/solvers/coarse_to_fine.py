@@ -325,7 +325,7 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
         There is pressure in the outermost cells.
     """
     ends = (pressure[:, [0, -1]], pressure[[0, -1]])
-    sides = dict(zip("xy", ends[: len(grid.sides)], strict=False))
+    sides = {"xy"[axis]: ends[axis] for axis in grid.ended_axes}
     touched = [name for name, edge in sides.items() if np.any(edge > 0)]
     if touched:
         sizes = " x ".join(f"{size:.4g} m" for size in grid.sides)

@@ -49,9 +49,9 @@ def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = Fals
     4.0
     """
     boundaries = 0
-    for axis in (0, 1):
+    for axis, repeats in ((0, periodic or grid.repeats_y), (1, periodic)):
         boundaries += int(np.count_nonzero(np.diff(loaded, axis=axis)))
-        if periodic:
+        if repeats:
             boundaries += int(np.count_nonzero(np.take(loaded, 0, axis) != np.take(loaded, -1, axis)))
     return (int(np.count_nonzero(loaded)) - PER_BOUNDARY * boundaries) * grid.cell_area
 

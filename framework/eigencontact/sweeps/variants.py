@@ -124,7 +124,8 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
             f"a shared grid must have at most {_MOST} cells (got {shared.nx} x {shared.ny}: the largest window in the "
             "finest cells); give grid.cells and grid.size in the scene, or vary less"
         )
-    spec = GridSpec.model_validate(window_keys(shared, max(grid.size[0] for grid in grids)))
+    endless = all(grid.ended_axes == (0,) for grid in grids)  # displacements count against a depth
+    spec = GridSpec.model_validate(window_keys(shared, max(grid.size[0] for grid in grids) if endless else None))
     return [variant if variant.scene is None or variant.refused else replace(variant, scene=variant.scene.model_copy(
         update={"grid": spec}).within(variant.scene.folder)) for variant in out]  # fmt: skip
 

@@ -109,14 +109,13 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
                 f"{key!r}: roughness between them is not seen"
             )
             yield Caution("surface-cells", words)
-    if not (native and model.periodic and min(grid.shape) > 3):
+    if not (native and (model.periodic or grid.repeats_y) and min(grid.shape) > 3):
         return
     y, x = grid.axes()
     ends = [0, 1, -2, -1]
-    lines = {
-        "x": interface.separation(x[:, ends], y).T,
-        "y": interface.separation(x, y[ends]),
-    }
+    lines = {"y": interface.separation(x, y[ends])}
+    if model.periodic:
+        lines["x"] = interface.separation(x[:, ends], y).T
     seams = []
     for axis, (first, second, last_but_one, last) in lines.items():
         step, *beside = (float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first))

@@ -15,7 +15,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import plane_round_off, settled
-from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost
+from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost, tables_of_images
 from eigencontact.execution.blocks.step import Step as LoadStep
 from eigencontact.execution.fields.cause import Cause
 from eigencontact.execution.interiors.interior import loads
@@ -67,7 +67,7 @@ class TractionField(Cause):
         self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
         self._kernels = {
             quantity: [
-                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum)
+                StressCoefficients(interface.influences[t.name], body, quantity, interface.datum, interface.period)
                 for t in self._tractions
             ]
             for quantity in self._quantities
@@ -89,6 +89,7 @@ class TractionField(Cause):
         """Add price and kernels of a quantity; three coefficients of displacement count as six of stress."""
         lattice, numerics, pressure = self._lattice, self._numerics, interface.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
+        sampling *= tables_of_images(numerics)
         near = self._near[quantity]
         if lattice.points is not None:
             tables = int(np.where(near, _TABLES * _MEANS, 1).sum())
@@ -202,7 +203,7 @@ class TractionField(Cause):
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
-        data = tuple(kernel.datum for kernel in self._kernels[quantity])
+        data = tuple((kernel.datum, kernel.period) for kernel in self._kernels[quantity])
         how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
         return (quantity, self._grid, self._body, kernels, source, near, points, how)
 

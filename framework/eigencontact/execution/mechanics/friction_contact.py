@@ -28,6 +28,7 @@ from eigencontact.execution.blocks.contact import (
 )
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import contact_precision
+from eigencontact.execution.blocks.sampling import tables_of_images
 from eigencontact.execution.blocks.surface import Slide
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.mechanics.normal_contact import (
@@ -414,7 +415,8 @@ def friction_cost(
     iteration_seconds = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
     iteration_seconds += 1.4e-8 * count * by * bx + 1.5e-4  # the vectors of the iteration, cell by cell
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
-    once = len(pairs) * 3e-7 * (ny + by) * (nx + bx) / 4  # coefficients of the cross terms cost more than those of p
+    # Coefficients of the cross terms cost more than those of p.
+    once = len(pairs) * tables_of_images(numerics) * 3e-7 * (ny + by) * (nx + bx) / 4
     solve = (
         rounds * (_APPLICATIONS * iteration_seconds + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
     )

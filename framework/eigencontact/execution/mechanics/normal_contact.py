@@ -19,6 +19,7 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import contact_precision
+from eigencontact.execution.blocks.sampling import tables_of_images
 from eigencontact.model.bodies import layered_bodies
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import KernelUse, PairCoefficients
@@ -240,7 +241,8 @@ def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics
     iteration = 2.0 * pace.convolution(fy, fx) + pace.convolution(fast_even(by), fast_even(bx))
     iteration += 1.5e-8 * by * bx + 1e-4  # the vectors of the conjugate gradients
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
-    solve = 8.5 * iteration * 1.7 + levels * 1e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    solve = 8.5 * iteration * 1.7 + levels * 1e-3 + whole
+    solve += tables_of_images(numerics) * 1.5e-8 * (ny + by) * (nx + bx) / 4
     if periodic:
         solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if numerics.precision == "double" else 4

@@ -13,7 +13,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.block import Block, Run, Running, Stateless
 from eigencontact.execution.blocks.precision import plane_round_off, settled
-from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost, tables_of_images
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.bodies import layered_bodies, without_layers
 from eigencontact.model.interface import Interface
@@ -108,6 +108,7 @@ class TangentialDisplacement(Block):
         key, solids = interface.kernel_key("z"), [body for body in interface.solids if body is not None]
         self.kernels = tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy")
         sampling = max(sampling_seconds(interface.influences["p"], body, periodic=periodic) for body in solids)
+        sampling *= tables_of_images(numerics)
         self.cost = spectra_cost(self._layout, 1, sampling, self._numerics, kernels=2)
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
@@ -203,7 +204,9 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     first, *more = interface.geometries
     geometry: object = RevolutionSum.of(interface.geometries) if more else first
     reference = None
-    if not (model.scene.losses or model.periodic or grid.line) and isinstance(geometry, HasReferencePressure):
+    if not (model.scene.losses or model.periodic or grid.ended_axes != (0, 1)) and isinstance(
+        geometry, HasReferencePressure
+    ):
         simpler = "without inclusions and eigenstrain" if model.sources else ""
         simpler = "on the bare substrate" if layered_bodies(interface.solids) else simpler
         reference = ReferencePressure(geometry, first.key, grid, interface.solids, simpler)

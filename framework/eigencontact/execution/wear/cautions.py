@@ -88,7 +88,8 @@ def wear_cautions(
     box = Box.around(last.fields["pressure"] > 0)
     if box is not None and not model.periodic:
         ny, nx = last.fields["pressure"].shape
-        near = min(box.y0, box.x0, ny - box.y1, nx - box.x1)
+        sides = ((box.x0, nx - box.x1), (box.y0, ny - box.y1))
+        near = min(min(sides[axis]) for axis in model.grid.ended_axes)
         if 0 < near <= max(1.0, _GROWN * max(box.shape)):
             words = (
                 f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
