@@ -4,9 +4,9 @@ The pressure at a node of the surface is a stiff spring on the overlap, ``p = k 
 Simpson's rule on the edges. (Two Gauss points an edge leave a pressure that alternates and does no work.) With
 k = 1e4 E over the size of the elements the overlap that is left is a few millionths of the depth.
 
-Friction is a spring of a hundredth of that stiffness from the place where a node was at the end of the last increment, whose force
-is at most the friction coefficient times the pressure (backward Euler). A node that comes into contact sticks where it
-was at the end of the last increment.
+Friction is a spring of a hundredth of that stiffness from the place where a node was at the end of the last increment,
+whose force is at most the friction coefficient times the pressure (backward Euler). A node that comes into contact
+sticks where it was at the end of the last increment.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ class Surface:
         """Pressure (n,) at a displacement of the body and a depth of the rigid body."""
         return np.maximum(0.0, self.stiffness * (depth - self.height - u[self.unknowns]))
 
-    def shear(self, u: FloatArray, before: FloatArray, last: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def shear(
+        self, u: FloatArray, before: FloatArray, last: FloatArray, p: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Shear (n,) on the body, positive outwards, and its sense where it slips: 1, -1, or 0 where it sticks.
 
         Parameters
@@ -108,7 +110,12 @@ def _zero(x: FloatArray, y: FloatArray) -> float:
 
 
 def surface_of(
-    basis: CellBasis, *, reach: float, height: Callable[[FloatArray], FloatArray], stiffness: float, friction: float = 0.0
+    basis: CellBasis,
+    *,
+    reach: float,
+    height: Callable[[FloatArray], FloatArray],
+    stiffness: float,
+    friction: float = 0.0,
 ) -> Surface:
     """Nodes of the surface z = 0 within r <= reach, below a body of the profile ``height(r)``."""
     corners, middles = basis.nodal_dofs[1], basis.facet_dofs[1]
