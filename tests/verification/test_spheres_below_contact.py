@@ -11,7 +11,7 @@ from close import close
 from eigencontact_verification.fem.yielding import Indentation, YieldingRegion, solve_indentation
 from eigencontact_verification.fem.yielding_body import YieldingBody
 
-#: Units: contact radius a = 6.0533 um, Young's modulus of the body. Spheres of 0.6 um, 1.6 um apart, the first 0.8 um deep.
+#: Units: contact radius a = 6.0533 um, Young's modulus of the body. Spheres of 0.6 um, 1.6 um apart, from 0.8 um on.
 SIZE, DEPTHS = 0.6 / 6.0533, (0.8 + 1.6 * np.arange(4)) / 6.0533
 NU, RADIUS = 0.3, 10.0
 LOAD, P0 = 4 / (3 * (1 - NU**2) * RADIUS), 2 / ((1 - NU**2) * np.pi * RADIUS)
