@@ -54,7 +54,11 @@ def _counts(entries: Sequence[Entry], found: Sequence[Mapping[str, Any]]) -> str
     head = ["figures and tables", "computed", "open", "no result", "claims", *VERDICTS]
     row = [len(entries), states["computed"], states["open"], states["no result"], len(found)]
     row += [verdicts[name] for name in VERDICTS]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in (head, ["--:"] * len(head), row))
+    table = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in (head, ["--:"] * len(head), row))
+    compared = len(found) - verdicts["not comparable"] - verdicts["open"]
+    settled = verdicts["agrees"] + verdicts["erratum"]
+    share = f"{settled} of the {compared} claims that can be compared ({100 * settled / max(compared, 1):.1f} %)"
+    return f"{table}\n\n{share} agree, or an independent computation shows that the text is wrong."
 
 
 def _cards(entries: Sequence[Entry], found: Sequence[Mapping[str, Any]], docs: Path) -> list[str]:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,8 +47,8 @@ class Moment:
     load, depth : float
         Force on the sphere; its depth below the point where it touched before any load.
     contact_radius : float
-    pressure : (n,) float64
-        At the points of `IndentationSolution.surface`.
+    pressure, shear : (n,) float64
+        At the points of `IndentationSolution.surface`; shear on the body, positive outwards.
     displacement : (unknowns,) float64
     stress : (4, elements, 9) float64
         rr, tt, zz, sqrt2 rz at the integration points.
@@ -61,6 +62,7 @@ class Moment:
     depth: float
     contact_radius: float
     pressure: FloatArray
+    shear: FloatArray
     displacement: FloatArray
     stress: FloatArray
     states: tuple[State, ...] = field(repr=False)
@@ -152,7 +154,9 @@ class _Solver:
     def surface(self) -> Surface:
         model = self.model
         stiffness = _STIFF * model.young_modulus * model.divisions / model.fine
-        return surface_of(self.body.basis, reach=model.extent, height=model.height, stiffness=stiffness)
+        return surface_of(
+            self.body.basis, reach=model.extent, height=model.height, stiffness=stiffness, friction=model.friction
+        )
 
     @cached_property
     def far(self) -> FloatArray:
@@ -194,6 +198,7 @@ class _Solver:
             depth=0.0,
             contact_radius=0.0,
             pressure=np.zeros(len(self.surface.r)),
+            shear=np.zeros(len(self.surface.r)),
             displacement=np.zeros(basis.N),
             stress=np.zeros(self.body.prestrain.shape),
             states=self.body.rest(),
@@ -247,7 +252,9 @@ class _Solver:
                 return None
             p = surface.pressure(u, depth) if load else np.zeros(len(surface.r))
             rest = load * self.pull - force
+            q, slip = surface.shear(u, before.displacement, before.shear, p)
             rest[surface.unknowns] += p * surface.weight
+            rest[surface.radial] += q * surface.weight
             rest = rest[free]
             scale = self.largest / (2 * np.pi) or float(np.abs(force).max())
             missing = goal - float(p @ surface.weight)
@@ -257,6 +264,7 @@ class _Solver:
                     depth=depth if load else surface.touching(u),
                     contact_radius=surface.contact_radius(u, depth) if load else 0.0,
                     pressure=p,
+                    shear=q,
                     displacement=u,
                     stress=stress,
                     states=after,
@@ -273,7 +281,7 @@ class _Solver:
             if load and not np.any(p):
                 return None
             self.spent += 1
-            step, change = self.linear(matrix, rest, missing, p)
+            step, change = self.linear(matrix, rest, missing, p, slip)
             if not np.all(np.isfinite(step)):
                 return None
             touched, slope, share = p > 0, float(rest @ step) + missing * change, 1.0
@@ -281,20 +289,31 @@ class _Solver:
             depth += change
         return None
 
-    def linear(self, matrix: csc_matrix, rest: FloatArray, missing: float, p: FloatArray) -> tuple[FloatArray, float]:
-        """Step of the free unknowns and of the depth."""
-        surface, free = self.surface, self.free
-        spring = np.zeros(matrix.shape[0])
-        spring[surface.unknowns] = surface.stiffness * surface.weight * (p > 0)
-        whole = (matrix + diags(spring)).tocsc()[free][:, free]
-        factors = splu(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    def linear(
+        self, matrix: csc_matrix, rest: FloatArray, missing: float, p: FloatArray, slip: FloatArray
+    ) -> tuple[FloatArray, float]:
+        """Step of the free unknowns and of the depth; slip is the sense of slip of each node, 0 where it sticks."""
+        surface, free, size = self.surface, self.free, matrix.shape[0]
+        touching = surface.stiffness * surface.weight * (p > 0)
+        sliding = surface.friction * slip * touching  # shear follows the pressure there
+        spring, push = np.zeros(size), np.zeros(size)
+        spring[surface.unknowns] = push[surface.unknowns] = touching
+        push[surface.radial] = sliding
+        held = spring.copy()
+        whole: Any = matrix
+        options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
+        if surface.friction:
+            held[surface.radial] = surface.hold * surface.weight * ((p > 0) & (slip == 0))
+            whole = whole + csc_matrix((sliding, (surface.radial, surface.unknowns)), shape=matrix.shape)
+        else:
+            options["options"] = {"SymmetricMode": True}
+        factors = splu((whole + diags(held)).tocsc()[free][:, free], **options)
         step = factors.solve(rest)
         if not np.any(spring):
             return step, 0.0
-        push = spring[free]
-        lift = factors.solve(push)
+        lift = factors.solve(push[free])
         with np.errstate(divide="ignore", invalid="ignore"):  # an iteration that is lost; its increment is halved
-            change = float((missing + push @ step) / (spring.sum() - push @ lift))
+            change = float((missing + spring[free] @ step) / (spring.sum() - spring[free] @ lift))
         return step + change * lift, change
 
 

@@ -1,8 +1,12 @@
-"""A rigid body of revolution on the surface, without friction: it presses where the surface would be inside it.
+"""A rigid body of revolution on the surface: it presses where the surface would be inside it, and friction holds it.
 
 The pressure at a node of the surface is a stiff spring on the overlap, ``p = k max(0, overlap)``, and its force that of
 Simpson's rule on the edges. (Two Gauss points an edge leave a pressure that alternates and does no work.) With
 k = 1e4 E over the size of the elements the overlap that is left is a few millionths of the depth.
+
+Friction is a spring of a hundredth of that stiffness from the place where a node was at the end of the last increment,
+whose force is at most the friction coefficient times the pressure (backward Euler). A node that comes into contact
+sticks where it was at the end of the last increment.
 """
 
 from __future__ import annotations
@@ -20,6 +24,8 @@ FloatArray = NDArray[np.float64]
 
 #: Nodes on either side of an edge of contact that tell where it is.
 _NODES = 4
+#: Stiffness that holds a node over that which presses it: a stiffer one makes sticking nodes change to and fro.
+_HOLD = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,26 +36,50 @@ class Surface:
     ----------
     r, weight : (n,) float64
         Place, and r dr.
-    unknowns : (n,) int64
-        Number of u_z of each node.
+    unknowns, radial : (n,) int64
+        Number of u_z and of u_r of each node.
     axis : int
         Number of u_z of the node on the axis.
     height : (n,) float64
         Of the rigid body above its lowest point, which is on the axis.
     stiffness : float
         k, stress over length.
+    friction : float
+        Friction coefficient.
     """
 
     r: FloatArray
     weight: FloatArray
     unknowns: NDArray[np.int64]
+    radial: NDArray[np.int64]
     axis: int
     height: FloatArray
     stiffness: float
+    friction: float = 0.0
+
+    @property
+    def hold(self) -> float:
+        """Stiffness of the spring that holds a node where it sticks, stress over length."""
+        return _HOLD * self.stiffness
 
     def pressure(self, u: FloatArray, depth: float) -> FloatArray:
         """Pressure (n,) at a displacement of the body and a depth of the rigid body."""
         return np.maximum(0.0, self.stiffness * (depth - self.height - u[self.unknowns]))
+
+    def shear(
+        self, u: FloatArray, before: FloatArray, last: FloatArray, p: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Shear (n,) on the body, positive outwards, and its sense where it slips: 1, -1, or 0 where it sticks.
+
+        Parameters
+        ----------
+        u, before : (unknowns,) float64
+            Displacement now, and at the end of the last increment.
+        last, p : (n,) float64
+            Shear at the end of the last increment; pressure now.
+        """
+        trial, most = last - self.hold * (u - before)[self.radial], self.friction * p
+        return np.clip(trial, -most, most), np.where((np.abs(trial) > most) & (p > 0), np.sign(trial), 0.0)
 
     def touching(self, u: FloatArray) -> float:
         """Depth at which the rigid body just touches."""
@@ -80,7 +110,12 @@ def _zero(x: FloatArray, y: FloatArray) -> float:
 
 
 def surface_of(
-    basis: CellBasis, *, reach: float, height: Callable[[FloatArray], FloatArray], stiffness: float
+    basis: CellBasis,
+    *,
+    reach: float,
+    height: Callable[[FloatArray], FloatArray],
+    stiffness: float,
+    friction: float = 0.0,
 ) -> Surface:
     """Nodes of the surface z = 0 within r <= reach, below a body of the profile ``height(r)``."""
     corners, middles = basis.nodal_dofs[1], basis.facet_dofs[1]
@@ -96,7 +131,10 @@ def surface_of(
     loaded = np.flatnonzero(weight)
     loaded = loaded[np.argsort(basis.doflocs[0, loaded])]
     r = np.asarray(basis.doflocs[0, loaded])
+    partner = np.zeros(basis.N, dtype=np.int64)  # u_r of the node of each u_z
+    partner[corners], partner[middles] = basis.nodal_dofs[0], basis.facet_dofs[0]
     axis = int(corners[ends[mesh.p[0, ends] == 0][0]])
     return Surface(
-        r=r, weight=weight[loaded], unknowns=loaded, axis=axis, height=np.asarray(height(r)), stiffness=stiffness
-    )
+        r=r, weight=weight[loaded], unknowns=loaded, radial=partner[loaded], axis=axis, height=np.asarray(height(r)),
+        stiffness=stiffness, friction=friction,
+    )  # fmt: skip

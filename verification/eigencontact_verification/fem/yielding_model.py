@@ -56,6 +56,8 @@ class Indentation:
         the integration points that lie in it; layers and cylinders are exact in that.
     outer, growth, divisions
         See `AxisymmetricModel`.
+    friction : float
+        Friction coefficient between the body and the sphere, Coulomb's law.
     lines : tuple of float
         More radii at which the mesh has lines: where the profile changes its form.
     """
@@ -75,6 +77,7 @@ class Indentation:
     lines: tuple[float, ...] = ()
     inner: float = 0.0
     deep: float | None = None
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0 < self.fine < self.extent < self.reach:
@@ -82,6 +85,8 @@ class Indentation:
             raise ValueError(f"indentation fine, extent, reach must rise from 0 (got {given}); raise the later ones")
         if not 0 <= self.inner < self.extent:
             raise ValueError(f"indentation inner must be in [0, extent) (got {self.inner}); lower it")
+        if self.friction < 0:
+            raise ValueError(f"indentation friction must not be negative (got {self.friction}); 0 is none")
         if self.outer not in {"fixed", "free"}:
             raise ValueError(f"indentation outer must be 'fixed' or 'free' (got {self.outer!r}); choose one")
 
