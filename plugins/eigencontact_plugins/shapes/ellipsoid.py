@@ -183,8 +183,8 @@ class Ellipsoid(InclusionShape):
         count = len(density_scales(degree))
 
         def evaluate(points: Points, *, outside: bool) -> FloatArray:
-            asked = (("phi", tuple(local_orders)),)
-            return weighted_sums(semi_axes, degree, asked, None, points, outside=outside)
+            columns = (("phi", tuple(local_orders)),)
+            return weighted_sums(semi_axes, degree, columns, None, points, outside=outside)
 
         values = self._on_sides(count * len(local_orders), x, y, z, evaluate).reshape(count, len(local_orders), -1)
         if transform is not None:
@@ -205,7 +205,7 @@ class Ellipsoid(InclusionShape):
         """See `HasMomentSums`; Phi and Psi to round-off, Chi as `chi`."""
         unit, semi_axes = self._scaled()
         at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
-        asked: list[tuple[str, tuple[Order, ...]]] = []
+        columns: list[tuple[str, tuple[Order, ...]]] = []
         local: list[FloatArray] = []
         total: FloatArray | None = None
         for name, (orders, of_orders) in weights.items():
@@ -217,13 +217,13 @@ class Ellipsoid(InclusionShape):
                 scaled = scaled * np.array([-1.0 if order[2] % 2 else 1.0 for order in orders])
             local_orders, transform = self._along_axes(orders)
             scaled = scaled if transform is None else scaled @ transform
-            asked.append((name, tuple(local_orders)))
+            columns.append((name, tuple(local_orders)))
             local.append(scaled.reshape(len(scaled), -1))
-        if asked:
+        if columns:
             joined = np.concatenate(local, axis=1)
 
             def evaluate(points: Points, *, outside: bool) -> FloatArray:
-                return weighted_sums(semi_axes, degree, tuple(asked), joined, points, outside=outside)
+                return weighted_sums(semi_axes, degree, tuple(columns), joined, points, outside=outside)
 
             sums = self._on_sides(len(joined), at[0], at[1], -at[2] if image else at[2], evaluate)
             total = sums if total is None else total + sums
@@ -245,11 +245,11 @@ class Ellipsoid(InclusionShape):
         if place.size:
             # Sums of orders without and with a derivative along z stand for two orders of one potential.
             along = np.array([order[2] for order in orders], dtype=bool)
-            both = np.concatenate([weights * ~along, weights * along])
+            split_weights = np.concatenate([weights * ~along, weights * along])
             plane = [(i, j, 0) for i, j, _ in orders]
 
             def phi(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-                sums = self.moment_sums(degree, {"phi": (plane, both)}, x, y, z, image=False)
+                sums = self.moment_sums(degree, {"phi": (plane, split_weights)}, x, y, z, image=False)
                 return sums.reshape(2, len(weights), -1)
 
             values[:, place] = integrated_sums(self.bounds, phi, [t[place] for t in at])
