@@ -41,10 +41,18 @@ SUMMARY_KEYS = (
 )
 
 
+#: Scene whose pictures are drawn by default: they cost as much as the run.
+DRAWN = "hertz"
+
+
+def changes_of(name, *, drawn=False):
+    return COARSER[name] if drawn or name == DRAWN else [*COARSER[name], "output.pictures=false"]
+
+
 @pytest.fixture
 def finished(finished):
     """Give the folder of a bundled scene on coarser cells."""
-    return lambda name: finished(name, *COARSER[name], stored=True).folder
+    return lambda name, **drawn: finished(name, *changes_of(name, **drawn), stored=True).folder
 
 
 def read(folder):
@@ -100,7 +108,7 @@ def test_results_open_in_xarray_with_units_and_provenance(name, finished):
         np.testing.assert_allclose(force, data.normal_load, rtol=1e-5)
         assert {"scene", "scene_hash", "versions", "title"} <= set(data.attrs)
         again = ec.load_scene(_tables(data.attrs["scene"]))
-    assert again == ec.load_scene(name, COARSER[name])
+    assert again == ec.load_scene(name, changes_of(name))
 
 
 def _tables(text):
@@ -109,11 +117,13 @@ def _tables(text):
     return tomllib.loads(text)
 
 
-@pytest.mark.parametrize("name", COARSER)
+@pytest.mark.parametrize(
+    "name", [DRAWN, *(pytest.param(name, marks=pytest.mark.slow) for name in COARSER if name != DRAWN)]
+)
 def test_pictures_open_and_show_something(name, finished):
     from matplotlib.image import imread
 
-    pictures = sorted(finished(name).glob("*.png"))
+    pictures = sorted(finished(name, drawn=True).glob("*.png"))
     assert {"pressure.png", "pressure-profiles.png"} <= {path.name for path in pictures}
     for request in ec.load_scene(name).stress:
         assert f"{request.label}.png" in {path.name for path in pictures}

@@ -26,10 +26,19 @@ CHANGES = {
 }
 
 
+#: Scene whose pictures are drawn by default: they cost as much as the run.
+DRAWN = "sphere-near-surface"
+
+
 @pytest.fixture
 def finished(finished):
     """Give the folder of a bundled scene on coarser cells."""
-    return lambda name: finished(name, *CHANGES[name], stored=True).folder
+
+    def folder(name, *, drawn=False):
+        plain = [] if drawn or name == DRAWN else ["output.pictures=false"]
+        return finished(name, *CHANGES[name], *plain, stored=True).folder
+
+    return folder
 
 
 def read(folder):
@@ -62,11 +71,13 @@ def test_summary_and_results(name, finished):
         assert summary["max_sink"] == max(0.0, float(down.max()))
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize(
+    "name", [DRAWN, *(pytest.param(name, marks=pytest.mark.slow) for name in CHANGES if name != DRAWN)]
+)
 def test_pictures_open_and_show_something(name, finished):
     from matplotlib.image import imread
 
-    pictures = {path.name: path for path in finished(name).glob("*.png")}
+    pictures = {path.name: path for path in finished(name, drawn=True).glob("*.png")}
     expected = {f"{request.label}.png" for request in ec.load_scene(name).stress if request.shape != "points"}
     assert set(pictures) == {"uplift.png", "uplift-profiles.png"} | expected
     for path in pictures.values():

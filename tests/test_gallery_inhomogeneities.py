@@ -22,7 +22,7 @@ COARSER = {
     ),
     "inclusion-under-contact": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [1.0, 3.0267]}),
     "prestressed-concrete": (
-        ["grid.cells=[20, 40]", "grid.spacing=['4 mm', '1.25 mm']", "numerics.inclusion-pitch='2 mm'"], {}
+        ["grid.cells=[16, 36]", "grid.spacing=['5 mm', '1.39 mm']", "numerics.inclusion-pitch='2.5 mm'"], {}
     ),
     "rolling-over-inclusion": (
         ["grid.cells=[91, 37]", "grid.spacing=['0.45 um', '0.45 um']", "steps.1.increments=8"], {1: None}

@@ -48,13 +48,34 @@ def test_every_bundled_line_contact_is_tested():
     assert [name for name in bundled_names() if ec.load_scene(name).grid.line] == sorted(COARSER)
 
 
-@pytest.mark.usefixtures("small_pictures")
+#: Scene whose pictures are drawn by default: they cost as much as the run.
+DRAWN = "cylinder-fretting"
+
+
+@pytest.fixture
+def finished(finished):
+    """Run a bundled scene on coarser cells, in a folder."""
+
+    def run(name, *, drawn=False):
+        plain = [] if drawn or name == DRAWN else ["output.pictures=false"]
+        return finished(name, *COARSER[name], *plain, stored=True)
+
+    return run
+
+
 @pytest.mark.parametrize("name", COARSER)
-def test_certificates_units_and_pictures(name, finished):
-    result = finished(name, *COARSER[name], stored=True)
-    summary = result.summary
+def test_certificates_and_units(name, finished):
+    summary = finished(name).summary
     assert max(summary[f"{residual}_residual"] for residual in ("gap", "penetration", "load")) <= 1e-6
     assert (summary["units"]["normal_load"], summary["units"]["contact_area"]) == ("N/m", "m")
+
+
+@pytest.mark.usefixtures("small_pictures")
+@pytest.mark.parametrize(
+    "name", [DRAWN, *(pytest.param(name, marks=pytest.mark.slow) for name in COARSER if name != DRAWN)]
+)
+def test_pictures(name, finished):
+    result = finished(name, drawn=True)
     pictures = {path.name for path in result.folder.glob("*.png")}
     assert {"pressure-profiles.png", "section.png"} <= pictures
     assert not {"pressure.png", "shear.png"} & pictures  # one row of cells has curves, no maps
@@ -62,7 +83,7 @@ def test_certificates_units_and_pictures(name, finished):
 
 def test_fretting_of_a_cylinder(finished):
     """Hertz, and Cattaneo's shear at the first turn; the stress of the description is that of `test_line_contacts`."""
-    result = finished("cylinder-fretting", *COARSER["cylinder-fretting"], stored=True)
+    result = finished("cylinder-fretting")
     summary, data = result.summary, result.dataset
     a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * 119e9 / (1 - 0.3**2))
     assert (a, p0) == (close(279.09e-6, rel=1e-5), close(912.42e6, rel=1e-5))
@@ -83,7 +104,7 @@ def bulk_slip_shear(x, a, p0, stick, middle):
 
 def test_fretting_fatigue_in_phase(finished):
     """Shear and stick zone by Nowell and Hills, and the stress of their tractions near the hot spot, at both turns."""
-    result = finished("fretting-fatigue", *COARSER["fretting-fatigue"], stored=True)
+    result = finished("fretting-fatigue")
     data, modulus = result.dataset, 119e9 / (1 - 0.3**2)
     a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
     c = cattaneo_stick(400.0, 150.0, 0.8)
@@ -110,8 +131,7 @@ def test_fretting_fatigue_in_phase(finished):
 
 def test_fretting_fatigue_out_of_phase(finished):
     """The stick zone while the fretting load passes through zero: partial unloading at twice the friction."""
-    changes = COARSER["fretting-fatigue-out-of-phase"]
-    data = finished("fretting-fatigue-out-of-phase", *changes, stored=True).dataset
+    data = finished("fretting-fatigue-out-of-phase").dataset
     modulus = 119e9 / (1 - 0.3**2)
     a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * modulus)
     middle, half_width = moved_stick_zone(200e6 / modulus, a, 2 * 0.8, p0, modulus), np.sqrt(1 - 150 / (2 * 320))
@@ -126,7 +146,7 @@ def test_fretting_fatigue_out_of_phase(finished):
 
 
 def test_coated_cylinder_lies_between_its_materials(finished):
-    summary = finished("coated-cylinder", *COARSER["coated-cylinder"], stored=True).summary
+    summary = finished("coated-cylinder").summary
     substrate, coating = (hertz_cylinder(200e3, 0.01, E / (1 - nu**2)) for E, nu in ((210e9, 0.3), (400e9, 0.25)))
     assert substrate == (close(105.0e-6, rel=1e-3), close(1212e6, rel=1e-3))
     assert coating == (close(77.3e-6, rel=1e-3), close(1648e6, rel=1e-3))
@@ -136,7 +156,7 @@ def test_coated_cylinder_lies_between_its_materials(finished):
 
 def test_a_print_stays_below_a_cylinder(finished):
     """The first step is elastic, at 109 of 109.5 N/mm; unloading leaves a print."""
-    data = finished("plastic-line-contact", *COARSER["plastic-line-contact"], stored=True).dataset
+    data = finished("plastic-line-contact").dataset
     a, p0 = hertz_cylinder(109e3, 0.01, 210e9 / (1 - 0.3**2))
     assert p0 == close(1.7936 * 500e6, rel=5e-3)
     assert float(data.max_plastic_strain[0]) == 0.0
@@ -154,7 +174,7 @@ def test_a_print_stays_below_a_cylinder(finished):
 
 def test_criteria_below_a_rolling_cylinder(finished):
     """Converged values of a whole passage; the shear of each step in closed form; no warning of an edge far away."""
-    result = finished("rolling-line", *COARSER["rolling-line"], stored=True)
+    result = finished("rolling-line")
     data = result.dataset
     a, p0 = hertz_cylinder(400e3, 0.01, 0.5 * 210e9 / (1 - 0.3**2))
     assert (a, p0) == (close(210.1e-6, rel=5e-4), close(1212e6, rel=5e-4))
@@ -173,7 +193,7 @@ def test_criteria_below_a_rolling_cylinder(finished):
 
 
 def test_punch_with_rounded_edges(finished):
-    result = finished("rounded-line-punch", *COARSER["rounded-line-punch"], stored=True)
+    result = finished("rounded-line-punch")
     b, load, pressure = 1e-3, 2834.7e3, result.dataset.pressure.values[-1, 0]
     x = result.dataset.x.values
     inside = np.abs(x) < 1.9 * b

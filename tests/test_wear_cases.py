@@ -264,9 +264,8 @@ def test_fretting_of_steel_follows_the_rings():
         assert [*found, work] == close(wanted, rel=3e-2)
 
 
-@pytest.mark.parametrize(
-    ("cells", "nu"), [(12, 0.0), pytest.param(24, 0.3, marks=pytest.mark.slow)], ids=["isotropic shear", "steel"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("cells", "nu"), [(12, 0.0), (24, 0.3)], ids=["isotropic shear", "steel"])
 def test_limit_with_the_approach_kept(cells, nu):
     """WR-10: the closed form of the springs, after many cycles that are mostly skipped.
 
@@ -300,9 +299,8 @@ def at_load(approach, load):
     return min(limits, key=lambda limit: abs(limit.load(1.0) - load))
 
 
-@pytest.mark.parametrize(
-    ("cells", "cycles", "faster"), [(12, 100, 30.0), pytest.param(32, 100_000, 1.0, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("cells", "cycles", "faster"), [(12, 100, 30.0), (32, 100_000, 1.0)])
 def test_limit_with_the_load_kept(cells, cycles, faster):
     """WR-11, ν = 0.3: no limit free of history, but brackets; depth and volume follow from the stick radius."""
     slipping = wear_springs.slipping_approach(AMPLITUDE, FRICTION, ratio(0.3))

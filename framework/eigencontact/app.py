@@ -108,12 +108,12 @@ def explain(
     hertz: Hertz contact: rigid sphere on steel
     """
     planned = plan(scene)
-    told = foretold(planned, accuracy)
-    if told is None:
+    forecast = foretold(planned, accuracy)
+    if forecast is None:
         return planned.explain()
     from eigencontact.accuracy.forecast import forecast_text
 
-    return f"{planned.explain()}\n\n{forecast_text(told)}"
+    return f"{planned.explain()}\n\n{forecast_text(forecast)}"
 
 
 def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None) -> dict[str, Any] | None:
@@ -288,10 +288,10 @@ def run(
         _refuse_folder(planned, target)
         predicted = run_bytes(planned, painter=painter is not None)
         store = stored = ResultStore.create(target, run_info(planned), resume=resume, overwrite=overwrite)
-    done = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
+    accepted = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
     try:
         if answer is None:
-            solved = _solve(planned, store, watcher, stopwatch, done)
+            solved = _solve(planned, store, watcher, stopwatch, accepted)
         else:
             solved = answer.last.run.kept.solved
             if stored is not None:
@@ -362,15 +362,15 @@ def _solve(
     store: Store,
     watcher: Watcher | None,
     stopwatch: Stopwatch,
-    done: Mapping[int, Callable[[], StepRecord]],
+    accepted: Mapping[int, Callable[[], StepRecord]],
 ) -> _Solved:
     """Solve and store all steps that are not done."""
     from eigencontact.execution.run.driver import drive
 
-    last = done[max(done)]() if done else None
+    last = accepted[max(accepted)]() if accepted else None
     solving, resumed = 0.0, perf_counter()
     try:
-        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=done):
+        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=accepted):
             solving += perf_counter() - resumed
             with stopwatch.on("storing"):
                 store.write_step(record)

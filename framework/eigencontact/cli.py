@@ -237,8 +237,8 @@ def explain(
             typer.echo(calls.explain(loaded, accuracy=accuracy))
             return
         planned = calls.plan(loaded)
-        told = calls.foretold(planned, accuracy)
-        typer.echo(json.dumps({**planned.to_dict(), **({} if told is None else {"accuracy": told})}, indent=2))
+        forecast = calls.foretold(planned, accuracy)
+        typer.echo(json.dumps({**planned.to_dict(), **({} if forecast is None else {"accuracy": forecast})}, indent=2))
 
 
 @app.command(cls=HelpfulCommand)

@@ -62,12 +62,12 @@ def _tables_of(
     """Places of the tables in a table: fields that hold one of the classes, or a plugin (`OfKind`)."""
     for field, annotation in classes[name]:
         inner = f"{place}.{field.replace('_', '-')}".strip(".")
-        held = next((word for word in re.findall(r"\w+", annotation) if word in classes and word != "OfKind"), None)
+        table = next((word for word in re.findall(r"\w+", annotation) if word in classes and word != "OfKind"), None)
         if "OfKind(" in annotation:
             yield inner
-        elif held is not None and held not in above | {name}:
+        elif table is not None and table not in above | {name}:
             yield inner
-            yield from _tables_of(held, inner, classes, above | {name})
+            yield from _tables_of(table, inner, classes, above | {name})
 
 
 def kinds(incomplete: str) -> list[str]:

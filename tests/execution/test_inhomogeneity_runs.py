@@ -221,6 +221,7 @@ def test_contact_that_only_the_way_there_brings_to_the_edge():
         coated(0.5, 1.0, 12)
 
 
+@pytest.mark.slow
 def test_a_resumed_run_repeats(tmp_path):
     """Steps after the first take everything from what is stored."""
     tables = {"tolerance": 1e-6, "cells": 12, **FRICTION}

@@ -54,6 +54,7 @@ def test_a_state_under_load_is_let_go_first(earlier):
     np.testing.assert_allclose(found["pressure"][0], whole["pressure"][2], atol=1e-5 * float(whole["pressure"].max()))
 
 
+@pytest.mark.slow
 def test_a_resumed_run_knows_its_beginning(earlier, tmp_path):
     folder, whole = earlier
     after = scene([AGAIN, FREE], initial={"results": str(folder)})

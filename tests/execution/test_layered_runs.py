@@ -143,6 +143,7 @@ def test_extreme_layers(nu):
     assert (spread < 1e-9) == (nu == 0.5)
 
 
+@pytest.mark.slow
 def test_a_resumed_run_is_the_whole_run(tmp_path, monkeypatch):
     made = scene(coating(2.0), coupling="full", stress=SECTION)
     whole = ec.run(made).dataset

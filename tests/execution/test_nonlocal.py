@@ -66,6 +66,7 @@ def test_damage_is_that_of_the_mean_strain(averaged, local):
     assert max(float(np.abs(rim).max()) for rim in rims) == 0.0
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_first_box(averaged):
     found = ec.run(bone("90 nm", [LOAD, UNLOAD], law_room=0.6)).dataset
     np.testing.assert_allclose(found["approach"], averaged["approach"], rtol=1e-4)

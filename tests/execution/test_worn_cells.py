@@ -11,15 +11,7 @@ from eigencontact.execution.interiors.material_cells import MaterialCells, risen
 from eigencontact.execution.run.driver import drive
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.warnings_.after import noticed
-
-#: Case WR-17, as in test_worn_layers.
-H, E, NU = 20e-6, 210e9, 0.3
-RADIUS = 10 * H
-MODULUS = E / (1 - NU**2)
-LOAD, PEAK = 4 / 3 * MODULUS * H**3 / RADIUS, 2 * MODULUS * H / (np.pi * RADIUS)
-VOLUME = np.pi * H**4 / (4 * RADIUS)
-K = 1e-15
-SOLID = {"young-modulus": E, "poisson-ratio": NU}
+from execution.worn_layer import LOAD, NU, PEAK, RADIUS, SOLID, VOLUME, E, H, gross_sliding, records
 
 
 def coating(ratio=2.0, thickness=H, top=0.0):
@@ -29,24 +21,11 @@ def coating(ratio=2.0, thickness=H, top=0.0):
 
 
 def scene(worn=(1,), increments=(4,), cells=16, **changes):
-    """Gross sliding without friction to some worn volumes, in parts of that of the case."""
-    paths = np.diff([0.0, *worn]) * VOLUME / (K * LOAD)
-    slides = [
-        {"normal-load": LOAD, "sliding-distance": float(path), "increments": count}
-        for path, count in zip(paths, increments, strict=True)
-    ]
-    return ec.Scene(
-        **{
-            "body1": SOLID, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
-            "inclusions": coating(), "wear": {"type": "archard", "coefficient": K},
-            "steps": [{"normal-load": LOAD}, *slides], "grid": {"cells": cells, "size": [4 * H, 4 * H]},
-            "numerics": {"threads": 1, "inclusion-pitch": H / 8}, **changes,
-        }
-    )  # fmt: skip
-
-
-def records(made):
-    return list(drive(ec.plan(made)))
+    usual = {
+        "inclusions": coating(), "grid": {"cells": cells, "size": [4 * H, 4 * H]},
+        "numerics": {"threads": 1, "inclusion-pitch": H / 8},
+    }  # fmt: skip
+    return gross_sliding(worn, increments, **usual | changes)
 
 
 def contents(inclusion, pitch=H / 8):

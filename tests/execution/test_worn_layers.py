@@ -10,40 +10,17 @@ from eigencontact.execution.blocks.block import Run
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.run.driver import drive
 from eigencontact.plugin import LayeredMedium
-
-#: Case WR-17: E of the substrate, thickness H = contact radius on the bare substrate, ball of 10 H.
-H, E, NU = 20e-6, 210e9, 0.3
-RADIUS = 10 * H
-MODULUS = E / (1 - NU**2)
-LOAD, PEAK = 4 / 3 * MODULUS * H**3 / RADIUS, 2 * MODULUS * H / (np.pi * RADIUS)
-VOLUME = np.pi * H**4 / (4 * RADIUS)
-K = 1e-15
+from execution.worn_layer import ARCHARD, LOAD, NU, PEAK, RADIUS, SOLID, E, H, gross_sliding, records
 
 
 def coated(ratio=2.0, **layer):
-    solid = {"poisson-ratio": NU}
-    layers = [{"thickness": H, "young-modulus": ratio * E, **solid, **layer}]
-    return {"medium": {"type": "bonded-layers", "layers": layers, "substrate": {"young-modulus": E, **solid}}}
+    layers = [{"thickness": H, **SOLID, "young-modulus": ratio * E, **layer}]
+    return {"medium": {"type": "bonded-layers", "layers": layers, "substrate": SOLID}}
 
 
 def scene(body1, worn=(0.1, 10), increments=(2, 4), wear=None, **changes):
-    """Gross sliding without friction to some worn volumes, in parts of that of the case."""
-    paths = np.diff([0.0, *worn]) * VOLUME / (K * LOAD)
-    slides = [
-        {"normal-load": LOAD, "sliding-distance": float(path), "increments": count}
-        for path, count in zip(paths, increments, strict=True)
-    ]
-    return ec.Scene(
-        **{
-            "body1": body1, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
-            "wear": {"type": "archard", "coefficient": K, **(wear or {})}, "steps": [{"normal-load": LOAD}, *slides],
-            "grid": {"cells": 40, "size": [5 * H, 5 * H]}, "numerics": {"threads": 1}, **changes,
-        }
-    )  # fmt: skip
-
-
-def records(made):
-    return list(drive(ec.plan(made)))
+    usual = {"body1": body1, "grid": {"cells": 40, "size": [5 * H, 5 * H]}, "wear": ARCHARD | (wear or {})}
+    return gross_sliding(worn, increments, **usual | changes)
 
 
 @pytest.mark.parametrize("body", [1, pytest.param(2, marks=pytest.mark.slow)])

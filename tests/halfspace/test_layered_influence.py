@@ -9,8 +9,9 @@ from eigencontact.errors import NotConverged, PlanError, SceneError
 from eigencontact.halfspace import layered_influence
 from eigencontact.halfspace.layered_influence import LayeredInfluence
 from eigencontact.plugin import COMPONENTS, HasResponseAtDepths, LayeredMedium, Material, SurfaceInfluence
-from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
+from eigencontact_plugins.layered.stack import BondedLayers
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
+from halfspace.stacks import medium, solid
 
 LOADS = {"p": PressureLoad(), "q_x": ShearLoadX(), "q_y": ShearLoadY()}
 LAYERED = {name: LayeredInfluence(load) for name, load in LOADS.items()}
@@ -18,18 +19,6 @@ AXES = ("x", "y", "z")
 NAMES = {"displacement": AXES, "stress": COMPONENTS}
 HALF = (0.5, 0.35)
 OWN = {"p": "z", "q_x": "x", "q_y": "y"}
-
-
-def solid(G, nu):
-    return {"young_modulus": 2 * G * (1 + nu), "poisson_ratio": nu}
-
-
-def medium(layers, substrate):
-    """Layers of (thickness, G, nu) on a substrate of (G, nu)."""
-    return BondedLayers(
-        layers=tuple(Layer(thickness=h, **solid(G, nu)) for h, G, nu in layers),
-        substrate=Substrate(**solid(*substrate)),
-    )
 
 
 def fourier_integral(response, x, y, half_widths, decay):

@@ -7,25 +7,13 @@ import pytest
 
 from eigencontact.halfspace.layered_influence import LayeredInfluence
 from eigencontact.plugin import COMPONENTS, Material
-from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
+from halfspace.stacks import medium, solid
 
 LOADS = {"p": PressureLoad(), "q_x": ShearLoadX(), "q_y": ShearLoadY()}
 NAMES = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
 A = 0.5
 X = np.array([-0.9, 0.0, 0.5, 2.3])
-
-
-def solid(G, nu):
-    return {"young_modulus": 2 * G * (1 + nu), "poisson_ratio": nu}
-
-
-def medium(layers, substrate):
-    """Layers of (thickness, G, nu) on a substrate of (G, nu)."""
-    return BondedLayers(
-        layers=tuple(Layer(thickness=h, **solid(G, nu)) for h, G, nu in layers),
-        substrate=Substrate(**solid(*substrate)),
-    )
 
 
 STACKS = {

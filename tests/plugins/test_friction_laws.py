@@ -1,6 +1,5 @@
 """Friction laws: bounds at cells, maps of the coefficient, what is refused, and what is refused of a stranger's law."""
 
-import sys
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,6 +10,7 @@ from eigencontact import EigencontactError, make
 from eigencontact.errors import PluginError, SceneError
 from eigencontact.plugin import FrictionLaw, FrictionState
 from eigencontact.plugin.friction import checked_shear_bound
+from plugins.wrong_answers import wrong_answers
 
 UM = 1e-6
 X, Y = UM * np.arange(-2.0, 3.0)[None, :], UM * np.arange(-1.0, 2.0)[:, None]
@@ -277,28 +277,7 @@ class Stranger(FrictionLaw):
         return self.answer(state) if callable(self.answer) else self.answer
 
 
-def poison(state):
-    state.pressure[0, 0] = 1.0
-    return state.pressure
-
-
-FAILS = r"must return without an exception \(got "
-WRONG = {
-    "shape": (np.ones((5, 3)), r"must be of shape \(3, 5\), that of the pressure \(got shape \(5, 3\)\)"),
-    "a number": (1.0, r"must be of shape \(3, 5\), that of the pressure \(got shape \(\)\)"),
-    "NaN": (
-        lambda state: np.where(state.x > 0, np.nan, state.pressure),
-        r"must be zero or positive, and finite \[Pa\] \(got nan at x = 1e-06 m, y = -1e-06 m, and at 6 of 15 points",
-    ),
-    "infinite": (np.full(SHAPE, np.inf), r"must be zero or positive, and finite \[Pa\] \(got inf at x = -2e-06 m"),
-    "negative": (lambda state: -state.pressure, r"must be zero or positive, and finite \[Pa\] \(got -100.0 at x"),
-    "error": (lambda state: 1 / len(state.x[1:]), rf"{FAILS}ZeroDivisionError: division by zero, line"),
-    "booleans": (np.ones(SHAPE, dtype=bool), r"must be an array, real numbers \(got booleans"),
-    "masked": (np.ma.masked_all(SHAPE), r"must return no masked values \(got 15\)"),
-    "leaves": (lambda _: sys.exit(0), rf"{FAILS}SystemExit: 0, line"),
-    "text": ("much", r"must be an array, real numbers \(got text"),
-    "writes": (poison, rf"{FAILS}ValueError: assignment destination is"),
-}
+WRONG = wrong_answers(SHAPE, "Pa", "points", "pressure")
 
 
 @pytest.mark.parametrize("case", WRONG)

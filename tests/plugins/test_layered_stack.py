@@ -16,19 +16,11 @@ from eigencontact_plugins.layered import stack
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 from eigencontact_verification.oracles.layered_dense import traction_wave
+from halfspace.stacks import medium
 
 LOADS = {"p": PressureLoad(), "q_x": ShearLoadX(), "q_y": ShearLoadY()}
 UNIT = {"p": (1.0, 0.0, 0.0), "q_x": (0.0, 1.0, 0.0), "q_y": (0.0, 0.0, 1.0)}
 AXES = ("x", "y", "z")
-BALANCING = ("xz", "yz", "zz")
-
-
-def medium(layers, substrate):
-    """Layers of (thickness, G, nu) on a substrate of (G, nu)."""
-    return BondedLayers(
-        layers=tuple(Layer(thickness=h, young_modulus=2 * G * (1 + nu), poisson_ratio=nu) for h, G, nu in layers),
-        substrate=Substrate(young_modulus=2 * substrate[0] * (1 + substrate[1]), poisson_ratio=substrate[1]),
-    )
 
 
 def random_stack(rng, count, decades=1.0):

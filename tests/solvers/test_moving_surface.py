@@ -12,7 +12,7 @@ from eigencontact.solvers.moving_surface import moved
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from solvers.contacts import halfspace, paraboloid, square_grid
 
-RANDOM = settings(deadline=None, derandomize=True, max_examples=60, phases=[Phase.generate])
+RANDOM = settings(deadline=None, derandomize=True, max_examples=30, phases=[Phase.generate])
 #: WR-9, volume over π a⁴/4R: largest pressure over p0, depth over a²/R, contact radius over a (rings, implicit).
 SPHERE = {
     0.01: (0.9967, 0.00374, 1.005),

@@ -11,7 +11,7 @@ import pytest
 
 from eigencontact.errors import SceneError
 from eigencontact.plugin import ConstitutiveLaw, LinearLaw, Response, Stress, Variable, isotropic_stiffness
-from eigencontact_verification.conformance import ConformanceError, checks_for
+from planted import Faults, failing_checks
 from toy_laws import DEVIATOR, Fibred, Stiffening, Waning, Yielding
 
 STEEL = {"young_modulus": 2e11, "poisson_ratio": 0.3, "yield_stress": 2e8, "hardening_modulus": 1e10}
@@ -25,28 +25,13 @@ GOOD = [
     Fibred(**PLY),
     Waning(**FADES),
 ]
-FAULTS = {}  # name of the fault: (component, checks that must notice)
-
-
-def plant(*noticed, **parameters):
-    """Register a class with a fault, made with `parameters`, and the checks that must notice it."""
-
-    def keep(cls):
-        FAULTS[cls.__name__] = (cls(**parameters), noticed)
-        return cls
-
-    return keep
+FAULTS = Faults()
+plant = FAULTS.plant
 
 
 def failing(law):
     """Checks that a law fails, but for the one that it is installed."""
-    failed = set()
-    for check in checks_for(law):
-        try:
-            check(law)
-        except ConformanceError:
-            failed.add(check.__name__)
-    return failed - {"check_registered"}
+    return failing_checks(law) - {"check_registered"}
 
 
 @cache

@@ -8,23 +8,15 @@ import pytest
 from eigencontact.plugin import Material
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_verification.conformance import ConformanceError, checks_for
+from planted import Faults
 
 LAYERS = (
     Layer(thickness=1e-6, young_modulus=400e9, poisson_ratio=0.2),
     Layer(thickness=3e-6, young_modulus=100e9, poisson_ratio=0.4),
 )
 SUBSTRATE = Substrate(young_modulus=210e9, poisson_ratio=0.3)
-FAULTS = {}  # name of the fault: (class, checks that must notice)
-
-
-def plant(*noticed):
-    """Register a class with a fault, and the checks that must notice it."""
-
-    def keep(cls):
-        FAULTS[cls.__name__] = (cls, noticed)
-        return cls
-
-    return keep
+FAULTS = Faults(layers=LAYERS, substrate=SUBSTRATE)
+plant = FAULTS.plant
 
 
 class Spoilt(BondedLayers):
@@ -182,7 +174,7 @@ CASES = [(name, check) for name, (_, noticed) in FAULTS.items() for check in not
 
 @pytest.mark.parametrize(("name", "check"), CASES, ids=[f"{name}-{check}" for name, check in CASES])
 def test_a_planted_fault_is_found(name, check):
-    medium = FAULTS[name][0](layers=LAYERS, substrate=SUBSTRATE)
+    medium, _ = FAULTS[name]
     (run,) = [item for item in checks_for(medium) if item.__name__ == check]
     with pytest.raises(ConformanceError, match=f"{check} of layered-medium 'bonded-layers': "):
         run(medium)

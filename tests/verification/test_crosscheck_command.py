@@ -13,7 +13,7 @@ import eigencontact.cli
 import eigencontact_verification.crosscheck as package
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.commands.verify import _chosen
-from eigencontact_verification.crosscheck import cases
+from eigencontact_verification.crosscheck import cases, report
 from eigencontact_verification.crosscheck import run as runner
 from eigencontact_verification.crosscheck.progress import Bar
 from eigencontact_verification.crosscheck.run import tasks_of
@@ -33,6 +33,21 @@ def verify(verify_in_processes, monkeypatch):
     """Run the command on the analytic cases without other processes."""
     monkeypatch.setattr(runner, "in_processes", here)
     return verify_in_processes
+
+
+#: The figure of a case, and a file in its place that costs nothing.
+DRAW, NOTHING = report.draw, b"\x89PNG of eigencontact in the place of a figure"
+
+
+@pytest.fixture(autouse=True)
+def undrawn(monkeypatch):
+    """Reports have files in the place of their figures."""
+
+    def draw(_judged, file):
+        file.write_bytes(NOTHING)
+        return file
+
+    monkeypatch.setattr(report, "draw", draw)
 
 
 @pytest.fixture
@@ -134,7 +149,8 @@ def test_lines_without_a_terminal_are_seldom(monkeypatch, capsys):
     assert last == f"solution 5 of 5: {tasks[-1].case.key}, {tasks[-1].label}"
 
 
-def test_markdown_and_figure(verify, tmp_path):
+def test_markdown_and_figure(verify, tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "draw", DRAW)
     page, markers = tmp_path / "page.md", ("<!-- verify:coverage -->", "<!-- /verify:coverage -->")
     page.write_text("\n".join(["before", *markers, "after"]), encoding="utf-8")
     arguments = ("--markdown", page, "--figure", f"analytic/plain={tmp_path}/new/plain.png")
@@ -144,7 +160,9 @@ def test_markdown_and_figure(verify, tmp_path):
     assert text.startswith(f"before\n{markers[0]}\n\n1 case (quick), 5 verdicts")
     assert text.endswith(f"\n{markers[1]}\nafter")
     assert "| analytic | ✓ 1/1" in text
-    assert (tmp_path / "new" / "plain.png").read_bytes().startswith(b"\x89PNG")
+    figure = (tmp_path / "new" / "plain.png").read_bytes()
+    assert figure.startswith(b"\x89PNG")
+    assert figure != NOTHING
 
 
 def test_markers_are_looked_for_before_anything_is_solved(verify, tmp_path):

@@ -62,7 +62,7 @@ def _crossings(
     a, b, start_inside = begin[where].copy(), end[where].copy(), first[where]
     for _ in range(_HALVINGS if len(a) else 0):
         middle = 0.5 * (a + b)
-        same = inside(middle[:, 0], middle[:, 1]) == start_inside
-        a[same], b[~same] = middle[same], middle[~same]
+        as_start = inside(middle[:, 0], middle[:, 1]) == start_inside
+        a[as_start], b[~as_start] = middle[as_start], middle[~as_start]
     out[where] = 0.5 * (a + b)
     return out

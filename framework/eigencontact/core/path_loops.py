@@ -210,7 +210,7 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
             for c in range(dim):
                 size = max(size, points[t, c] ** 2)
         slack = _ROUND_OFF * size
-        support[0], held, square = 0, 1, 0.0
+        support[0], count_on_boundary, square = 0, 1, 0.0
         centre[:] = points[0]
         for _ in range(40 * steps):
             far, distance = 0, -1.0
@@ -223,9 +223,9 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
             if distance <= square * (1.0 + _SLACK) + slack:
                 break
             smallest, best_count = np.inf, 0
-            for mask in range(1, 1 << held):
+            for mask in range(1, 1 << count_on_boundary):
                 count = 0
-                for i in range(held):
+                for i in range(count_on_boundary):
                     if mask >> i & 1:
                         chosen[count] = support[i]
                         count += 1
@@ -235,7 +235,7 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
                 if candidate >= smallest:
                     continue
                 encloses = True
-                for i in range(held):
+                for i in range(count_on_boundary):
                     total = 0.0
                     for c in range(dim):
                         total += (points[support[i], c] - points[far, c] - offset[c]) ** 2
@@ -248,7 +248,7 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
                     next_centre[:] = points[far] + offset
             if smallest <= square or best_count == 0:  # round-off
                 break
-            square, held = smallest, best_count + 1
+            square, count_on_boundary = smallest, best_count + 1
             support[:best_count] = best[:best_count]
             support[best_count] = far
             centre[:] = next_centre

@@ -146,9 +146,9 @@ def worst_planes(value: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray,
     largest, normals = np.full(len(values), -np.inf), np.tile(sweep[0], (len(values), 1))
     for _ in range(_STARTS):
         start = values.argmax(axis=1)
-        found, at = _refined(value, values[rows, start], sweep[start])
-        better = found > largest
-        largest, normals = np.where(better, found, largest), np.where(better[:, None], at, normals)
+        refined, at = _refined(value, values[rows, start], sweep[start])
+        better = refined > largest
+        largest, normals = np.where(better, refined, largest), np.where(better[:, None], at, normals)
         values[near[start]] = -np.inf
     return largest, normals * np.where(normals[:, 2:] < 0, -1.0, 1.0)
 
@@ -200,9 +200,9 @@ def _refined(
         largest[rising] = values[rows, best][risen]
         normals[rising] = at[rising, best[risen]]
         angle[climbing[~risen]] *= 0.5
-        done = angle[climbing] < _FINE
-        at[climbing[done]] = np.nan
-        climbing = climbing[~done]
+        converged = angle[climbing] < _FINE
+        at[climbing[converged]] = np.nan
+        climbing = climbing[~converged]
         if not climbing.size:
             break
     return largest, normals

@@ -205,7 +205,9 @@ class LayeredDepths:
         """Sums of closed kernels, some for each depth, at all x and y, ``(len(components), nz, ny, nx)``."""
         out = np.zeros((len(components), len(kernels), y.size, x.size))
         rows_of: dict[Material, dict[float, list[tuple[int, float]]]] = {}
-        for row, weight, solid, depth in ((row, *kernel) for row, some in enumerate(kernels) for kernel in some):
+        for row, weight, solid, depth in (
+            (row, *kernel) for row, row_kernels in enumerate(kernels) for kernel in row_kernels
+        ):
             rows_of.setdefault(solid, {}).setdefault(depth, []).append((row, weight))
         for solid, places in rows_of.items():
             depths = list(places)

@@ -100,9 +100,9 @@ def _waves(step: float, count: int, x: FloatArray) -> FloatArray:
 
     Those of sums of a few and of many steps are products, a fifth of the time of as many cosines and sines.
     """
-    few = int(np.ceil(np.sqrt(count)))
-    low = np.outer(step * np.arange(few), x)
-    high = np.outer(step * few * np.arange(-(-count // few)), x)[:, None]
+    block = int(np.ceil(np.sqrt(count)))
+    low = np.outer(step * np.arange(block), x)
+    high = np.outer(step * block * np.arange(-(-count // block)), x)[:, None]
     cos, sin, high_cos, high_sin = np.cos(low), np.sin(low), np.cos(high), np.sin(high)
     turned = np.array([high_cos * cos - high_sin * sin, high_sin * cos + high_cos * sin])
     return turned.reshape(2, -1, x.size)[:, :count].reshape(2 * count, x.size)

@@ -235,23 +235,23 @@ class _Densities:
 def _psi(shape: HasMomentPotentials, degree: int, orders: Sequence[Order], points: Points) -> FloatArray:
     """Derivatives of Psi by ``Psi[ρ],i = x_i Phi[ρ] - Phi[x_i ρ]``, x from the middle of the shape."""
     middle, products = _products(shape, degree)
-    asked: dict[Order, int] = {}
+    places_of_phi: dict[Order, int] = {}
     parts: list[tuple[int, Order, Order | None, int]] = []
     for order in orders:
         axis = int(np.argmax(order))
-        rest = _lowered(order, axis)
-        lower = _lowered(rest, axis) if rest[axis] else None
-        parts.append((axis, rest, lower, rest[axis]))
-        for needed in (rest, *([lower] if lower is not None else [])):
-            asked.setdefault(needed, len(asked))
+        lowered = _lowered(order, axis)
+        lower = _lowered(lowered, axis) if lowered[axis] else None
+        parts.append((axis, lowered, lower, lowered[axis]))
+        for needed in (lowered, *([lower] if lower is not None else [])):
+            places_of_phi.setdefault(needed, len(places_of_phi))
     n = densities_up_to(degree)
-    phi = shape.phi_moments(degree + 1, list(asked), *points)
+    phi = shape.phi_moments(degree + 1, list(places_of_phi), *points)
     out = np.empty((n, len(orders), points[0].size))
-    for row, (axis, rest, lower, times) in enumerate(parts):
-        values = phi[:, asked[rest]]
+    for row, (axis, lowered, lower, times) in enumerate(parts):
+        values = phi[:, places_of_phi[lowered]]
         out[:, row] = (points[axis] - middle[axis]) * values[:n] - products[axis] @ values
         if lower is not None:
-            out[:, row] += times * phi[:n, asked[lower]]
+            out[:, row] += times * phi[:n, places_of_phi[lower]]
     return out
 
 

@@ -356,9 +356,9 @@ def field_under(
     near = at[:, 2] < depth_of_means(grid) if quantity == "stress" else np.zeros(len(at), dtype=bool)
     values = np.zeros((len(kernels[0].components), len(at)))
     evaluations: list[tuple[NDArray[np.bool_], Any]] = [(near, means_at_points), (~near, stress_at_points)]
-    for some, evaluate in evaluations:
-        if some.any():
-            values[:, some] = evaluate(grid, kernels, tractions, at[some])
+    for selected, evaluate in evaluations:
+        if selected.any():
+            values[:, selected] = evaluate(grid, kernels, tractions, at[selected])
     return to_matrix(values) if quantity == "stress" else np.ascontiguousarray(values.T)
 
 

@@ -99,7 +99,9 @@ def with_cells(
     members = {body: [source for source in sources if source.body == body] for body in (1, 2)}
     pitch = scene.numerics.inclusion_pitch
     free = {} if pitch is not None else stored
-    heights = {body: free.get(body) or _layer_height(some, scene, grid) for body, some in members.items() if some}
+    heights = {
+        body: free.get(body) or _layer_height(regions, scene, grid) for body, regions in members.items() if regions
+    }
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
     celled = [replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources]
     if scene.numerics.inclusion_refinement > 1:

@@ -301,11 +301,11 @@ def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
             require(name not in _STORED, source.where, "material", source.law.key, rule)
             earlier = first.setdefault((source.body, name), source)
             stored = earlier.law.variables[name]
-            same = (variable.unit, variable.components) == (stored.unit, stored.components)
+            alike = (variable.unit, variable.components) == (stored.unit, stored.components)
             rule = f"of a law that remembers {name!r} as {earlier.law.key!r} of {earlier.name!r} does, [{stored.unit}] "
             rule += f"with {stored.components} components, or in the other body"
             got = f"{source.law.key!r}: [{variable.unit}] with {variable.components}"
-            require(same, source.where, "material", got, rule)
+            require(alike, source.where, "material", got, rule)
 
 
 def _field(registry: Registry, table: Mapping[str, Any], where: str) -> EigenstrainField:

@@ -59,23 +59,23 @@ def degrees_of(
     centers, halves = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0])
     radii = halves.max(axis=1)
     contrasts = [_contrast(source, matrix) for source in sources]
-    found = []
+    degrees = []
     for number, source in enumerate(sources):
         quality, beside = _closest(number, centers, halves, radii, surface=surface)
         needed = degree_for(contrasts[number], quality, whole.allowed)
         degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
         if degree < needed and whole.is_asked:
-            who = "the surface" if beside is None else repr(sources[beside].name)
+            neighbour = "the surface" if beside is None else repr(sources[beside].name)
             raise SceneError(
-                f"{source.where} ({source.name!r}) must be farther from {who} for numerics.inclusion-resolution "
+                f"{source.where} ({source.name!r}) must be farther from {neighbour} for numerics.inclusion-resolution "
                 f"with error = {whole.allowed:g} (got an error of {error:.2g} with degree {degree}: it falls by "
                 f"{quality:.2f} per degree); allow that error, "
                 + ("take a higher degree, " if degree < HIGHEST_DEGREE else "")
                 + 'move it, or set "cells"'
             )
-        found.append(WholeDegree(degree=degree, quality=quality, error=error))
-    return found
+        degrees.append(WholeDegree(degree=degree, quality=quality, error=error))
+    return degrees
 
 
 def _closest(

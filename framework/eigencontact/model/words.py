@@ -62,9 +62,9 @@ def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:
     media = {number: body for number, body in enumerate(bodies, 1) if isinstance(body, LayeredMedium)}
     if not media:
         return ""
-    who = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
+    layered_bodies = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
     how = "for each wave of the window" if periodic else "computed once as influence coefficients of cells"
-    return f"layered kernels of {who} instead of half-space kernels, {how}"
+    return f"layered kernels of {layered_bodies} instead of half-space kernels, {how}"
 
 
 def _constants(material: Material) -> str:

@@ -116,8 +116,8 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
     first, way = points[:, breaks], points[:, breaks + 1] - points[:, breaks]
     for _ in range(_HALVINGS if breaks.size else 0):
         middle = 0.5 * (low + high)
-        same = number(first + middle * way) == inclusion[breaks]
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+        as_inner = number(first + middle * way) == inclusion[breaks]
+        low, high = np.where(as_inner, middle, low), np.where(as_inner, high, middle)
     border = np.full(points.shape[1], np.nan)
     border[breaks] = 0.5 * (low + high)
     uncut = np.ones(points.shape[1], dtype=bool)

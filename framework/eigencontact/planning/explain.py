@@ -110,7 +110,7 @@ def explain(plan: Plan) -> str:
     lines += ["blocks, in order", *(f"  {line}" for line in words.blocks), ""]
     lines += [f"kernels, {len(words.kernels)} in all", *(f"  {line}" for line in words.kernels), ""]
     lines += [*words.predicted, "", "left out, and why"]
-    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in words.left_out)])
+    return "\n".join([*lines, *(f"  {subject}: {why}" for subject, why in words.left_out)])
 
 
 def as_data(plan: Plan) -> dict[str, object]:
@@ -270,8 +270,8 @@ def _alike(sources: Sequence[Source]) -> list[str]:
         groups.setdefault((source.key, source.how, source.body), []).append(source.name)
     lines = []
     for (key, how, body), names in groups.items():
-        who = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} of them"
-        lines.append(f"  {who} (plugin {key!r}, body {body}): {how}")
+        label = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} of them"
+        lines.append(f"  {label} (plugin {key!r}, body {body}): {how}")
     return lines
 
 

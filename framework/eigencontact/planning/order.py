@@ -31,10 +31,10 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
         for quantity in block.provides:
             providers.setdefault(quantity, []).append(block)
     needed: dict[str, Block] = {}
-    open_ends = {quantity: who for block in candidates for quantity, who in block.wanted.items()}
+    open_ends = {quantity: requester for block in candidates for quantity, requester in block.wanted.items()}
     while open_ends:
-        quantity, who = open_ends.popitem()
-        block = _only_provider(providers, quantity, who)
+        quantity, requester = open_ends.popitem()
+        block = _only_provider(providers, quantity, requester)
         if block.name not in needed:
             needed[block.name] = block
             open_ends.update(dict.fromkeys(sorted(block.requires), f"block {block.name!r}"))
@@ -56,17 +56,17 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
     return ordered
 
 
-def _only_provider(providers: Mapping[str, list[Block]], quantity: str, who: str) -> Block:
+def _only_provider(providers: Mapping[str, list[Block]], quantity: str, requester: str) -> Block:
     candidates = providers.get(quantity, [])
     if len(candidates) == 1:
         return candidates[0]
     if not candidates:
         names = ", ".join(sorted(providers))
         raise PlanError(
-            f"{quantity!r} must be provided by a block ({who} asked for it; provided are: {names})"
+            f"{quantity!r} must be provided by a block ({requester} asked for it; provided are: {names})"
             f"{nearest(quantity, providers)}"
         )
     names = ", ".join(repr(block.name) for block in candidates)
     raise PlanError(
-        f"{quantity!r} must be provided by one block ({who} asked for it, candidates are {names}); choose one"
+        f"{quantity!r} must be provided by one block ({requester} asked for it, candidates are {names}); choose one"
     )

@@ -259,7 +259,7 @@ def _summary(path: CrackPath, stress: PathStress, limits: CrackThreshold, stop: 
     from eigencontact import __version__
 
     outcome = "does not grow" if stop == 0 else "stops" if np.isfinite(stop) else "grows"
-    own = callable(limits.long_crack)
+    is_function = callable(limits.long_crack)
     return {
         "generator": f"eigencontact {__version__}",
         "outcome": outcome,
@@ -270,7 +270,7 @@ def _summary(path: CrackPath, stress: PathStress, limits: CrackThreshold, stop: 
         "region": stress.region,
         "body": stress.body,
         "steps": [stress.steps[0], stress.steps[-1]],
-        "threshold": "function of the caller" if own else limits.long_crack,
+        "threshold": "function of the caller" if is_function else limits.long_crack,
         "limit_amplitude": limits.limit_amplitude,
         "rule": None if limits.short_length is None else limits.rule,
         "short_crack_length": limits.short_length,

@@ -87,8 +87,8 @@ class _Definitions:
 
 def _further(cls: type) -> bool | dict[str, Any]:
     """Form of keys that a class does not declare; False where it takes none."""
-    kept = get_type_hints(cls, include_extras=True).get("__pydantic_extra__") if issubclass(cls, Accuracy) else None
-    return False if kept is None else dict(_clean(form_of(kept)["additionalProperties"]))
+    extra = get_type_hints(cls, include_extras=True).get("__pydantic_extra__") if issubclass(cls, Accuracy) else None
+    return False if extra is None else dict(_clean(form_of(extra)["additionalProperties"]))
 
 
 def _property(key: Key) -> dict[str, Any]:

@@ -112,9 +112,9 @@ def _holds(path: Path, mark: bytes) -> bool:
 
 def refuse_results(folder: Path, *, overwrite: bool) -> None:
     """Refuse a folder with results before they are computed anew: their cells are not known yet."""
-    held = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
-    if held is not None and not overwrite:
+    results = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
+    if results is not None and not overwrite:
         raise ResultsError(
-            f"{folder} must be without results for a run to an accuracy (got {held}); --overwrite replaces them, "
+            f"{folder} must be without results for a run to an accuracy (got {results}); --overwrite replaces them, "
             "another -o keeps them"
         )

@@ -52,9 +52,9 @@ def open_results(path: str | Path) -> xr.Dataset:
     ...         print(data.pressure.dims, data.pressure.attrs["units"])
     ('step', 'y', 'x') Pa
     """
-    import xarray as xr
+    from eigencontact.results.lazy import open_lazily
 
-    return opened_whole(path, lambda file: xr.open_dataset(file, engine="h5netcdf"))
+    return opened_whole(path, open_lazily)
 
 
 def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:

@@ -104,7 +104,7 @@ class Accuracy(Table):
         return targets
 
 
-def accuracy_table(asked: Any) -> dict[str, Any]:
+def accuracy_table(targets: Any) -> dict[str, Any]:
     """Table of what a call asks for: one target for all main results, or targets by name.
 
     Examples
@@ -112,11 +112,11 @@ def accuracy_table(asked: Any) -> dict[str, Any]:
     >>> accuracy_table("1 %"), accuracy_table({"max_pressure": 0.01})
     ({'numbers': '1 %'}, {'max-pressure': 0.01})
     """
-    if isinstance(asked, str | int | float) and not isinstance(asked, bool):
-        return {"numbers": asked}
-    if not isinstance(asked, dict):
-        raise SceneError(f"accuracy must be {_RULE}, or a table of such targets by name (got {asked!r})")
-    return {str(name).replace("_", "-"): target for name, target in asked.items()}
+    if isinstance(targets, str | int | float) and not isinstance(targets, bool):
+        return {"numbers": targets}
+    if not isinstance(targets, dict):
+        raise SceneError(f"accuracy must be {_RULE}, or a table of such targets by name (got {targets!r})")
+    return {str(name).replace("_", "-"): target for name, target in targets.items()}
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:

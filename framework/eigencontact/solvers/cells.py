@@ -68,8 +68,8 @@ def offset_in_cells(source: Cells, target: Cells) -> tuple[float, float, float]:
     >>> offset_in_cells(box, points)
     (0.5, -1.0, 3.0)
     """
-    same = np.allclose(source.pitch, target.pitch, rtol=1e-12, atol=0.0)
-    require(same, "cells", "pitch of targets", target.pitch, f"that of the sources, {source.pitch} [m]")
+    equal_pitch = np.allclose(source.pitch, target.pitch, rtol=1e-12, atol=0.0)
+    require(equal_pitch, "cells", "pitch of targets", target.pitch, f"that of the sources, {source.pitch} [m]")
     offset = (np.array(target.first) - source.first) / source.pitch
     x, y, z = (snapped(float(value)) for value in offset)
     return z, y, x

@@ -79,8 +79,8 @@ class CompatibleStress:
         work = np.where(self._share > 0.0, np.moveaxis(stress, 0, -1), 0.0)
         load = self._spread(self._share * (work @ self._mean))
         self._displacement = self._solved(load, self._displacement)
-        found = self._gathered(self._displacement) @ self._of_mean.T
-        return np.moveaxis(np.where(self._share > 0.0, found, 0.0), -1, 0)
+        means = self._gathered(self._displacement) @ self._of_mean.T
+        return np.moveaxis(np.where(self._share > 0.0, means, 0.0), -1, 0)
 
     def _solved(self, load: FloatArray, start: FloatArray) -> FloatArray:
         """Displacement of the corners of cells, by conjugate gradients; rigid motions are free."""
@@ -131,8 +131,8 @@ def _strain(edges: FloatArray, place: tuple[float, ...]) -> FloatArray:
         bits = (i, j, k)
         weights = [part if bit else 1.0 - part for part, bit in zip(place, bits, strict=True)]
         for axis in range(3):
-            others = np.prod([weight for n, weight in enumerate(weights) if n != axis])
-            slope = (1.0 if bits[axis] else -1.0) / edges[axis] * others
+            shape = np.prod([weight for n, weight in enumerate(weights) if n != axis])
+            slope = (1.0 if bits[axis] else -1.0) / edges[axis] * shape
             for row, (first, second) in enumerate(INDICES):
                 if first == second == axis:
                     out[row, 3 * number + axis] += slope

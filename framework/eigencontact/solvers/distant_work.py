@@ -76,11 +76,11 @@ class DistantWork:
     def _smoothed(self, number: int, points: FloatArray) -> FloatArray:
         """Low degrees of the eigenstrain of each function at points of an inclusion, ``(n + 6, 6, points)``."""
         basis, shape = self._system.bases[number], self._system.shapes[number]
-        kept = min(basis.degree, _KEPT)
+        degree = min(basis.degree, _KEPT)
         places, weights = shape.density_rule((basis.degree + 3, basis.degree + 3, 2 * basis.degree + 6))
-        low, every = shape.densities(kept, *places.T), shape.densities(basis.degree, *places.T)
+        low, every = shape.densities(degree, *places.T), shape.densities(basis.degree, *places.T)
         onto = np.linalg.solve((low * weights) @ low.T, (low * weights) @ every.T)
-        values = np.einsum("nid,ed,em->nim", basis.eigenstrain, onto, shape.densities(kept, *points.T), optimize=True)
+        values = np.einsum("nid,ed,em->nim", basis.eigenstrain, onto, shape.densities(degree, *points.T), optimize=True)
         return np.asarray(values)
 
     def _summed(

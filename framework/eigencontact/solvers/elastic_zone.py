@@ -203,10 +203,10 @@ def _inside(
     out = np.empty((depths.size, rows, count), dtype=bool)
     # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
     for first in range(0, depths.size, together := max(1, _AT_ONCE // (rows * count))):
-        some = depths[first : first + together]
-        stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in some], axis=1)
+        block_depths = depths[first : first + together]
+        stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in block_depths], axis=1)
         tried = factor * stress.reshape(6, -1)
-        out[first : first + together] = exceeds(tried, np.repeat(some, rows * count)).reshape(-1, rows, count)
+        out[first : first + together] = exceeds(tried, np.repeat(block_depths, rows * count)).reshape(-1, rows, count)
     return out
 
 

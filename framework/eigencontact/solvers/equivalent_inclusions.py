@@ -187,8 +187,8 @@ def _check(operator: StressOperator, matrix: Material, materials: int, index: ND
     require(operator.quantity == "stress", where, "operator", operator.quantity, "one that gives stress")
     require(operator.source == operator.target, where, "operator", operator.target, "one from cells to the same cells")
     constants = (operator.poisson_ratio, operator.shear_modulus)
-    same = np.allclose(constants, (matrix.poisson_ratio, matrix.shear_modulus), rtol=1e-9, atol=0.0)
-    require(same, where, "matrix", matrix, f"of the operator's constants (ν, G) = {constants}")
+    equal_constants = np.allclose(constants, (matrix.poisson_ratio, matrix.shear_modulus), rtol=1e-9, atol=0.0)
+    require(equal_constants, where, "matrix", matrix, f"of the operator's constants (ν, G) = {constants}")
     shape = operator.source.shape
     require(index.dtype.kind in "iu", where, "material_index", index.dtype, "of integers")
     require(index.shape == shape, where, "material_index", index.shape, f"of shape {shape}")

@@ -98,8 +98,8 @@ def basis_of(
     middle = weights @ points / volume
     offsets = points - middle
     size = float(np.sqrt((weights @ offsets**2).max() / volume))
-    found = equilibrated_polynomials(soft, stiff, around, degree, offsets / size)
-    values, degrees = all_polynomials(densities, degree) if found is None else found
+    polynomials = equilibrated_polynomials(soft, stiff, around, degree, offsets / size)
+    values, degrees = all_polynomials(densities, degree) if polynomials is None else polynomials
     # Coefficients per density of an orthonormal set, if the shape's densities span what is asked for.
     orthonormal = np.linalg.solve(root, densities)
     inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
@@ -115,13 +115,13 @@ def basis_of(
     every = np.concatenate((x, uniform))
     to_densities = np.linalg.inv(root)
     left, sizes, right = np.linalg.svd(every.reshape(len(every), -1), full_matrices=False)
-    kept = sizes > _DEPENDENT * sizes[0]
+    independent = sizes > _DEPENDENT * sizes[0]
     return InclusionBasis(
         degree=degree,
         degrees=np.asarray(degrees, dtype=np.intp),
         eigenstrain=every @ to_densities,
-        span=right[kept].reshape(-1, *every.shape[1:]) @ to_densities,
-        mix=left[:, kept] * sizes[kept],
+        span=right[independent].reshape(-1, *every.shape[1:]) @ to_densities,
+        mix=left[:, independent] * sizes[independent],
         work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
         overlap=np.einsum("nid,kid->nk", x, x),
         volume=volume,

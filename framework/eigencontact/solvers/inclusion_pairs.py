@@ -60,8 +60,8 @@ class InclusionPairs:
         for block in self._blocks:
             rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
             sources, targets = np.array(block.sources), np.array(block.targets)
-            own = amplitudes[system.starts[sources] + np.arange(columns)[:, None]]
-            every = np.concatenate((own, uniform[:, sources]))
+            polynomial = amplitudes[system.starts[sources] + np.arange(columns)[:, None]]
+            every = np.concatenate((polynomial, uniform[:, sources]))
             np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
         if self._distant is not None:
             out -= self._distant.work(amplitudes, uniform)

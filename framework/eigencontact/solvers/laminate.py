@@ -94,7 +94,7 @@ class Laminate:
     def variables(self) -> dict[str, Any]:
         """What both remember, those of the second material under their `stored` names."""
         second = self.second.variables
-        return {**self.first.variables, **{name: second[own] for own, name in self.stored.items()}}
+        return {**self.first.variables, **{name: second[law_name] for law_name, name in self.stored.items()}}
 
     @property
     def stored(self) -> dict[str, str]:
@@ -104,7 +104,7 @@ class Laminate:
     def parts(self, variables: Mapping[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Variables of each material by its own names."""
         first = {name: variables[name] for name in self.first.variables}
-        return first, {own: variables[name] for own, name in self.stored.items()}
+        return first, {law_name: variables[name] for law_name, name in self.stored.items()}
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Cut) -> _Response:
         """Stress, tangent and variables for the mean strain less the mean prestrain, ``(6, n)``.
@@ -117,8 +117,8 @@ class Laminate:
         question = _Question(self, strain, self.parts(before), step)
         state = question.at(question.start())
         for _ in range(_STEPS):
-            for law, asked, answer in zip((self.first, self.second), state.strains, state.answers, strict=True):
-                refuse(law, asked, answer, step)
+            for law, law_strain, answer in zip((self.first, self.second), state.strains, state.answers, strict=True):
+                refuse(law, law_strain, answer, step)
             if np.all(state.error <= state.limit):
                 return question.response(state)
             state = question.nearer(state)
@@ -211,5 +211,5 @@ class _Question:
         self._step.found.update(strain=self._strain, jump=state.jump, moved=moved)
         tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
         stress = self._share * first.stress + (1.0 - self._share) * second.stress
-        second_variables = {self._law.stored[own]: values for own, values in second.variables.items()}
+        second_variables = {self._law.stored[law_name]: values for law_name, values in second.variables.items()}
         return _Response(stress, np.moveaxis(tangent, 0, 2), {**first.variables, **second_variables})

@@ -102,8 +102,10 @@ class SurfaceAndCells:
         threads: int | None = None,
         applications: float = 10.0,
     ) -> None:
-        same = np.allclose(cells.pitch[:2], (grid.dx, grid.dy), rtol=1e-9, atol=0.0)
-        require(same, "surface", "pitch of the cells", cells.pitch[:2], f"that of the grid, {(grid.dx, grid.dy)} [m]")
+        equal_pitch = np.allclose(cells.pitch[:2], (grid.dx, grid.dy), rtol=1e-9, atol=0.0)
+        require(
+            equal_pitch, "surface", "pitch of the cells", cells.pitch[:2], f"that of the grid, {(grid.dx, grid.dy)} [m]"
+        )
         self.grid, self.cells, self._directions, self._precision = grid, cells, directions, precision
         origin = (
             snapped(float((cells.first[1] - grid.y[0]) / grid.dy)),

@@ -54,11 +54,11 @@ def equilibrated_polynomials(
     first, second = around if empty or rigid else (soft, stiff)
     values, degrees = [], []
     for total in range(degree + 1):
-        found = _fields(first, second, total)
-        if found is None:
+        fields = _fields(first, second, total)
+        if fields is None:
             return None
         monomials = np.array([_power(points, exponents) for exponents in _monomials(total)])
-        g = np.einsum("nip,pm->nim", found, monomials)
+        g = np.einsum("nip,pm->nim", fields, monomials)
         if empty:
             g = np.einsum("ij,njm->nim", first, g)
         elif rigid:
@@ -107,9 +107,9 @@ def _fields(soft: FloatArray, stiff: FloatArray, degree: int) -> FloatArray | No
     g = basis[rank:, 3 * len(of_u) :]
     # Rigid turns have no g, and mix with the rest of the null space.
     _, sizes, turned = np.linalg.svd(g, full_matrices=False)
-    kept = turned[sizes > _ROUNDING]
+    independent = turned[sizes > _ROUNDING]
     expected = 6 if degree == 0 else 6 * (degree + 1) + 3
-    return kept.reshape(-1, 6, len(of_g)) if len(kept) == expected else None
+    return independent.reshape(-1, 6, len(of_g)) if len(independent) == expected else None
 
 
 @cache

@@ -115,15 +115,15 @@ class PolynomialInclusions:
         self.matrix, self.degrees = matrix, list(degrees)
         self.shapes = [with_densities(shape) for shape in shapes]
         self.space, self.threads = space, threads
-        known: dict[Hashable, InclusionBasis] = {}
+        bases: dict[Hashable, InclusionBasis] = {}
         self.kinds: list[Hashable] = []
         self.bases: list[InclusionBasis] = []
         for region, shape, material, degree in zip(shapes, self.shapes, materials, degrees, strict=True):
             kind = (likeness(region), _constants(material, matrix.shear_modulus), degree)
-            if kind not in known:
-                known[kind] = basis_of(shape, material, matrix, degree)
+            if kind not in bases:
+                bases[kind] = basis_of(shape, material, matrix, degree)
             self.kinds.append(kind)
-            self.bases.append(known[kind])
+            self.bases.append(bases[kind])
         self.starts = np.cumsum([0, *(basis.size for basis in self.bases)])
         bounds = np.array([shape.bounds for shape in shapes], dtype=float)
         self.centers, self.radii = bounds.mean(axis=1), 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)
@@ -212,8 +212,8 @@ class PolynomialInclusions:
         forcing = np.asarray(load, dtype=float) / self.matrix.shear_modulus
         if fixed.any():
             forcing = forcing - self._applied(np.zeros(self.size), fixed)
-        alone = self._inverted(forcing * used, lower)
-        size = self._size_of(alone)
+        uncoupled = self._inverted(forcing * used, lower)
+        size = self._size_of(uncoupled)
         amplitudes = np.zeros(self.size) if start is None else start * used
 
         def watch(norm: float) -> None:
@@ -290,9 +290,9 @@ class PolynomialInclusions:
             key = self.key_of(number), lower
             if key not in self._inverses:
                 matrix = self._pairs.own[key[0]][:, : basis.size]
-                kept = int((basis.degrees <= basis.degree - lower).sum())
+                count = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
-                self._inverses[key][:kept, :kept] = _inverse(matrix[:kept, :kept], basis.volume)
+                self._inverses[key][:count, :count] = _inverse(matrix[:count, :count], basis.volume)
             part = slice(self.starts[number], self.starts[number + 1])
             out[part] = self._inverses[key] @ forces[part]
         return out
@@ -322,5 +322,5 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
 def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
     """Inverse of a symmetric matrix on what it does not take to zero."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
-    kept = np.abs(values) > _ROUNDING * volume
-    return np.asarray((vectors[:, kept] / values[kept]) @ vectors[:, kept].T)
+    regular = np.abs(values) > _ROUNDING * volume
+    return np.asarray((vectors[:, regular] / values[regular]) @ vectors[:, regular].T)

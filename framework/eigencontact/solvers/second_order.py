@@ -85,7 +85,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
 def _place(field: FloatArray) -> tuple[slice, slice, slice]:
     """Box around all that is not zero, and the cells next to it: eigenstrain of a plastic zone fills a part alone."""
     present, spans = field != 0.0, []
-    for others in ((1, 2), (0, 2), (0, 1)):
-        cells = np.flatnonzero(present.any(axis=others))
+    for axes in ((1, 2), (0, 2), (0, 1)):
+        cells = np.flatnonzero(present.any(axis=axes))
         spans.append(slice(max(int(cells[0]) - 1, 0), int(cells[-1]) + 2) if cells.size else slice(0))
     return spans[0], spans[1], spans[2]

@@ -230,10 +230,10 @@ class SubsurfaceStress:
         """Tasks that fill in the spectra of some depths each from the response to waves."""
         ky, kx = self._layout.wavenumbers(self.grid.dy, self.grid.dx)
         count = self.depths.size
-        few = max(1, min(_WAVES, -(-count // self._threads)))
+        block = max(1, min(_WAVES, -(-count // self._threads)))
 
         def fill(begin: int) -> None:
-            depths = self.depths[begin : begin + few]
+            depths = self.depths[begin : begin + block]
             for kernel in kernels:
                 for k, values in enumerate(_responses(kernel, kx[None, :], ky[:, None], depths), begin):
                     for row, (name, value) in enumerate(zip(self._names, values, strict=True)):
@@ -241,7 +241,7 @@ class SubsurfaceStress:
                         spectrum = self._layout.spectrum_from_response(value, parity, precision=self._precision)
                         self._spectra[k][row].append(spectrum)
 
-        return [partial(fill, begin) for begin in range(0, count, few)]
+        return [partial(fill, begin) for begin in range(0, count, block)]
 
     def _coefficients(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
         """Tasks that fill in the spectra of one depth each from tables of coefficients."""

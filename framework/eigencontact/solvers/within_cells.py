@@ -128,8 +128,8 @@ class WithinCells:
         slope = np.zeros_like(values)
         for way in (-ahead, ahead):
             neighbour = [index + way * (along == axis) for along, index in enumerate(cell)]
-            same = _at(self._region, neighbour) == number
-            slope = np.where(same, way * (_at(padded, neighbour) - values), slope)
+            same_region = _at(self._region, neighbour) == number
+            slope = np.where(same_region, way * (_at(padded, neighbour) - values), slope)
         return slope
 
 

@@ -41,8 +41,8 @@ def _values(dataset: Results, name: str, step: int) -> NDArray[np.float64] | Non
         return None
     variable = dataset[name]
     if variable.dims[0] == "history_step":
-        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
-        return np.asarray(variable[int(kept[0])].values, dtype=float) if kept.size else None
+        places = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        return np.asarray(variable[int(places[0])].values, dtype=float) if places.size else None
     return np.asarray(variable[step].values, dtype=float)
 
 

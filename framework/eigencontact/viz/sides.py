@@ -102,7 +102,7 @@ class Sides:
         A side without trusted points keeps the values of its whole cells; without those, all of its values.
         """
         finite = side.points & np.isfinite(values)
-        source = next((some for some in (finite & self.trusted, finite & self.whole) if some.any()), finite)
+        source = next((points for points in (finite & self.trusted, finite & self.whole) if points.any()), finite)
         if source.all() or not source.any():
             return values
         from scipy.ndimage import distance_transform_edt

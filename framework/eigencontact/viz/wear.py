@@ -248,7 +248,7 @@ def wear_history(dataset: Results) -> Figure:
     with paper_style():
         figure = new_figure(6.6, 4.6)
         panels = figure.subplots(2, 2, sharex=True)
-        for n, (axes, (name, what)) in enumerate(zip(panels.ravel(), shown, strict=True)):
+        for n, (axes, (name, quantity)) in enumerate(zip(panels.ravel(), shown, strict=True)):
             numbers = np.asarray(dataset[name].values, dtype=float)[steps]
             scale = scale_for(numbers, si_unit(dataset, name))
             every = max(1, -(-steps.size // MARKERS))
@@ -257,7 +257,7 @@ def wear_history(dataset: Results) -> Figure:
             if errors is not None:
                 draw_band(axes, at, numbers, errors[steps], scale, COLOURS[n])
                 axes.legend()
-            axes.set_ylabel(f"{what} [{scale.unit}]")
+            axes.set_ylabel(f"{quantity} [{scale.unit}]")
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)
         for axes in panels[1]:

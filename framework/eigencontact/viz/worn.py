@@ -45,11 +45,11 @@ def solved_cycles(dataset: Results) -> list[SolvedCycle]:
     if "load_cycle" not in dataset:
         return []
     number = np.asarray(dataset["load_cycle"].values)
-    done = np.asarray(dataset["cycles"].values, dtype=float) if "cycles" in dataset else None
+    cycles_at_step = np.asarray(dataset["cycles"].values, dtype=float) if "cycles" in dataset else None
     cycles: list[SolvedCycle] = []
     for cycle in np.unique(number[number > 0]):
         steps = np.flatnonzero(number == cycle)
-        number_done = len(cycles) + 1.0 if done is None else float(done[steps[-1]])
+        number_done = len(cycles) + 1.0 if cycles_at_step is None else float(cycles_at_step[steps[-1]])
         cycles.append(SolvedCycle(int(steps[0]), int(steps[-1]), number_done))
     return cycles
 

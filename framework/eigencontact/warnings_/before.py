@@ -177,12 +177,12 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
                 f"{percent(PROMISE)} takes {cells_above(PROMISE, *worst.ratios):.2g} cells"
             )
             yield Caution("inclusion-cells", words, worst.error)
-    few = [
+    coarse = [
         (cells_across(source, model.grid), source.name)
         for source in model.sources
         if not isinstance(source.shape, Patch)
     ]
-    cells, name = min(few, default=(np.inf, ""))
+    cells, name = min(coarse, default=(np.inf, ""))
     if cells < _ACROSS * (1.0 - 1e-6):
         words = (
             f"{name!r} has {cells:.2g} cells across its narrowest extent, fewer than {_ACROSS}: it acts by its "

@@ -49,8 +49,8 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
         require(has_table != (self.file is not None), self.key, "file", self.file, "given, or else strain and values")
         strain, values = self._curve
         name = "file" if self.file is not None else "strain"
-        same = strain.size == values.size >= 2
-        require(same, self.key, name, (strain.size, values.size), "at least two strains, and as many values")
+        equal_sizes = strain.size == values.size >= 2
+        require(equal_sizes, self.key, name, (strain.size, values.size), "at least two strains, and as many values")
         rising = bool(strain[0] == 0 and np.all(np.diff(strain) > 0) and np.isfinite(strain[-1]))
         require(rising, self.key, name, strain.tolist(), "strains that ascend from 0 [-]")
         name = "file" if self.file is not None else "values"

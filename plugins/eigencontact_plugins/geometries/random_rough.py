@@ -218,8 +218,8 @@ def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray |
         return None
     full = np.broadcast_to(values, shape)
     line = full[0] if axis == -1 else full[:, 0]
-    same = np.array_equal(full, np.broadcast_to(line if axis == -1 else line[:, None], shape))
-    return np.ascontiguousarray(line) if same else None
+    constant = np.array_equal(full, np.broadcast_to(line if axis == -1 else line[:, None], shape))
+    return np.ascontiguousarray(line) if constant else None
 
 
 eigencontact_register = hook_for(RandomRough)

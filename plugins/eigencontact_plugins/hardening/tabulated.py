@@ -46,8 +46,8 @@ class Tabulated(IsotropicHardening):
         require(has_table != (self.file is not None), self.key, "file", self.file, "given, or else strain and stress")
         strain, stress = self._curve
         name = "file" if self.file is not None else "strain"
-        same = strain.size == stress.size >= 2
-        require(same, self.key, name, (strain.size, stress.size), "at least two strains, and as many stresses")
+        equal_sizes = strain.size == stress.size >= 2
+        require(equal_sizes, self.key, name, (strain.size, stress.size), "at least two strains, and as many stresses")
         rising = bool(strain[0] == 0 and np.all(np.diff(strain) > 0) and np.isfinite(strain[-1]))
         require(rising, self.key, name, strain.tolist(), "plastic strains that ascend from 0 [-]")
         name = "file" if self.file is not None else "stress"

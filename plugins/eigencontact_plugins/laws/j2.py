@@ -179,8 +179,8 @@ class J2(BodyConstants):
         eigenstrain = flowed.after["plastic_strain"] + prestrain
         # What the stress strains this material more than the one around: nothing where the constants are the same.
         shear, bulk = self._constants
-        own = 0.5 / shear, 1.0 / (3.0 * bulk)
-        if self.damage is not None or own != (around.shear_compliance, around.bulk_compliance):
+        compliances = 0.5 / shear, 1.0 / (3.0 * bulk)
+        if self.damage is not None or compliances != (around.shear_compliance, around.bulk_compliance):
             further, soft = 0.5 / (shear * flowed.sound) - around.shear_compliance, 1.0 / (3.0 * bulk * flowed.sound)
             mean = (foreign[:3].sum(axis=0) / around.bulk_stiffness - prestrain[:3].sum(axis=0)) / 3.0
             pressed = mean / (soft + around.bulk_give)
@@ -208,13 +208,13 @@ class J2(BodyConstants):
         if self.damage is not None:
             after["damage"] = (1.0 - sound)[None]
         if points.size:
-            some = drive.of(points)
-            now = self._return.returned(some, points)
+            flowing = drive.of(points)
+            now = self._return.returned(flowing, points)
             sound[points] = now.sound
-            stress, changed = self._after(some, now, {name: values[:, points] for name, values in before.items()})
+            stress, changed = self._after(flowing, now, {name: values[:, points] for name, values in before.items()})
             for name, values in changed.items():
                 after[name][:, points] = values
-            out.drive, out.now, out.stress = some, now, stress
+            out.drive, out.now, out.stress = flowing, now, stress
         return out
 
     def _after(
@@ -268,8 +268,8 @@ class J2(BodyConstants):
         else:
             out = flowed.w * _DEVIATOR[:, :, None] + flowed.sound * pressed[:, :, None]
         if flowed.drive is not None and flowed.now is not None and flowed.stress is not None:
-            some = flowed.drive, flowed.now, flowed.stress
-            out[:, :, flowed.points] = self._tangent_of_flow(*some, volume[flowed.points])
+            state = flowed.drive, flowed.now, flowed.stress
+            out[:, :, flowed.points] = self._tangent_of_flow(*state, volume[flowed.points])
         return out
 
     def _tangent_of_flow(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:

@@ -180,10 +180,10 @@ class Ellipsoid(InclusionShape):
         local_orders, transform = self._along_axes(orders)
         count = len(density_scales(degree))
 
-        asked = (("phi", tuple(local_orders)),)
+        columns = (("phi", tuple(local_orders)),)
         sums = np.zeros((count * len(local_orders), np.size(x)))
         for place, share, points, outside in self._sides(x, y, z):
-            sums[:, place] += share * weighted_sums(semi_axes, degree, asked, None, points, outside=outside)
+            sums[:, place] += share * weighted_sums(semi_axes, degree, columns, None, points, outside=outside)
         values = sums.reshape(count, len(local_orders), -1)
         if transform is not None:
             values = transform @ values
@@ -229,7 +229,7 @@ class Ellipsoid(InclusionShape):
     ) -> FloatArray:
         """Sums at points, ``(k, points)``, or with tests ``(d, points)`` times each over the points, ``(k, d)``."""
         unit, semi_axes = self._scaled()
-        asked: list[tuple[str, tuple[Order, ...]]] = []
+        columns: list[tuple[str, tuple[Order, ...]]] = []
         local: list[FloatArray] = []
         total: FloatArray | float = 0.0
         for name, (orders, of_orders) in weights.items():
@@ -241,14 +241,14 @@ class Ellipsoid(InclusionShape):
                 scaled = scaled * np.array([-1.0 if order[2] % 2 else 1.0 for order in orders])
             local_orders, transform = self._along_axes(orders)
             scaled = scaled if transform is None else scaled @ transform
-            asked.append((name, tuple(local_orders)))
+            columns.append((name, tuple(local_orders)))
             local.append(scaled.reshape(len(scaled), -1))
-        if asked:
+        if columns:
             joined = np.concatenate(local, axis=1)
             sums = np.zeros((len(joined), at[0].size if tests is None else len(tests)))
             for place, share, points, outside in self._sides(at[0], at[1], -at[2] if image else at[2]):
                 parts = None if tests is None else share * tests[:, place]
-                values = weighted_sums(semi_axes, degree, tuple(asked), joined, points, parts, outside=outside)
+                values = weighted_sums(semi_axes, degree, tuple(columns), joined, points, parts, outside=outside)
                 if tests is None:
                     sums[:, place] += share * values
                 else:
@@ -270,11 +270,11 @@ class Ellipsoid(InclusionShape):
         flat = scaled.reshape(len(weights), -1)
         # Sums of orders without and with a derivative along z stand for two orders of one potential.
         along = np.array([order[2] for order in orders], dtype=bool)
-        both = np.concatenate([weights * ~along, weights * along])
+        split_weights = np.concatenate([weights * ~along, weights * along])
         plane = [(i, j, 0) for i, j, _ in orders]
 
         def phi(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-            sums = self.moment_sums(degree, {"phi": (plane, both)}, x, y, z, image=False)
+            sums = self.moment_sums(degree, {"phi": (plane, split_weights)}, x, y, z, image=False)
             return sums.reshape(2, len(weights), -1)
 
         total = np.zeros((len(weights), at[0].size if tests is None else len(tests)))

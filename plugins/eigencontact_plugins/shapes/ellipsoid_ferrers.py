@@ -112,7 +112,8 @@ def inner_polynomials(semi_axes: FloatArray, columns: Sequence[Column], degree: 
                 continue
             factor = factorial(n) * (-1.0) ** sum(ijk) / factorial(n + 1 - sum(ijk))
             factor *= prod(
-                factorial(2 * half) / (factorial(half) * factorial(rest)) for half, rest in zip(ijk, left, strict=True)
+                factorial(2 * half) / (factorial(half) * factorial(power))
+                for half, power in zip(ijk, left, strict=True)
             )
             out[row, place[left[0], left[1], left[2]]] += factor * integrals[ijk]
     return out

@@ -52,7 +52,7 @@ def _coefficients(
         steps = [functions.differentiated(rows[below], unit) for unit in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
         rows[alpha] = np.asarray(mirrored[:, axis] @ steps)
     out: dict[tuple[int, int], tuple[list[int], ComplexArray]] = {}
-    found: dict[tuple[int, int], list[tuple[int, ComplexArray]]] = {}
+    terms: dict[tuple[int, int], list[tuple[int, ComplexArray]]] = {}
     source = 0
     for scale, alpha in zip(density_scales(degree), monomials_to(degree), strict=True):
         whole = scale * prod(a**times for a, times in zip(semi_axes, alpha, strict=True))
@@ -60,10 +60,10 @@ def _coefficients(
             low = sum(alpha) + sum(order) - 2
             row = np.asarray(functions.differentiated(rows[alpha], order), dtype=complex)
             half: ComplexArray = np.array([row[functions.row[0, low, m]] * (2.0 if m else 1.0) for m in range(low + 3)])
-            found.setdefault((sum(alpha), low), []).append((source, whole * half))
+            terms.setdefault((sum(alpha), low), []).append((source, whole * half))
             source += 1
-    for key, parts in found.items():
-        out[key] = [which for which, _ in parts], np.array([half for _, half in parts])
+    for key, parts in terms.items():
+        out[key] = [source_index for source_index, _ in parts], np.array([half for _, half in parts])
     return out
 
 

@@ -55,7 +55,7 @@ def _densities(degree: int) -> tuple[FloatArray, tuple[float, ...]]:
             left = tuple(2 * half - times for half, times in zip(ijk, alpha, strict=True))
             if min(left) >= 0:
                 ways = factorial(n) // (factorial(n - sum(ijk)) * prod(map(factorial, ijk)))
-                factor = prod(factorial(2 * half) // factorial(rest) for half, rest in zip(ijk, left, strict=True))
+                factor = prod(factorial(2 * half) // factorial(power) for half, power in zip(ijk, left, strict=True))
                 row[place[left[0], left[1], left[2]]] = (-1) ** sum(ijk) * ways * factor
     gram = np.array([[_mean(first, second) for second in orders] for first in orders])
     scales = [(-1.0) ** sum(alpha) / sqrt(row @ gram @ row) for row, alpha in zip(rows, orders, strict=True)]
@@ -109,25 +109,25 @@ class _Terms:
 
 
 @lru_cache(maxsize=16)
-def _terms(semi_axes: tuple[float, float, float], degree: int, asked: Asked, *, outside: bool) -> _Terms:
+def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, *, outside: bool) -> _Terms:
     from scipy.sparse import coo_array  # late: most runs need no moments
 
     short = int(np.argmin(semi_axes))
     scales = density_scales(degree)
-    found: dict[Column, int] = {}
+    places: dict[Column, int] = {}
     rows: list[tuple[int, int, int, float]] = []
     source = 0
-    for name, orders in asked:
+    for name, orders in requests:
         for scale, alpha in zip(scales, monomials_to(degree), strict=True):
             whole = scale * prod(a**times for a, times in zip(semi_axes, alpha, strict=True))
             for order in orders:
                 for block, (n, gamma_), factor in _of_potential(name, alpha, order, semi_axes):
                     reduced = without_short(gamma_, short) if outside else ((gamma_, 1),)
                     for target, times in reduced:
-                        column = found.setdefault((n, target), len(found))
+                        column = places.setdefault((n, target), len(places))
                         rows.append((source, block, column, whole * factor * times))
                 source += 1
-    columns = list(found)
+    columns = list(places)
     # a derivative of V_n, of degree 2n + 2, has at least the n of its density
     most = max(2 * n + 2 - sum(order) for n, order in columns)
     inner = None if outside else inner_polynomials(np.array(semi_axes), columns, max(most, 0))
@@ -162,7 +162,7 @@ def _sum(first: Order, second: Order, sign: int = 1) -> Order:
 def weighted_sums(
     semi_axes: FloatArray,
     degree: int,
-    asked: Asked,
+    requests: Asked,
     weights: FloatArray | None,
     points: Points,
     tests: FloatArray | None = None,
@@ -177,7 +177,7 @@ def weighted_sums(
         Of order one.
     degree : int
         Of the densities.
-    asked : ((potential, orders), ...)
+    requests : ((potential, orders), ...)
         ``"phi"`` with any, ``"psi"`` with orders from 1 on.
     weights : (k, m), optional
         Over potentials, densities and orders, in this nesting; left out: all m values one by one.
@@ -191,7 +191,7 @@ def weighted_sums(
     (k or m, points), or (k, d) with tests
     """
     a, b, c = (float(axis) for axis in semi_axes)
-    terms = _terms((a, b, c), degree, asked, outside=outside)
+    terms = _terms((a, b, c), degree, requests, outside=outside)
 
     def chunks() -> Iterator[tuple[slice, list[FloatArray | float], FloatArray]]:
         """Points, their coordinates and 1, and the derivatives of V_n, or inside the monomials, there."""

@@ -45,14 +45,14 @@ Weights = Mapping[str, tuple[Sequence[Order], FloatArray]]
 @cache
 def _densities(degree: int) -> tuple[tuple[int, int, int, bool, float], ...]:
     """(k, l, m, imaginary, s) of the densities up to a degree, those of lower degrees first."""
-    found = []
+    densities = []
     for total in range(degree + 1):
         for k in range(total // 2 + 1):
             low = total - 2 * k
             for m in range(low + 1):
                 scale = sqrt((2 * low + 1) * factorial(low - m) * factorial(low + m) * (2 if m else 1))
-                found += [(k, low, m, part, scale) for part in (False, True)[: 2 if m else 1]]
-    return tuple(found)
+                densities += [(k, low, m, part, scale) for part in (False, True)[: 2 if m else 1]]
+    return tuple(densities)
 
 
 def densities_of(degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:

@@ -103,9 +103,9 @@ class StoredLine:
 
 def is_line(path: str | Path) -> bool:
     """Whether a run is one of a line contact."""
-    from eigencontact.results.reader import open_results
+    from eigencontact.results.stored import open_stored
 
-    with open_results(path) as data:
+    with open_stored(path) as data:
         return bool(data.attrs.get("line", 0))
 
 

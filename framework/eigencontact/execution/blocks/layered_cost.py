@@ -68,15 +68,15 @@ def layered_surface_cost(
     shape, box = window.grid.shape, window.box
     lattice = (shape[0] + box[0]) * (shape[1] + box[1]) / (1 if periodic else 4)
     media = {body for body in solids if isinstance(body, LayeredMedium)}
-    seconds, held = 0.0, 0.0
+    seconds, memory = 0.0, 0.0
     for count in Counter(tractions).values():
         for medium in media:
             if periodic:
                 seconds += count * lattice * _periodic_point(medium) / 3.0
             else:
                 seconds += _FIELD + _depth_seconds(medium) + count * (_TABLES * _TABLE + lattice * _POINT)
-            held = _POINT_BYTES * lattice
-    return Cost(seconds_once=seconds, transient=held)
+            memory = _POINT_BYTES * lattice
+    return Cost(seconds_once=seconds, transient=memory)
 
 
 def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: bool = False) -> Cost:

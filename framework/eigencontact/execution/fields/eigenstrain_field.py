@@ -59,9 +59,9 @@ class EigenstrainField(Cause):
             if inhomogeneities:
                 route = subsurface.route(quantity, lattice)
                 first = inhomogeneities[0]
-                who = repr(first.name) if len(inhomogeneities) == 1 else f"{len(inhomogeneities)} inhomogeneities"
+                label = repr(first.name) if len(inhomogeneities) == 1 else f"{len(inhomogeneities)} inhomogeneities"
                 layout = f"{where}, {route.words}"
-                self.kernels.append(KernelUse(_WORDS[quantity], f"eigenstrain of {who}", first.key, layout))
+                self.kernels.append(KernelUse(_WORDS[quantity], f"eigenstrain of {label}", first.key, layout))
                 self._solved[quantity] = route
                 self._add(route)
         if "stress" in self._solved and subsurface.in_cells and not subsurface.recedes:
@@ -132,8 +132,8 @@ class EigenstrainField(Cause):
             return None
         from eigencontact.execution.fields.material_points import MaterialPoints
 
-        found = MaterialPoints(self._subsurface, self._content, self._lattice.flat_points())
-        return found if found.any else None
+        points = MaterialPoints(self._subsurface, self._content, self._lattice.flat_points())
+        return points if points.any else None
 
     @cached_property
     def _content(self) -> Content | None:

@@ -100,20 +100,24 @@ class MaterialPoints:
     def _split(self, points: Points, prescribed: Sequence[Source]) -> NDArray[np.intp]:
         """Set up the regions that have points in them; points outside of all, and beside a cut boundary."""
         number, share, between = self._number.ravel(), self._share.ravel(), self._between
-        own, own_share = number[between.on], share[between.on]
+        point_region, own_share = number[between.on], share[between.on]
         inside = number_at(self._sources, points)  # also in slivers that the cells leave out
-        at = np.where((own == 0).all(axis=0) & (number[between.about] == inside).any(axis=0), inside, own[0])
+        at = np.where(
+            (point_region == 0).all(axis=0) & (number[between.about] == inside).any(axis=0), inside, point_region[0]
+        )
         in_region = (own_share == 1.0).all(axis=0) | (inside == at)
-        in_region &= (at > 0) & ((own == own[0]).all(axis=0))
+        in_region &= (at > 0) & ((point_region == point_region[0]).all(axis=0))
         about = share[between.about]
         cut = np.asarray(((about > 0.0) & (about < 1.0)).any(axis=0))
         for region in np.unique(at[in_region]).tolist():
             mine = in_region & (at == region)
-            found = self._region(self._sources[region - 1], region, mine, cut, prescribed)
-            if found is not None:
-                self._regions.append(found)
-        known = (number[between.about] >= 0).all(axis=0) & (own >= 0).all(axis=0) & (own_share < 1.0).all(axis=0)
-        return np.flatnonzero(known & cut & (inside == 0))
+            material_region = self._region(self._sources[region - 1], region, mine, cut, prescribed)
+            if material_region is not None:
+                self._regions.append(material_region)
+        interpolated = (
+            (number[between.about] >= 0).all(axis=0) & (point_region >= 0).all(axis=0) & (own_share < 1.0).all(axis=0)
+        )
+        return np.flatnonzero(interpolated & cut & (inside == 0))
 
     def _region(
         self, source: Inhomogeneity, number: int, inside: BoolArray, cut: BoolArray, prescribed: Sequence[Source]
@@ -126,14 +130,14 @@ class MaterialPoints:
         share = np.where(self._number[place] == number, self._share[place], 0.0)
         ratio = stiffness @ compliance(self._half_space.material)
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
-        alone = not any(bounds_meet(source, other) for other in prescribed)
+        without_prescribed = not any(bounds_meet(source, other) for other in prescribed)
         # Cells that fill a region wholly leave no such stress in it.
-        projected = stiff and alone and bool(((share > 0.0) & (share < 1.0)).any())
+        projected = stiff and without_prescribed and bool(((share > 0.0) & (share < 1.0)).any())
         points = np.flatnonzero(inside if projected else inside & cut)
         if not points.size:
             return None
         compatible = CompatibleStress(share, stiffness, self._cells.pitch) if projected else None
-        soft = None if source.is_empty or not alone else np.linalg.inv(stiffness)
+        soft = None if source.is_empty or not without_prescribed else np.linalg.inv(stiffness)
         stress_of_strain = np.linalg.solve(np.eye(6) - ratio, stiffness)
         return _Region(source, points, place, share, stress_of_strain, soft, compatible)  # type: ignore[arg-type]
 
@@ -142,8 +146,8 @@ class MaterialPoints:
         """Part of the lattice that each region takes."""
         from scipy.ndimage import find_objects
 
-        found = find_objects(np.maximum(self._number, 0))
-        return {number: place for number, place in enumerate(found, 1) if place is not None}
+        slices = find_objects(np.maximum(self._number, 0))
+        return {number: place for number, place in enumerate(slices, 1) if place is not None}
 
     def amend(
         self, fields: dict[str, FloatArray], caused: FloatArray | None, eigenstrain: FloatArray, time: float
@@ -179,16 +183,16 @@ class MaterialPoints:
     def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
         """Put the stress of a region [Pa] into its cells of a field and those beside them that its points need."""
         share, where = region.share, (slice(None), *region.place)
-        own = np.where(share > 0.0, eigenstrain[where] / np.where(share > 0.0, share, 1.0), 0.0)
+        strain = np.where(share > 0.0, eigenstrain[where] / np.where(share > 0.0, share, 1.0), 0.0)
         prestrain = region.source.uniform_eigenstrain(time).reshape(6, 1, 1, 1)
-        stress = np.einsum("ij,jzyx->izyx", region.stress_of_strain, own - prestrain)
+        stress = np.einsum("ij,jzyx->izyx", region.stress_of_strain, strain - prestrain)
         if region.compatible is not None:
             stress = region.compatible.of(stress)
         needed = np.zeros(self._cells.shape, dtype=bool)
         needed.reshape(-1)[self._between.about[:, region.points]] = True
-        beyond = np.flatnonzero(needed[region.place] & (share < 1.0))
-        if beyond.size:
-            stress.reshape(6, -1)[:, beyond] = continued(stress, share**2, beyond)
+        partial_cells = np.flatnonzero(needed[region.place] & (share < 1.0))
+        if partial_cells.size:
+            stress.reshape(6, -1)[:, partial_cells] = continued(stress, share**2, partial_cells)
         field[where] = stress
 
     def _outer(self, eigenstrain: FloatArray, padded: FloatArray) -> FloatArray:
@@ -196,10 +200,12 @@ class MaterialPoints:
         place, route = self._middles
         out = np.zeros((6, *self._cells.shape))
         where = (slice(None), *place)
-        values, own = route.field(eigenstrain), padded[where]
+        values, local_eigenstrain = route.field(eigenstrain), padded[where]
         normal = self._normals[where].reshape(3, -1)
-        stress = outer_stress(values.reshape(6, -1), own.reshape(6, -1), normal, self._half_space.material)
-        out[where] = stress.reshape(own.shape)
+        stress = outer_stress(
+            values.reshape(6, -1), local_eigenstrain.reshape(6, -1), normal, self._half_space.material
+        )
+        out[where] = stress.reshape(local_eigenstrain.shape)
         return out
 
     @cached_property
@@ -252,7 +258,7 @@ def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
     box, top = subsurface.box.cells(half_space.grid), _ROOM if half_space.full else min(_ROOM, layer)
     room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
     x, y, z = (at - before * d for at, (before, _), d in zip(box.first, room[::-1], box.pitch, strict=True))
-    nz, ny, nx = (n + sum(beyond) for n, beyond in zip(box.shape, room, strict=True))
+    nz, ny, nx = (n + sum(margins) for n, margins in zip(box.shape, room, strict=True))
     return Cells(first=(x, y, z), pitch=box.pitch, shape=(nz, ny, nx)), room
 
 
@@ -275,5 +281,5 @@ def _is_cut(source: Inhomogeneity) -> bool:
 
 def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     """Mandel stiffness of a region of one stiffness and prestrain, none of it that of the body; else None."""
-    found = stiffness_beside(source, matrix)
-    return found[0] if found is not None and np.abs(found[1] - 1.0).min() >= _DIFFERENT else None
+    stiffness = stiffness_beside(source, matrix)
+    return stiffness[0] if stiffness is not None and np.abs(stiffness[1] - 1.0).min() >= _DIFFERENT else None

@@ -65,8 +65,8 @@ def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, point
         share = share_of(sources, name - 1, grid)
         place = place_in(box, source.lattice)
         there, whole = share > _LEAST, share > 1.0 - _LEAST
-        alone = (whole | (number[place] == 0)) & (source.uniform_law is not None)
-        number[place] = np.where(there, np.where(alone, name, -1), number[place])
+        single_material = (whole | (number[place] == 0)) & (source.uniform_law is not None)
+        number[place] = np.where(there, np.where(single_material, name, -1), number[place])
         filled[place] = np.where(there, np.where(whole, 1.0, share), filled[place])
     return Content(number, filled)
 
@@ -137,8 +137,8 @@ def stiffness_beside(source: Inhomogeneity, matrix: Material) -> tuple[FloatArra
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
-    found = stiffness_beside(source, matrix)
-    return found[0] if found is not None and found[1].max() < _SOFTER else None
+    stiffness = stiffness_beside(source, matrix)
+    return stiffness[0] if stiffness is not None and stiffness[1].max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:

@@ -103,8 +103,8 @@ class Cells(Responding):
         """Set price and kernels."""
         (nz, ny, nx), (_, row, column) = self._box.lattice.shape, self._box.lattice.first
         key = str(getattr(self._half_space.cell, "key", "cell"))
-        who = f"eigenstrain of {self._box.names}"
-        uses = [KernelUse("mean stress (6 components)", who, key, self._box.words, 58)]
+        label = f"eigenstrain of {self._box.names}"
+        uses = [KernelUse("mean stress (6 components)", label, key, self._box.words, 58)]
         # The solver keeps two vectors of six components an iteration.
         cost = self._operator_cost(self._box.lattice) + Cost(
             memory=8.0 * 12 * self._box.lattice.cells * _ITERATIONS, seconds_per_step=self._seconds_of_laws()
@@ -116,11 +116,11 @@ class Cells(Responding):
             uses.append(
                 KernelUse("mean stress (6 components)", f"traction {item.name}", influence.key, self._box.words, nz)
             )
-            uses.append(KernelUse(f"mean displacement {item.direction}", who, influence.key, "surface", nz))
+            uses.append(KernelUse(f"mean displacement {item.direction}", label, influence.key, "surface", nz))
         if self._surface is not None:
             cost += self._surface.cost
             words = f"displacement {', '.join(self._centres)}"
-            uses.append(KernelUse(words, who, key, f"surface, {self._surface.words}"))
+            uses.append(KernelUse(words, label, key, f"surface, {self._surface.words}"))
         if self._subsurface.wholes is not None:
             cost += self._beside_wholes(self._subsurface.wholes)
         self.kernels = tuple(uses)

@@ -44,14 +44,14 @@ class CutCells:
     @classmethod
     def all_of(cls, content: MaterialCells, matrix: Material) -> list[CutCells]:
         """Those of the content of a box."""
-        found = []
+        pairs = []
         for first, second, cells in content.cuts():
             # What degrades may lose its stiffness across a layer, and no answer is left: a ball around it resists.
             layered = first.symmetric and second.symmetric
             normals = content.across(cells) if layered else np.zeros((3, cells.size))
             share = content.fraction.ravel()[cells]
-            found.append(cls(Laminate(first, second), cells, share, resistance(matrix, normals)))
-        return found
+            pairs.append(cls(Laminate(first, second), cells, share, resistance(matrix, normals)))
+        return pairs
 
     def step(self, step: LawStep, content: MaterialCells) -> CutStep:
         """The step of these cells, with what the laminate asks for."""

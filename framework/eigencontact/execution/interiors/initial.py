@@ -78,12 +78,12 @@ def moved_state(
         Something was remembered that no law of the new scene remembers, or in cells without such a law.
     """
     weights = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
-    same = all(np.array_equal(weight, weight.astype(bool)) for weight in weights)
+    whole_cells = all(np.array_equal(weight, weight.astype(bool)) for weight in weights)
     shape, moved = tuple(len(coords[axis]) for axis in "zyx"), {}
     for name, record in state.records.items():
         values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *weights, optimize=True)
         if name == f"equivalent_eigenstrain_{record.body}":
-            if same:  # where the iteration begins; from other cells it begins anew
+            if whole_cells:  # where the iteration begins; from other cells it begins anew
                 moved[name] = replace(record, values=values, coords=dict(coords))
             continue
         plain, cells = name.removesuffix(f"_{record.body}"), np.zeros(shape, dtype=bool)

@@ -129,9 +129,9 @@ class MaterialCells:
         first, second = shares
         filled = first > _LEAST
         self.index = np.where(filled, names[0], 0)
-        both = filled & (second > left) & (second > _LEAST)
-        self.beside = np.where(both, names[1], 0)
-        self.fraction = np.where(filled, np.minimum(first / np.where(both, first + second, 1.0), 1.0), 1.0)
+        mixed = filled & (second > left) & (second > _LEAST)
+        self.beside = np.where(mixed, names[1], 0)
+        self.fraction = np.where(filled, np.minimum(first / np.where(mixed, first + second, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
         self.cut = self._cut()
@@ -151,9 +151,9 @@ class MaterialCells:
         places = self._box.centres(self._grid).flat_points()
         names = np.stack([self.index, self.beside]).reshape(2, -1)
         for first, second in np.unique(names[:, self.cut.ravel()], axis=1).T:
-            both = self.cut.ravel() & (names[0] == first) & (names[1] == second)
+            cut_by_pair = self.cut.ravel() & (names[0] == first) & (names[1] == second)
             for (one, here), (other, there) in product(*(self._laws_at(number, places) for number in (first, second))):
-                cells = np.flatnonzero(both & here & there)
+                cells = np.flatnonzero(cut_by_pair & here & there)
                 if cells.size:
                     yield one, other, cells
 
@@ -185,9 +185,9 @@ class MaterialCells:
         """Cells of laws that are linear, cut ones included; a law that is not fills whole cells, or is in `cuts`."""
         linear = [law for law in self.laws if law.linear]
         numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
-        others = self.cut | np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
-        index = np.where(others, 0, numbers[self.index])
-        return LinearContent(linear, index, numbers[self.beside], np.where(others, 1.0, self.fraction), self.normal)
+        nonlinear = self.cut | np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
+        index = np.where(nonlinear, 0, numbers[self.index])
+        return LinearContent(linear, index, numbers[self.beside], np.where(nonlinear, 1.0, self.fraction), self.normal)
 
     @property
     def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:

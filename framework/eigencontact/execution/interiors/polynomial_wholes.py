@@ -106,8 +106,8 @@ class PolynomialWholes(Responding):
         blocks = sum(8.0 * size**2 * min(count, 30) for size, _ in functions)
         matrices = [_matrix_cost(degree, ball=ball) for _, degree, _, ball in alike]
         self.cost = Cost(
-            memory=8.0 * tables * (2 * along + 1) + blocks + max(held for held, _ in matrices) + 60e6,
-            seconds_once=(tables * _TABLE + sum(taken for _, taken in matrices) * min(count, 30))
+            memory=8.0 * tables * (2 * along + 1) + blocks + max(matrix_memory for matrix_memory, _ in matrices) + 60e6,
+            seconds_once=(tables * _TABLE + sum(seconds for _, seconds in matrices) * min(count, 30))
             / self._half_space.threads,
             seconds_per_step=sum(4e-8 * size * cells * members for size, members in functions) + 1e-3 * count,
         )

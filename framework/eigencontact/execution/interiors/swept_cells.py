@@ -269,8 +269,8 @@ class SweptCells(Cells):
         for (law, _), variables in zip(self._laws[:whole], self._after[:whole], strict=True):
             yield law, variables, volume, 1.0
         for cut, variables in zip(self._cut, self._after[whole:], strict=True):
-            for law, share, own in cut.parts(variables):
-                yield law, own, volume, share
+            for law, share, law_variables in cut.parts(variables):
+                yield law, law_variables, volume, share
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""

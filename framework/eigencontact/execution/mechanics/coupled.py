@@ -195,7 +195,7 @@ class Coupled:
 
     def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
         """Iterate contact and interiors until the residual meets the tolerance."""
-        names, mixer, seen, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
+        names, mixer, history, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
@@ -234,11 +234,11 @@ class Coupled:
             if residual <= self._tolerance and not answering:
                 continue  # what was swept stays: only the contact has to be solved to the tolerance
             # Bodies can be softened where every displacement by the tractions can be offset.
-            softness = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
+            softness = history.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
             moved = loaded is None or not np.array_equal(pressed, loaded)
             guess = [offset, *(interior.unknown for interior in swept)]
-            answers = [image, *(taken for taken, _ in images)]
+            answers = [image, *(tractions for tractions, _ in images)]
             if answering and (softness != share or moved or residual > last):
                 mixer, share = _Mixer(), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
@@ -268,7 +268,7 @@ def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> l
     largest = [
         (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
-    return [np.max([size for body, size in largest if body == own]) for own, _ in largest]
+    return [np.max([size for body, size in largest if body == body_number]) for body_number, _ in largest]
 
 
 class _Mixer:

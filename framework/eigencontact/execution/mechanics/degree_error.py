@@ -40,10 +40,10 @@ def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, 
     moved, total = step.surface.separation + sunk, 0.0
     for interior in interiors:
         factor, changes = interior.normal_displacement_by_less()
-        found = [pressure]
+        pressures = [pressure]
         for change in changes:
-            found.append(contact.pressed(step.control, moved + change, step.fields, None, found[-1]))
-        steps = [float(np.abs(second - first)[loaded].max(initial=0.0)) for first, second in pairwise(found)]
+            pressures.append(contact.pressed(step.control, moved + change, step.fields, None, pressures[-1]))
+        steps = [float(np.abs(second - first)[loaded].max(initial=0.0)) for first, second in pairwise(pressures)]
         if steps:
             total += factor * max(steps[0], 0.5 * steps[1])
     return total

@@ -423,7 +423,7 @@ def friction_cost(
     real = 8 if numerics.precision == "double" else 4
     padded = real * (ny + by) * (nx + bx)
     boxes = 3 if coupled else 1  # the contact changes from round to round, and each box has spectra of its own
-    held = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
-    held += padded * (boxes * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
+    memory = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
+    memory += padded * (boxes * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
     solve += (1.0 if coupled else pressed) * normal.seconds_per_step
-    return Cost(memory=normal.memory + held, seconds_once=once, seconds_per_step=solve)
+    return Cost(memory=normal.memory + memory, seconds_once=once, seconds_per_step=solve)

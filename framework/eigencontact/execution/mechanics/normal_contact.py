@@ -246,5 +246,5 @@ def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics
     if periodic:
         solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if numerics.precision == "double" else 4
-    held = 8.0 * ny * nx * 8 + real * by * bx * 12 + real * (fy * fx / 4 + 3 * by * fx) + 8 * (ny + by) * (nx + bx)
-    return Cost(memory=held, seconds_per_step=solve)
+    memory = 8.0 * ny * nx * 8 + real * by * bx * 12 + real * (fy * fx / 4 + 3 * by * fx) + 8 * (ny + by) * (nx + bx)
+    return Cost(memory=memory, seconds_per_step=solve)

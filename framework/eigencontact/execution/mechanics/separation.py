@@ -216,6 +216,6 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
 
         yield ShearBound(friction, grid, model.exposed)
         exact = reference is not None and reference.name == "reference-pressure"
-        alone = not (interface.coupling.joins_normal or model.scene.bulk_at_rest)
-        if exact and isinstance(geometry, HasReferencePressure) and alone:
+        uncoupled = not (interface.coupling.joins_normal or model.scene.bulk_at_rest)
+        if exact and isinstance(geometry, HasReferencePressure) and uncoupled:
             yield ReferenceShear(geometry, first.key, grid, interface.solids)

@@ -187,12 +187,13 @@ class Columns(Planes):
         """See `Route.cost`."""
         count = len(self._columns)
         depths = -(-len(self._points) // count)
-        some = self._columns[:: -(-count // _PRICED)]
+        sample = self._columns[:: -(-count // _PRICED)]
         # A place in the middle of the cells sees them symmetric, and holds a quarter of the spectra.
         prices = [
-            self.pace.planes(self.box.lattice, (1, 1), self._offset(column), depths, len(self.rows)) for column in some
+            self.pace.planes(self.box.lattice, (1, 1), self._offset(column), depths, len(self.rows))
+            for column in sample
         ]
-        return reduce(add, prices).times(count / len(some))
+        return reduce(add, prices).times(count / len(sample))
 
     @property
     def _points(self) -> FloatArray:

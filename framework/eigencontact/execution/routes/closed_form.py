@@ -44,12 +44,12 @@ class ClosedForms(Route):
     def cost(self) -> Cost:
         """See `Route.cost`; nothing is kept but the field itself, so all of it is the price of a step."""
         count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads, _GAIN)
-        held = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
+        memory = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
         if len(self.sources) >= _CLOUD:
             seconds = sum(self._cloud_pace(source) for source in self.sources)
-            return Cost(memory=held, seconds_per_step=_LOAD + count * seconds / workers)
+            return Cost(memory=memory, seconds_per_step=_LOAD + count * seconds / workers)
         seconds = sum(self._point_pace(source) for source in self.sources)
-        return Cost(memory=held, seconds_per_step=count * seconds / workers + 1e-3 * len(self.sources))
+        return Cost(memory=memory, seconds_per_step=count * seconds / workers + 1e-3 * len(self.sources))
 
     def _cloud_pace(self, source: Source) -> float:
         """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""

@@ -36,8 +36,8 @@ class MomentForms(Route):
         chosen = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
         functions = [2 * (item.degree + _ABOVE) ** 2 for item in chosen if item is not None]
         seconds = count * (len(functions) * _POINT + sum(functions) * _FUNCTION)
-        held = 8.0 * count * len(self.rows) * 3 + 64e6
-        return Cost(memory=held, seconds_per_step=seconds / working_threads(self.half_space.threads))
+        memory = 8.0 * count * len(self.rows) * 3 + 64e6
+        return Cost(memory=memory, seconds_per_step=seconds / working_threads(self.half_space.threads))
 
     def field(self, eigenstrain: FloatArray) -> FloatArray:
         """See `Route.field`."""

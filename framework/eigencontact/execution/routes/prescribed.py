@@ -60,12 +60,12 @@ class PrescribedField:
             The points in words.
         """
         uses: dict[tuple[str, str], KernelUse] = {}
-        for source, who, how in self._regions:
+        for source, label, how in self._regions:
             like = (source.key, how)
             if like in uses:
                 uses[like] = replace(uses[like], count=uses[like].count + 1)
             else:
-                uses[like] = KernelUse(what, f"eigenstrain of {who}", source.key, f"{where}, {how}")
+                uses[like] = KernelUse(what, f"eigenstrain of {label}", source.key, f"{where}, {how}")
         return list(uses.values())
 
     def at(self, time: float) -> FloatArray:

@@ -158,19 +158,19 @@ class Subsurface:
 
 def subsurfaces_of(model: Model) -> list[Subsurface]:
     """Subsurface of each body with eigenstrain; of a body with cells and wholes that of the cells, then the wholes'."""
-    found = []
+    blocks = []
     for body in sorted({source.body for source in model.sources}):
         subsurface = Subsurface.of(model, body)
-        found += [subsurface] if subsurface.wholes is None else [subsurface, subsurface.wholes]
-    return found
+        blocks += [subsurface] if subsurface.wholes is None else [subsurface, subsurface.wholes]
+    return blocks
 
 
-def _same(coords: Mapping[str, FloatArray], others: Mapping[str, FloatArray]) -> bool:
+def _same(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArray]) -> bool:
     """Whether centres of cells agree to round-off."""
-    return coords.keys() == others.keys() and all(
+    return coords.keys() == other_coords.keys() and all(
         len(coords[axis]) == len(values)
         and np.allclose(coords[axis], values, rtol=0.0, atol=1e-9 * np.abs(values).max())
-        for axis, values in others.items()
+        for axis, values in other_coords.items()
     )
 
 

@@ -48,7 +48,7 @@ class Observe(Stateless):
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         records = step.regions | step.looks
-        seen = StepView(
+        view = StepView(
             index=step.index,
             grid=self._grid,
             fields=_read_only(step.fields),
@@ -59,7 +59,7 @@ class Observe(Stateless):
                 for name, item in step.history.items()
             },
         )
-        numbers = self._observer.observe(seen)
+        numbers = self._observer.observe(view)
         try:
             step.observed |= {f"{self._prefix}_{name}": float(value) for name, value in numbers.items()}
         except (AttributeError, TypeError, ValueError) as problem:

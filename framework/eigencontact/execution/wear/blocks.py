@@ -143,8 +143,8 @@ class Wear(Block):
             *(() if model.law.volume_per_energy is None else (_BALANCE,)),
             *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
         )
-        which = " and ".join(f"body {body}" for body in model.parts)
-        self.why = f"{which} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
+        bodies = " and ".join(f"body {body}" for body in model.parts)
+        self.why = f"{bodies} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
         for body in layered:
             most = model.table.layer_error
             self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"

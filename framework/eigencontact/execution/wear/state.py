@@ -131,17 +131,17 @@ def recalled(
         cells = (round(travel[0] / grid.dx, _DIGITS), round(travel[1] / grid.dy, _DIGITS))
     if last is None:
         return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
-    held = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
-    if "rate" in held:
-        held.setdefault("steady", zero)
+    stored = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
+    if "rate" in stored:
+        stored.setdefault("steady", zero)
     depth = {body: last.fields[f"worn_depth_{body}"] for body in bodies}
-    if "depth_2" in held:
-        depth[2] = held.pop("depth_2")
+    if "depth_2" in stored:
+        depth[2] = stored.pop("depth_2")
     return WornState(
         depth=depth,
         cells=cells,
-        energy=held.pop("total_energy"),
-        memory=held,
+        energy=stored.pop("total_energy"),
+        memory=stored,
         error=(last.scalars["wear_error"] - abs(last.scalars["update_error"])) * last.scalars["worn_volume"],
         lag=last.scalars["update_error"] * last.scalars["worn_volume"],
         cycles=last.scalars["cycles"],

@@ -20,14 +20,14 @@ __all__ = ["left_out_of_wear", "wear_lines"]
 def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
     """Law and bodies, motion of the surfaces, and the number of cycles that will be solved."""
     table, law = wear.table, wear.law
-    who = " and ".join(f"body {body}" for body in table.parts)
+    bodies = " and ".join(f"body {body}" for body in table.parts)
     if len(table.parts) > 1:
-        who = " and ".join(f"body {body} by {share:.3g} of the depth" for body, share in table.parts.items())
+        bodies = " and ".join(f"body {body} by {share:.3g} of the depth" for body, share in table.parts.items())
     words = ", ".join(text for text in (law.key, sizes(law)) if text)
     how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", by a small change of it")
     cycles = any(step.cycle is not None for step in steps)
     when = "at the end of each cycle" if cycles and table.update == "cycle" else "by each increment"
-    lines = [f"wear        {who}: {words}", f"            the surface moves {when}, {how}"]
+    lines = [f"wear        {bodies}: {words}", f"            the surface moves {when}, {how}"]
     repeats = [step.repeat for step in steps if step.repeat > 1]
     return [*lines, *(f"            {repeat} cycles, {_solved(repeat, table)}" for repeat in repeats)]
 

@@ -123,8 +123,8 @@ class _Iteration:
             on_iteration(state.residual)
             if state.residual <= tolerance or number == max_iterations:
                 break
-            few = _SETTLED * np.count_nonzero(self.loaded)
-            zones_steady = slipped is not None and np.count_nonzero(state.slipping != slipped) <= few
+            tolerated = _SETTLED * np.count_nonzero(self.loaded)
+            zones_steady = slipped is not None and np.count_nonzero(state.slipping != slipped) <= tolerated
             looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01)) if zones_steady else _ROUGH
             slipped = state.slipping
             step = self._newton(free, outward, max(looseness, 0.3 * tolerance / state.residual))
