@@ -18,7 +18,6 @@ from eigencontact.results.history import HISTORY_STEP, history_name
 from eigencontact.results.netcdf import fill, lay_out
 from eigencontact.results.ownership import RESULTS, STEPS
 from eigencontact.results.part import Part, open_part
-from eigencontact.results.stored import plain_number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -102,24 +101,21 @@ def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Data
 
     plain, remembered, attrs = _columns(steps, histories)
     variables = {}
-    coordinates: set[str] = set()
     for parts, columns in ((steps, plain), (histories, remembered)):
         for name, values in _values(parts, columns):
             column = columns[name]
-            described = _attributes(column.attrs)
-            coordinates.update(described.pop("coordinates", "").split())
             missing = {"_FillValue": column.dtype.type(np.nan)} if column.missing else {}
             read = values.astype(str) if values.dtype.kind == "O" else values
-            variables[name] = xr.Variable(column.dims, read, described, missing)
+            variables[name] = xr.Variable(column.dims, read, _attributes(column.attrs) | missing)
             for arrays in parts if column.stepped else ():
                 arrays.pop(name, None)
     in_order = {name: variables[name] for name in sorted(variables)}  # as a file lists them
-    return xr.Dataset(in_order, attrs=_attributes(attrs)).set_coords(coordinates & set(in_order))
+    return xr.decode_cf(xr.Dataset(in_order, attrs=_attributes(attrs))).load()
 
 
 def _attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Texts, numbers and arrays, as `eigencontact.results.stored` reads them."""
-    return {name: value if isinstance(value, str) else plain_number(np.asarray(value)) for name, value in attrs.items()}
+    """Texts, numpy numbers and arrays, as xarray reads them."""
+    return {name: value if isinstance(value, str) else np.asarray(value)[()] for name, value in attrs.items()}
 
 
 def _columns(

@@ -52,9 +52,9 @@ def open_results(path: str | Path) -> xr.Dataset:
     ...         print(data.pressure.dims, data.pressure.attrs["units"])
     ('step', 'y', 'x') Pa
     """
-    from eigencontact.results.lazy import open_lazily
+    import xarray as xr
 
-    return opened_whole(path, open_lazily)
+    return opened_whole(path, lambda file: xr.open_dataset(file, engine="h5netcdf"))
 
 
 def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:

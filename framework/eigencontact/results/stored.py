@@ -19,7 +19,7 @@ from eigencontact.results.reader import opened_whole
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Held", "Results", "open_stored", "plain_number", "stored_variables"]
+__all__ = ["Held", "Results", "open_stored"]
 
 #: Attributes of variables that belong to the format.
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
@@ -106,14 +106,14 @@ class _Variable:
     def __init__(self, array: Any) -> None:
         text = array.dtype.kind == "O"
         self._array = array.asstr() if text else array
-        self.is_text = text
+        self._text = text
         self._stored = array
         self.shape: tuple[int, ...] = array.shape
         self.ndim: int = array.ndim
 
     def __getitem__(self, index: Any) -> Held:
         values = np.asarray(self._array[index])
-        return Held(values.astype(str) if self.is_text else values)
+        return Held(values.astype(str) if self._text else values)
 
     def __float__(self) -> float:
         return float(self.values)
@@ -134,34 +134,12 @@ class _Variable:
     @cached_property
     def attrs(self) -> dict[str, Any]:
         """Attributes: units, long name, role."""
-        stored = self._stored.attrs
-        return {name: plain_number(stored[name]) for name in stored if name not in _INNER}
+        return {name: _plain(value) for name, value in self._stored.attrs.items() if name not in _INNER}
 
     @property
     def coordinates(self) -> str:
         """Names of coordinates beside its dimensions."""
         return str(self._stored.attrs.get("coordinates", ""))
-
-    @property
-    def dtype(self) -> Any:
-        """Type of its numbers, or of texts."""
-        return self._stored.dtype
-
-    @property
-    def encoding(self) -> dict[str, Any]:
-        """Number that stands for missing ones, as xarray keeps it."""
-        missing = self._stored.attrs.get("_FillValue")
-        return {} if missing is None else {"_FillValue": plain_number(missing)}
-
-
-def stored_variables(file: Any) -> tuple[dict[str, Any], dict[str, _Variable]]:
-    """Attributes and variables of a results file; a dimension without numbers is no variable."""
-    attrs = {name: plain_number(value) for name, value in file.attrs.items() if name != "_NCProperties"}
-    return attrs, {
-        name: _Variable(array)
-        for name, array in file.items()
-        if not (array.is_scale and array.attrs["NAME"].startswith(b"This is a netCDF dimension"))
-    }
 
 
 class _Stored:
@@ -169,7 +147,12 @@ class _Stored:
 
     def __init__(self, file: Any) -> None:
         self._file = file
-        self.attrs, self.variables = stored_variables(file)
+        self.attrs = {name: _plain(value) for name, value in file.attrs.items() if name != "_NCProperties"}
+        self.variables = {
+            name: _Variable(array)
+            for name, array in file.items()
+            if not (array.is_scale and array.attrs["NAME"].startswith(b"This is a netCDF dimension"))
+        }
 
     def __enter__(self) -> Self:
         return self
@@ -202,6 +185,6 @@ class _Stored:
         return {name: variable for name, variable in self.variables.items() if name not in beside | self.sizes.keys()}
 
 
-def plain_number(value: Any) -> Any:
+def _plain(value: Any) -> Any:
     """One number of a list of one; text as it is."""
     return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value

@@ -114,7 +114,7 @@ def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, 
 
     short = int(np.argmin(semi_axes))
     scales = density_scales(degree)
-    places: dict[Column, int] = {}
+    numbers: dict[Column, int] = {}
     rows: list[tuple[int, int, int, float]] = []
     source = 0
     for name, orders in requests:
@@ -124,16 +124,16 @@ def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, 
                 for block, (n, gamma_), factor in _of_potential(name, alpha, order, semi_axes):
                     reduced = without_short(gamma_, short) if outside else ((gamma_, 1),)
                     for target, times in reduced:
-                        column = places.setdefault((n, target), len(places))
+                        column = numbers.setdefault((n, target), len(numbers))
                         rows.append((source, block, column, whole * factor * times))
                 source += 1
-    columns = list(places)
+    columns = list(numbers)
     # a derivative of V_n, of degree 2n + 2, has at least the n of its density
     most = max(2 * n + 2 - sum(order) for n, order in columns)
     inner = None if outside else inner_polynomials(np.array(semi_axes), columns, max(most, 0))
-    places = [block * len(columns) + column for _, block, column, _ in rows]
+    targets = [block * len(columns) + column for _, block, column, _ in rows]
     factors, sources = [row[3] for row in rows], [row[0] for row in rows]
-    table = coo_array((factors, (places, sources)), shape=(4 * len(columns), source)).tocsr()
+    table = coo_array((factors, (targets, sources)), shape=(4 * len(columns), source)).tocsr()
     blocks = tuple(sorted({row[1] for row in rows}))
     return _Terms(columns, table, blocks, max(most, 0), inner)
 
