@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,12 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall, SceneError, shown
 from eigencontact.hooks.registry import Registry
+from eigencontact.results.run_result import RunResult
 
 if TYPE_CHECKING:
-    import xarray
-
     from eigencontact.accuracy.bars import Run
-    from eigencontact.accuracy.pursuit import Answer
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
@@ -128,69 +125,6 @@ def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = N
     return forecast(planned, scene.accuracy, _maker(planned, None))
 
 
-def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
-    """Warnings of a run in one text."""
-    return "; ".join(str(warning["words"]) for warning in warnings)
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunResult:
-    """What a run produced.
-
-    Attributes
-    ----------
-    summary : dict
-        The contents of ``summary.json``.
-    dataset : xarray.Dataset
-        Everything stored, with coordinates, units and provenance; opened, or put together, when first asked for.
-    folder : Path or None
-        Where it is stored; None for a run in memory.
-    files : dict of str to str
-        Name of each file written and what it shows.
-    problems : tuple of str
-        Stored steps that a resumed run found damaged and computed again.
-    seconds : float
-        Wall time of it all, that of a plan included [s]; ``seconds_by_block`` of the summary says what took it.
-    """
-
-    summary: dict[str, Any]
-    folder: Path | None
-    files: dict[str, str] = field(default_factory=dict)
-    problems: tuple[str, ...] = ()
-    seconds: float = 0.0
-    _store: Store = field(repr=False)
-
-    @cached_property
-    def dataset(self) -> xarray.Dataset:  # noqa: D102 - an attribute to its users, described above
-        return self._store.dataset()
-
-    def _repr_html_(self) -> str:
-        from eigencontact.core.html_table import html_table
-        from eigencontact.core.units import time_in_words
-        from eigencontact.results.summary import headlines
-
-        numbers = self.summary
-        rows = [("steps", str(numbers["steps"])), *headlines(numbers)]
-        rows += [("wall time", time_in_words(self.seconds)), ("folder", str(self.folder or "none: in memory"))]
-        return html_table(numbers["title"] or numbers["name"], rows, _cautions(numbers["warnings"]))
-
-    def course(self) -> str:
-        """Loads, motions, stick, work of friction and wear through the steps, as a small table of text.
-
-        Examples
-        --------
-        >>> few = ["stress=[]", "grid.cells-per-contact-radius=10", "steps.increments=2"]
-        >>> print(run(load_scene("hertz", few)).course())
-          step   load  approach  radius  pressure
-                   mN        nm      um       GPa
-             1  325.0     219.8   4.728     6.702
-             2  650.0     348.8   6.015     8.452
-        """
-        from eigencontact.results.course import course_table
-
-        return course_table(self.summary["history"], self.summary["units"])
-
-
 def run(
     scene: Scene | Plan | str | Path | Mapping[str, Any],
     folder: str | Path | None = None,
@@ -277,7 +211,11 @@ def run(
             _refuse_folder(planned, target)
             refuse_results(target, overwrite=overwrite)
         with stopwatch.on("runs of growing fineness"):
-            answer = _pursued(planned, registry, watcher)
+            from eigencontact.accuracy.pursuit import pursue
+            from eigencontact.accuracy.runs import Runs
+
+            runs = Runs(make=_maker(planned, registry), solve=_solver(watcher))
+            answer = pursue(planned, planned.scene.accuracy, runs)
         planned = answer.last.run.plan
     if target is None:
         predicted = run_bytes(planned, stored=False)
@@ -314,14 +252,22 @@ def run(
             noted |= fields.to_dict()
         _warn_of_targets(store, solved, noted)
     elif errors or planned.scene.output.errors:
+        from eigencontact.accuracy.stored import stored_errors
         from eigencontact.results.summary import summary_of
 
         with stopwatch.on("error bars"):
             whole = summary_of(store.info, solved.last, noted["history"], noted)
-            noted |= _errors(planned, whole, store, registry, watcher)
+            noted |= stored_errors(planned, whole, store, _maker(planned, registry), _solver(watcher))
     if stored is not None and target is not None:
         solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
-        files |= _draw(planned, results, target, stopwatch, painter)
+        output = planned.scene.output
+        if output.pictures or output.vtk or output.animation:
+            from eigencontact.viz.finished_run import draw_run
+
+            files |= draw_run(
+                results, target, stopwatch, painter,
+                pictures=output.pictures, vtk=output.vtk, animation=output.animation,
+            )  # fmt: skip
         files["summary.json"] = "the numbers of this run, in SI units"
     summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
     if target is not None:
@@ -418,29 +364,6 @@ def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
     return _Kept(store, solved), summary_of(store.info, solved.last, noted["history"], noted)
 
 
-def _pursued(planned: Plan, registry: Registry | None, watcher: Watcher | None) -> Answer:
-    """Runs of growing fineness in memory, until the accuracy that the scene asks for is reached."""
-    from eigencontact.accuracy.pursuit import pursue
-    from eigencontact.accuracy.runs import Runs
-
-    assert planned.scene.accuracy is not None
-    return pursue(planned, planned.scene.accuracy, Runs(make=_maker(planned, registry), solve=_solver(watcher)))
-
-
-def _errors(
-    planned: Plan, summary: Mapping[str, Any], store: Store, registry: Registry | None, watcher: Watcher | None
-) -> dict[str, Any]:
-    """Error bars of all numbers and fields, from coarser runs in memory; those of the fields are stored with them."""
-    from eigencontact.accuracy.stored import stored_errors
-
-    make, in_memory = _maker(planned, registry), _solver(watcher)
-
-    def solve(tables: Mapping[str, Any], words: str) -> Run:
-        return in_memory(make(tables), f"error bars: {words}")._replace(kept=None)
-
-    return stored_errors(planned, summary, store, solve)
-
-
 def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
     """Runs in memory that the watcher is told of."""
     from eigencontact.accuracy.bars import Run
@@ -501,35 +424,3 @@ def _summary(
         "seconds_by_block": stopwatch.seconds | {"rest": total - sum(stopwatch.seconds.values())},
     }
     return summary_of(store.info, solved.last, noted["history"], extra)
-
-
-def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch, painter: Painter | None) -> dict[str, str]:
-    """Draw pictures, animation and VTK files of a finished run."""
-    files: dict[str, str] = {}
-    output = planned.scene.output
-    if not (output.pictures or output.vtk or output.animation):
-        return files
-    from eigencontact.results.stored import open_stored
-
-    if painter is not None and output.pictures:
-        painter.begin(results, folder, solid=output.vtk)
-    with open_stored(results) as dataset:
-        if output.vtk:
-            with stopwatch.on("files for ParaView"):
-                from eigencontact.viz.vtk import write_vtk
-
-                files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
-        if output.animation:
-            with stopwatch.on("animation"):
-                from eigencontact.viz.animation import animate, subject_of
-
-                files = (animate(dataset, folder, output.animation) if subject_of(dataset) else {}) | files
-        if output.pictures:
-            with stopwatch.on("pictures"):
-                drawn = None if painter is None else painter.finish()
-                if drawn is None:
-                    from eigencontact.viz.figures import draw_all
-
-                    drawn = draw_all(dataset, folder, solid=output.vtk)
-                files = drawn | files
-    return files

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ from eigencontact.accuracy.bars import error_bars
 from eigencontact.accuracy.fields import FieldErrors
 
 if TYPE_CHECKING:
-    from eigencontact.accuracy.bars import Solve
+    from eigencontact.accuracy.bars import Run
     from eigencontact.planning.plan import Plan
     from eigencontact.results.layout import Variable
     from eigencontact.results.memory import MemoryStore
@@ -20,9 +20,20 @@ __all__ = ["stored_errors"]
 
 
 def stored_errors(
-    plan: Plan, summary: Mapping[str, Any], store: ResultStore | MemoryStore, solve: Solve
+    plan: Plan,
+    summary: Mapping[str, Any],
+    store: ResultStore | MemoryStore,
+    make: Callable[[Mapping[str, Any]], Plan],
+    solve: Callable[[Plan, str], Run],
 ) -> dict[str, Any]:
     """Estimate the errors of all numbers and fields of a finished run, and store those of the fields.
+
+    Parameters
+    ----------
+    plan, summary, store
+        The run: its plan, the contents of its ``summary.json`` and its results.
+    make, solve : callable
+        Tables of a scene to a plan; a plan, and what differs in words, to its run in memory.
 
     Returns
     -------
@@ -31,7 +42,11 @@ def stored_errors(
     """
     with ExitStack() as stack:
         fields = FieldErrors(stack.enter_context(store.opened()), summary)
-        found = error_bars(plan, summary, solve, fields)
+
+        def coarser(tables: Mapping[str, Any], words: str) -> Run:
+            return solve(make(tables), f"error bars: {words}")._replace(kept=None)
+
+        found = error_bars(plan, summary, coarser, fields)
 
         def variables() -> Iterator[Variable]:
             yield from fields.variables(found.bars)
