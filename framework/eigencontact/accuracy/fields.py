@@ -72,8 +72,8 @@ class FieldErrors:
     where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
     surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
     difference to a neighbour. At a largest or smallest value, and next to it, coarser points do not tell how sharp a
-    peak is: the error is at least the step to the neighbours, times the part that this is of the largest step nearby.
-    It is one at a sharp peak, and a third to a half at a smooth one.
+    peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this step is
+    the largest nearby, and nothing at a smooth one, where it is at most half of the next.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
@@ -247,9 +247,11 @@ def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, points: int
         rises = np.diff(field, axis=axis, prepend=first, append=last)
         before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
         peaks &= before * after <= 0.0
+        for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
+            peaks[(slice(None),) * axis + (end,)] = False
         steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
     slopes = largest_near(steps, points)
-    sharp = np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0)
+    sharp = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
     bounds = largest_near(np.where(peaks, sharp * steps, 0.0), points)
     bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * steps), bounds)
     return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)
