@@ -93,3 +93,13 @@ def test_utilisation_at_a_critical_distance():
     assert float(answer.dataset["utilisation"][0, 0]) == close(summary["at_distance"], rel=1e-9)
     assert summary["at_distance"] < 0.9 * summary["utilisation"]
     assert near["distance"] == "5 um"  # the table of the caller stays whole
+
+
+@pytest.mark.parametrize("worn", [True, False])
+def test_picture_has_worn_depths_of_a_scene_that_wears(answer, tmp_path, worn):
+    from eigencontact.viz.fretting_map import draw_fretting_map
+
+    depth = 1e-6 * answer.dataset["cycle_energy"] / float(answer.dataset["cycle_energy"].max())
+    dataset = answer.dataset.assign(max_worn_depth=depth) if worn else answer.dataset
+    words = draw_fretting_map(dataset, tmp_path / "map.png")
+    assert ("dotted lines of equal worn depth" in words) is worn

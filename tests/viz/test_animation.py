@@ -88,6 +88,19 @@ def test_a_history_of_what_yields_shows_load_and_depth(stored):
     assert subject_of(dataset).sentence == "Load against depth, beside the stress on 'plane_0'."
 
 
+@pytest.mark.parametrize(("kind", "label"), [("rolls", "Contact pressure [GPa]"), ("frets", "Shear traction [")])
+def test_frames_of_one_row_of_cells_have_a_curve_on_one_scale(stored, kind, label):
+    """A map of one row would be a hairline."""
+    dataset = stored(kind).isel(y=[12])
+    film, draw = Film(dataset, tuple(range(dataset.sizes["step"]))), subject_of(dataset).pictures[0]
+    panels = [draw(step=step, on=Frame(film)).axes[0] for step in film.steps]
+    assert all(not axes.images and axes.get_ylabel().startswith(label) for axes in panels)
+    assert len({(*axes.get_xlim(), *axes.get_ylim()) for axes in panels}) == 1
+    low, high = panels[0].get_ylim()
+    drawn = [np.max(np.abs(line.get_ydata())) for axes in panels for line in axes.lines]
+    assert low <= 0.0 < max(drawn) < high
+
+
 @pytest.fixture(scope="module")
 def filmed(stored, tmp_path_factory):
     """GIF of a load that rises and goes, and what its frames were when they were drawn."""

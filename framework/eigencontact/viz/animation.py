@@ -15,6 +15,7 @@ from eigencontact.viz.frame import Film, Frame
 from eigencontact.viz.friction import driven, shear_map
 from eigencontact.viz.friction_history import fretting_loops
 from eigencontact.viz.history import history_panels, load_history
+from eigencontact.viz.line_frame import pressure_curve, shear_curve
 from eigencontact.viz.movie import write_movie
 from eigencontact.viz.plastic import load_depth
 from eigencontact.viz.remembered import yields
@@ -65,19 +66,20 @@ def subject_of(dataset: Results) -> Subject | None:
         return None
     regions = json.loads(dataset.attrs["regions"])
     planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
+    draw_pressure, draw_shear = (pressure_curve, shear_curve) if dataset.sizes["y"] == 1 else (pressure_map, shear_map)
     if wears(dataset) and "pressure" in dataset:
-        pictures = (partial(worn_profiles, dataset), partial(pressure_map, dataset))
+        pictures = (partial(worn_profiles, dataset), partial(draw_pressure, dataset))
         caption = "Worn surfaces over the initial ones, and the contact pressure."
         return Subject(pictures, caption, stacked=rolls(dataset))
     section: list[Draw] = [partial(stress_section, dataset, name) for name in planes[:1]]
     below = f", over the stress on {planes[0]!r}" if planes else ""
     if "pressure" not in dataset:
         return Subject(tuple(section), f"Stress on {planes[0]!r}.") if planes else None
-    pressure = partial(pressure_map, dataset)
+    pressure = partial(draw_pressure, dataset)
     if rolls(dataset):
         return Subject((pressure, *section), f"Contact pressure as the geometry travels{below}.", stacked=True)
     if "contact_zone" in dataset:
-        shear = partial(shear_map, dataset)
+        shear = partial(draw_shear, dataset)
         if driven(dataset):
             return Subject((shear, partial(fretting_loops, dataset)), "Shear over stick and slip, beside the loop.")
         return Subject((shear, pressure), "Shear over stick and slip, beside the contact pressure.")

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_fretting_map"]
 
 _COLOURS = ("#d9e8f2", "#fbe7c8", "#f3cfc1")
+_WORN = "max_worn_depth"
 _NAMES = ("stick", "partial slip", "gross slip")
 
 
@@ -48,13 +49,24 @@ def draw_fretting_map(dataset: xarray.Dataset, path: Path) -> str:
             axes.clabel(lines, fontsize="x-small", fmt="%g")
             axes.plot([], [], color="grey", linewidth=0.8, label=f"energy per cycle [{unit.unit}]")
             sentence += ", lines of equal work of friction per cycle"
-            sentence += _limits(axes, table, x, y)
+            sentence += _worn(axes, table, x, y) + _limits(axes, table, x, y)
             axes.legend(loc="upper left", bbox_to_anchor=(0, -0.2), ncols=2, frameon=False)
         axes.set_xlabel(f"{table['amplitude'].attrs['long_name']} [{scales['amplitude'].unit}]")
         axes.set_ylabel(f"normal load [{scales['load'].unit}]")
         axes.set_title("Fretting map")
         save(figure, path, caption=sentence)
     return sentence
+
+
+def _worn(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> str:
+    """Lines of equal worn depth after the history, of a scene that wears; returns what they show."""
+    if _WORN not in table or not np.isfinite(depth := table[_WORN].values).all() or np.ptp(depth) == 0:
+        return ""
+    unit = scale_for(depth, "m")
+    lines = axes.contour(x, y, unit(depth), colors="tab:brown", linewidths=0.9, linestyles=":")
+    axes.clabel(lines, fontsize="x-small", fmt="%g")
+    axes.plot([], [], color="tab:brown", linestyle=":", linewidth=0.9, label=f"largest worn depth [{unit.unit}]")
+    return ", dotted lines of equal worn depth"
 
 
 def _limits(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> str:

@@ -34,6 +34,7 @@ __all__ = [
     "history_of",
     "shear_map",
     "shear_profiles",
+    "tint_stick",
 ]
 
 #: Arrows across the longer side of the contact, about.
@@ -177,7 +178,7 @@ def dissipation_profile(dataset: Results, step: int = -1) -> Figure:
     with paper_style():
         figure = line_figure(1, 2.9)
         axes, length = figure.add_subplot(), scale_for(line.edges, "m")
-        _tint_stick(axes, zone[line.where], length(line.edges))
+        tint_stick(axes, zone[line.where], length(line.edges))
         every = max(1, -(-line.at.size // MARKERS))
         axes.plot(length(line.at), work(density[line.where]), "o-", color=COLOURS[0], markevery=every)
         errors = errors_of(dataset, "dissipated_energy_density", step)
@@ -248,7 +249,7 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
         for axes, line in zip(panels, lines, strict=True):
             length = scale_for(line.edges, "m")
             at = length(line.at)
-            _tint_stick(axes, zone[line.where], length(line.edges))
+            tint_stick(axes, zone[line.where], length(line.edges))
             if bound is not None:
                 for sign in signs:
                     label = "friction bound" if sign == 1 else "_"
@@ -280,7 +281,7 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     return figure
 
 
-def _tint_stick(axes: Axes, zone: NDArray[Any], edges: NDArray[Any]) -> None:
+def tint_stick(axes: Axes, zone: NDArray[Any], edges: NDArray[Any]) -> None:
     """Stripe behind the cells of a line that stick."""
     for n, ends in enumerate(runs_of(np.rint(zone) == 2, edges)):
         axes.axvspan(*ends, color=ZONE_COLOURS[2], alpha=0.35, linewidth=0, zorder=0, label="stick" if n == 0 else "_")
