@@ -250,7 +250,7 @@ def test_forces_per_length_belong_to_line_contacts():
     with pytest.raises(SceneError, match=r"a force \[N\]; only a line contact is loaded per length: set grid.length"):
         ec.load_scene(tables)
     tables["grid"]["datum-depth"] = 1.0
-    with pytest.raises(SceneError, match="length = 'infinite' beside datum-depth"):
+    with pytest.raises(SceneError, match="datum-depth must be left out unless length = 'infinite'"):
         ec.load_scene(tables | {"steps": [{"normal-load": 1.0}]})
 
 

@@ -74,7 +74,7 @@ REFUSED = [
     ({"gap": np.zeros((4, 4))}, "an array (nx,), (1, nx) or (nx, 1) of 2 cells or more with length='infinite'"),
     ({"gap": np.zeros((1, 1))}, "(got (1, 1))"),
     ({"gap": np.array([0.0, np.nan])}, "solve_contact.gap must be finite everywhere [m]"),
-    ({"length": None, "gap": np.zeros((4, 4)), "datum_depth": 1.0}, "beside datum-depth"),
+    ({"length": None, "gap": np.zeros((4, 4)), "datum_depth": 1.0}, "datum_depth must be left out unless"),
 ]
 
 

@@ -72,7 +72,7 @@ def test_no_docstring_explains_a_key_that_is_none(tables, registry):
 def test_words_are_those_of_the_rules(tables):
     numerics = {key.name: key for key in tables["numerics"].keys}
     assert numerics["tolerance"].takes == "a number, in [1e-13, 0.1]"
-    assert numerics["boundary"].takes == 'one of "non-periodic", "periodic"'
+    assert numerics["boundary"].takes == 'one of "non-periodic", "periodic", "periodic-y"'
     assert numerics["tolerance"].to_dict()["default"] == 1e-6
     body = {key.name: key for key in tables["body1"].keys}
     assert body["young-modulus"].takes == "a stress [Pa], positive and finite"

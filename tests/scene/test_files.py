@@ -222,7 +222,7 @@ def test_every_bundled_field_called_file_is_a_data_file():
         for item in fields(entry.component)
         if "file" in item.name and item.name != "profile"
     }
-    assert len(named) == 10
+    assert len(named) == 11
     assert all(named.values()), named
 
 

@@ -88,7 +88,10 @@ REFUSED = {
     "not a number": (["body1.poisson-ratio=soft"], "body1.poisson-ratio must be a number (got 'soft')"),
     "wrong choice": (
         ["numerics.boundary=periodc"],
-        "numerics.boundary must be one of 'non-periodic' or 'periodic' (got 'periodc'); did you mean 'periodic'?",
+        (
+            "numerics.boundary must be one of 'non-periodic', 'periodic' or 'periodic-y' (got 'periodc'); did you mean "
+            "'periodic'?"
+        ),
     ),
     "tolerance": (["numerics.tolerance=0"], "numerics.tolerance must be in [1e-13, 0.1] [-] (got 0)"),
     "one of cells, size, spacing": (["grid={cells=8}"], "grid must be two of cells, size, spacing, or none of them"),

@@ -208,8 +208,9 @@ class Grid:
 
         Examples
         --------
-        >>> Grid.of(8, 8, 0.5, 0.5, (1.0, 2.0), line=True)
-        Grid(nx=8, ny=1, dx=0.5, dy=1.0, center=(1.0, 0.0), line=True)
+        >>> strips = Grid.of(8, 8, 0.5, 0.5, (1.0, 2.0), line=True)
+        >>> strips.shape, strips.edges, strips.center
+        ((1, 8), (0.5,), (1.0, 0.0))
         """
         if line:
             ny, dy, center = 1, 1.0, (center[0], 0.0)

@@ -90,10 +90,10 @@ def solve_contact(
         Length of the contact along y: ``"infinite"`` makes a line contact in plane strain. `cells`, `size` and
         `spacing` are then single values, those along x; arrays of the result are of shape (1, nx).
     datum_depth : float or text, optional
-        Of a line contact: depth of the points in each body against which the surfaces move [m], by default the width of
-        the window.
+        Of a line contact, and of one that repeats along y alone: depth of the points in each body against which the
+        surfaces move [m], by default the width of the window.
     numerics : mapping, optional
-        Fidelity and effort, as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``.
+        Fidelity and effort, as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``, or ``"periodic-y"``.
 
     Returns
     -------

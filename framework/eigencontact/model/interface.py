@@ -63,13 +63,17 @@ class Interface:
         """Normal displacement of both solids by pressure."""
         return self.pair("z", "z")
 
+    @property
+    def endless(self) -> bool:
+        """Whether loads have no end along y: those of a line contact, and those that repeat along y alone."""
+        return self.line or self.period is not None
+
     def against(self, depth: float) -> Interface:
         """Interface whose displacements count against points at a depth [m], where none far away is at rest.
 
-        So it is in line contacts and under loads that repeat along y, unless the scene names a depth.
+        So it is under loads without end along y, unless the scene names a depth.
         """
-        endless = self.line or self.period is not None
-        return replace(self, datum=depth) if endless and self.datum is None else self
+        return replace(self, datum=depth) if self.endless and self.datum is None else self
 
     def pair(self, displacement: str, traction: str) -> PairCoefficients:
         """Displacement of both solids along one direction by the traction along another."""
@@ -121,7 +125,7 @@ def build_interface(scene: Scene, registry: Registry, solids: Solids) -> Interfa
         solids=solids, geometries=tuple(geometries), friction=friction, coupling=coupling, influences=influences,
         line=scene.grid.line, datum=scene.grid.datum_depth, period=_period(scene),
     )  # fmt: skip
-    if interface.line or interface.period is not None:
+    if interface.endless:
         _refuse_without_strips(influences.values())
     return interface
 
