@@ -123,6 +123,22 @@ def test_scenes_can_be_planned(name, blocks):
     assert blocks <= {part.name for part in plan.parts}
 
 
+@pytest.mark.parametrize(
+    ("name", "degree"),
+    [("sphere-radius", 4), ("two-spheres-pressure", 4), ("layer-of-spheres-depth", 2)],
+)
+def test_spheres_of_studies_are_whole(name, degree):
+    plan = ec.plan(variants_of_study(STUDIES.find(name), coarse=True)[0].scene)
+    assert plan.numerics.inclusion_resolution.whole == degree
+    assert all(source.whole for source in plan.model.cells.inhomogeneities)
+
+
+def test_the_sphere_closest_to_the_surface_has_a_higher_degree():
+    variants = variants_of_study(STUDIES.find("sphere-radius"), coarse=False)
+    degrees = [ec.plan(variants[row].scene).numerics.inclusion_resolution.whole for row in (-2, -1)]
+    assert degrees == [4, 8]
+
+
 def test_thick_coating_against_the_integral_equation(tmp_path):
     """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
     study = STUDIES.find("coating-thickness")
