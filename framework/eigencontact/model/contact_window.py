@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -93,7 +93,7 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
     # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
     first_window = partial(_first_window, interface.separation, bare, line=spec.line)
-    start = max((first_window(control) for control, _ in controls), default=1.0)
+    start = max((first_window(control) for control in dict.fromkeys(control for control, _ in controls)), default=1.0)
     yields = scene.body1.law is not None or scene.body2.law is not None
     grid = _automatic_grid(spec, interface.separation, normal, controls, start, odd=yields)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
@@ -157,8 +157,13 @@ def _automatic_grid(
     """
     largest: ContactEstimate | None = None
     across = 0.0
+
+    @cache  # steps that slide under one load have one contact
+    def estimated(control: Control) -> ContactEstimate | None:
+        return settled_estimate(spec.center, separation, coefficients, control, start, line=spec.line)
+
     for control, travel in controls:
-        estimate = settled_estimate(spec.center, separation, coefficients, control, start, line=spec.line)
+        estimate = estimated(control)
         if estimate is not None:
             across = max(across, min(estimate.extent))
             estimate = estimate.moved(travel)
@@ -209,16 +214,19 @@ class StepContact(NamedTuple):
 
 def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[StepContact]:
     """Contacts of the load steps, each on coarse cells over the whole window; steps without contact are left out."""
-    periodic, contacts = scene.numerics.boundary == "periodic", list[StepContact]()
-    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.ramps), strict=True):
+    periodic = scene.numerics.boundary == "periodic"
 
-        def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
+    @cache
+    def estimated(control: Control, x0: float, y0: float) -> StepContact | None:
+        def separation(x: FloatArray, y: FloatArray) -> FloatArray:
             return interface.separation(x - x0, y - y0)
 
         contact = estimate_contact(grid, separation, interface.normal, control, periodic=periodic)
-        if contact is not None:
-            contacts.append(StepContact(contact, control, separation))
-    return contacts
+        return None if contact is None else StepContact(contact, control, separation)
+
+    steps = zip(_controls(scene), held_travel(scene.ramps), strict=True)
+    contacts = (estimated(control, *travel) for control, travel in steps)
+    return [contact for contact in contacts if contact is not None]
 
 
 def _growth(scene: Scene, contacts: Sequence[StepContact]) -> ContactGrowth | None:
