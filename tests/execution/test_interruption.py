@@ -106,6 +106,14 @@ def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path, comma
         again = command("run", scene[1], "-o", tmp_path / "killed", "-q")
         assert again.code == 5
         assert "--resume continues it" in again.err
+        drawn = command("plot", tmp_path / "killed")
+        assert drawn.code == 5
+        assert f"(got an interrupted run with {step - 1} stored step" in drawn.err
+        assert "; continue it with --resume" in drawn.err
+        changes = ("--set", "body1.poisson-ratio=0.29", "--resume")
+        changed = command("run", scene[1], "-o", tmp_path / "killed", "-q", *changes)
+        assert changed.code == 5
+        assert "--resume continues the same scene only" in changed.err
         assert (tmp_path / "killed" / "steps" / "0001.step").stat().st_mtime_ns == before
     resumed = command("run", scene[1], "-o", tmp_path / "killed", "-q", "--resume")
     assert (resumed.code, resumed.err) == (0, "")
@@ -123,15 +131,3 @@ def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path, comman
     assert command("run", scene[1], "-o", tmp_path / "out", "-q", "--resume").code == 0
     ec.run(scene[1], tmp_path / "whole")
     same(tmp_path / "out", tmp_path / "whole")
-
-
-def test_an_interrupted_run_is_not_drawn_and_a_changed_scene_does_not_continue_it(scene, tmp_path, command):
-    stop(scene, tmp_path / "out", 3, signal.SIGKILL)
-    drawn = command("plot", tmp_path / "out")
-    assert drawn.code == 5
-    assert "(got an interrupted run with 2 stored steps); continue it with --resume" in drawn.err
-    changed = ("run", scene[1], "-o", tmp_path / "out", "-q", "--set", "body1.poisson-ratio=0.29")
-    refused = command(*changed, "--resume")
-    assert refused.code == 5
-    assert "--resume continues the same scene only" in refused.err
-    assert command(*changed, "--overwrite").code == 0

@@ -97,6 +97,7 @@ def test_yield_and_friction(coupling):
     assert min(left.values()) > 1e-9
 
 
+@pytest.mark.slow
 def test_resume_continues_to_the_bit(tmp_path):
     paused = scene(SWIFT, steps=[LOAD, UNLOAD, {"normal_load": "0.8 N"}], cells=8)
     whole = ec.run(paused).dataset

@@ -10,6 +10,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.model import contact_window
 from eigencontact_plugins.surface_loads import PressureLoad
 
 PLAIN = ["stress=[]", "grid.cells-per-contact-radius=8"]
@@ -169,3 +170,16 @@ def test_predicted_memory_is_within_a_factor_of_two(case, capsys):
     with capsys.disabled():
         print(f"\npredicted / measured: memory {memory / peak:.2f}, time {seconds / spent:.2f} {case}")
     assert 0.5 <= memory / peak <= 2.0
+
+
+def test_steps_under_one_load_have_one_window(monkeypatch):
+    """The steps of the scene turn the shear under the load of the first."""
+    controls, search = [], contact_window.settled_estimate
+
+    def counted(place, separation, coefficients, control, *more, **options):
+        controls.append(control)
+        return search(place, separation, coefficients, control, *more, **options)
+
+    monkeypatch.setattr(contact_window, "settled_estimate", counted)
+    assert len(ec.plan("rotating-shear").scene.ramps) > 1
+    assert len(controls) == 1

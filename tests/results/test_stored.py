@@ -43,6 +43,7 @@ def test_everything_is_as_xarray_reads_it(folder):
         assert float(found["normal_load"][-1]) == float(judge["normal_load"][-1]) > 0
 
 
+@pytest.mark.slow
 def test_pictures_and_vtk_files_are_the_same(folder, tmp_path):
     written = []
     for place, opened in ((tmp_path / "judge", open_results), (tmp_path / "found", open_stored)):

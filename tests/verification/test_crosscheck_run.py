@@ -85,7 +85,10 @@ FAILURES = [
     pytest.param({"sleeps": "not done within 4 s"}, {"seconds": 4.0}, "time", marks=pytest.mark.slow),
     pytest.param(
         {"eats": "more than 0.30 GB"}, {"memory": 3e8}, "memory",
-        marks=pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is read from /proc"),
+        marks=[
+            pytest.mark.slow,
+            pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is read from /proc"),
+        ],
     ),
 ]  # fmt: skip
 

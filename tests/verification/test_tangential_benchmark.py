@@ -104,6 +104,7 @@ def test_growth_is_fitted_where_three_sizes_are_known():
     ]
 
 
+@pytest.mark.slow
 def test_command_prints_a_table(capsys):
     arguments = ["tangential", "--sizes", "16", "--cases", "nu-0.3", "--repeats", "1", "--warm", "1"]
     assert main(arguments) == 0

@@ -200,7 +200,7 @@ def test_zones_are_named_and_a_new_region_is_drawn(data, folder, command, tmp_pa
     assert [path.name for path in tmp_path.iterdir()] == ["plot-deep-stress-yy.png"]
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+@pytest.mark.parametrize("kind", ["pdf", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("png", "svg"))])
 def test_formats_are_written_as_wide_as_a_column_and_own_files_alone_are_replaced(folder, command, tmp_path, kind):
     file = tmp_path / f"figure.{kind}"
     words = ["plot", folder, "--field", "pressure", "--style", "paper", "--dpi", 127, "-o", file]

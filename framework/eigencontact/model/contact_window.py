@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -161,8 +161,13 @@ def _automatic_grid(
     """
     largest: ContactEstimate | None = None
     across = 0.0
+
+    @cache  # steps that slide under one load have one contact
+    def estimated(control: Control) -> ContactEstimate | None:
+        return settled_estimate(spec.center, separation, coefficients, control, start, spec.with_cells)
+
     for control, travel in controls:
-        estimate = settled_estimate(spec.center, separation, coefficients, control, start, spec.with_cells)
+        estimate = estimated(control)
         if estimate is not None:
             across = max(across, min(estimate.extent))
             estimate = estimate.moved(travel)
