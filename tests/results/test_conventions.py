@@ -1,8 +1,5 @@
 """What results say of themselves to tools that know the conventions CF, and names that xarray keeps for itself."""
 
-import pickle
-
-import numpy as np
 import pytest
 import xarray as xr
 
@@ -51,16 +48,3 @@ def test_axes_by_the_conventions(folder):
     assert down == {"deep_z", "spots_z"}
     assert found["deep_z"]["standard_name"] == "depth"
     assert "unknown" not in units
-
-
-def test_results_are_what_xarray_reads_of_the_file(folder):
-    """Arrays are read on use, also after a copy to another process; xarray itself reads the file by another library."""
-    with ec.open_results(folder) as opened, xr.open_dataset(folder / "results.nc", engine="h5netcdf") as expected:
-        assert list(opened.coords) == list(expected.coords)
-        assert {name: item.dtype for name, item in opened.variables.items()} == {
-            name: item.dtype for name, item in expected.variables.items()
-        }
-        part = {"step": -1, "component": [0, 2]}
-        np.testing.assert_array_equal(opened.deep_stress[part], expected.deep_stress[part])
-        xr.testing.assert_identical(pickle.loads(pickle.dumps(opened)).load(), expected)
-        xr.testing.assert_identical(opened.load(), expected)
