@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Axes", "axes_of", "carried", "without_gaps"]
+__all__ = ["Axes", "alike", "axes_of", "carried", "without_gaps"]
 
 #: Places along each dimension of the points of a field [m].
 Axes = tuple["FloatArray", ...]
@@ -61,7 +61,7 @@ def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) ->
     """
     values = without_gaps(values)
     for axis, (places, others) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
-        if _alike(places, others):
+        if alike(places, others):
             continue
         first, weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
         along = [-1 if n == axis else 1 for n in range(values.ndim)]
@@ -75,7 +75,8 @@ def without_gaps(values: NDArray[Any]) -> NDArray[Any]:
     return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
-def _alike(places: FloatArray, others: FloatArray) -> bool:
+def alike(places: FloatArray, others: FloatArray) -> bool:
+    """Whether points lie at the same places."""
     return places.size == others.size and bool(np.abs(places - others).max(initial=0.0) <= _SAME * np.ptp(places))
 
 

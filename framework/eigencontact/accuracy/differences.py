@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Protocol
@@ -106,7 +106,7 @@ def differences(
             continue
         factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
         errors = [
-            (factor * largest_near(part, len(base.axes), _OF_OTHERS)).astype(np.float32)
+            (factor * largest_near(part, range(-len(base.axes), 0), _OF_OTHERS)).astype(np.float32)
             for factor, part in zip(factors, parts, strict=True)
         ]
         yield time, Share(list(zip(places, errors, strict=True)), order)
@@ -144,17 +144,17 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
     return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
 
 
-def largest_near(field: NDArray[Any], points: int, share: float = 1.0) -> NDArray[Any]:
-    """Largest of the value at each point and a share of those next to it, along the last `points` dimensions.
+def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -> NDArray[Any]:
+    """Largest of the value at each point and a share of those next to it, along some dimensions, counted from the last.
 
     Examples
     --------
-    >>> largest_near(np.array([0.0, 4.0, 0.0, 0.0]), 1, 0.5)
+    >>> largest_near(np.array([0.0, 4.0, 0.0, 0.0]), [-1], 0.5)
     array([2., 4., 2., 0.])
     """
     largest = field.copy()
-    for axis in range(field.ndim - points, field.ndim):
-        ends = [tuple(side if n == axis else slice(None) for n in range(field.ndim)) for side in _SIDES]
+    for axis in axes:
+        ends = [tuple(side if n == axis % field.ndim else slice(None) for n in range(field.ndim)) for side in _SIDES]
         for end, other in (ends, ends[::-1]):
             np.maximum(largest[end], share * field[other], out=largest[end])
     return largest

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from eigencontact.accuracy.carry import without_gaps
+from eigencontact.accuracy.carry import alike, without_gaps
 from eigencontact.accuracy.differences import (
     Results,
     Sampled,
@@ -71,9 +71,9 @@ class FieldErrors:
     differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
     where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
     surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
-    difference to a neighbour. At a largest or smallest value, and next to it, coarser points do not tell how sharp a
-    peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this step is
-    the largest nearby, and nothing at a smooth one, where it is at most half of the next.
+    difference to a neighbour. At a largest or smallest value, and next to it, coarser points elsewhere do not tell how
+    sharp a peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this
+    step is the largest nearby, and nothing at a smooth one, where it is at most half of the next.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
@@ -174,7 +174,9 @@ class FieldErrors:
             source: reduce(np.maximum, (by_time[at].at(field.axes) for at in neighbours(sorted(by_time), time)))
             for source, by_time in shares.items()
         }
-        return parts, _bounded(values, sum(parts.values(), np.zeros(())), edged, len(field.axes)), edged
+        places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
+        follow = [n - len(field.axes) for n, at in enumerate(field.axes) if any(not alike(at, ax[n]) for ax in places)]
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), edged, follow), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -235,23 +237,25 @@ def _histories(
             yield time, estimate(value, pairs, lowest, highest, scatters=scatters)
 
 
-def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, points: int) -> NDArray[Any]:
+def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, follow: Sequence[int]) -> NDArray[Any]:
     """Errors that are at edges and peaks no less than the steps to the neighbours let expect; NaN where a field is.
 
-    The last `points` dimensions are those of the points, along the last `edged` of which it has edges.
+    A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
     """
     field = without_gaps(values)
-    steps, peaks = np.zeros(values.shape), field != 0.0
-    for axis in range(values.ndim - points, values.ndim):
+    steps, jumps, peaks = np.zeros(values.shape), np.zeros(values.shape), field != 0.0
+    for axis in {*follow, *range(-edged, 0)}:
         first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
         rises = np.diff(field, axis=axis, prepend=first, append=last)
         before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
-        peaks &= before * after <= 0.0
-        for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
-            peaks[(slice(None),) * axis + (end,)] = False
-        steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
-    slopes = largest_near(steps, points)
+        jumps = np.maximum(jumps, np.maximum(np.abs(before), np.abs(after)))
+        if axis in follow:
+            peaks &= before * after <= 0.0
+            steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
+            for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
+                np.moveaxis(peaks, axis, 0)[end] = False
+    slopes = largest_near(steps, follow)
     sharp = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
-    bounds = largest_near(np.where(peaks, sharp * steps, 0.0), points)
-    bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * steps), bounds)
+    bounds = largest_near(np.where(peaks, sharp * steps, 0.0), follow)
+    bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * jumps), bounds)
     return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)
