@@ -81,7 +81,7 @@ class Axis:
         shape = list(table.shape)
         shape[axis] = self.length
         out = np.zeros(shape, table.dtype)
-        source, target = np.moveaxis(table, axis, 0), np.moveaxis(out, axis, 0)
+        source, target = table.swapaxes(axis, 0), out.swapaxes(axis, 0)  # `np.moveaxis` takes longer than the copy
         before = self.sources - 1
         target[: self.targets] = source[before:]
         if before:
