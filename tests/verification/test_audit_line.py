@@ -72,7 +72,7 @@ def test_friction_that_was_another_is_caught(fretted, tmp_path):
 
 
 def crossland(stress, slope):
-    """Crossland's parameter of paths (steps, 4, n) of xx, yy, zz, xz: the centre of the ball walks to its farthest point.
+    """Crossland's parameter of paths (steps, 4, n) of xx, yy, zz, xz: the ball's centre walks to its farthest point.
 
     M. Badoiu and K. L. Clarkson 2003, Proc. 14th ACM-SIAM Symposium on Discrete Algorithms, 801.
     """
@@ -104,36 +104,49 @@ def test_a_criterion_on_the_stress_of_the_elements(tmp_path):
     late = stress.copy()
     late[:, 2] = np.roll(stress[:, 2], 1, axis=0)
     fault = np.abs(crossland(late, 0.3) - damage[chosen]).max() / damage[chosen].max()
-    print(error, fault, damage[chosen].max())
-    assert error < 0.02
-    assert fault > 0.1
+    assert error < 0.01
+    assert fault > 0.2
 
 
 def yielding(yield_stress):
-    """Steps, body 1 that yields at about 0.7 of the load, and cells of a sixteenth."""
+    """Steps beyond yield, pulled to and fro and unloaded, on cells of a tenth of the half width."""
     law = {"type": "j2", "hardening": {"type": "linear", "yield-stress": yield_stress, "modulus": 0.1}}
     pull = 0.5 * MU * P
     steps = [
-        {"normal-load": P, "increments": 3},
-        {"tangential-load-x": pull, "increments": 3},
-        {"tangential-load-x": -pull, "increments": 4},
-        {"normal-load": 0.0, "tangential-load-x": 0.0, "increments": 2},
+        {"normal-load": P},
+        {"tangential-load-x": pull, "increments": 2},
+        {"tangential-load-x": -pull, "increments": 2},
+        {"normal-load": 0.0, "tangential-load-x": 0.0},
     ]
-    grid = {"length": "infinite", "cells": 48, "size": 3.0}
-    return {"body1": BODY | {"law": law}, "steps": steps, "grid": grid}
+    return {"body1": BODY | {"law": law}, "steps": steps, "grid": {"length": "infinite", "cells": 33, "size": 3.3}}
+
+
+def root_mean_squares(case, reference):
+    """Of the difference on each line, by the largest value of the reference there."""
+    judged = case.judged()
+    return {
+        name: float(np.sqrt(((judged[name] - value) ** 2).mean()) / np.abs(value).max())
+        for name, value in reference.items()
+    }
 
 
 @pytest.mark.slow
 def test_friction_with_plasticity_agrees_with_the_elements(tmp_path):
-    """Backward Euler on both sides; a yield stress that was another by a tenth is caught in the plastic strain."""
-    case = case_of(tmp_path / "run", **yielding(0.22))
+    """In the mean, on coarse cells; a yield stress that was another by a tenth is caught in the plastic strain."""
+    case = case_of(tmp_path / "run", **yielding(0.16))
     reference = case.reference(1, "fixed")
-    found = differences(case, reference)
-    print({name: round(value, 4) for name, value in found.items()})
-    print({n: round(float(np.sqrt(((case.judged()[n] - v) ** 2).mean()) / np.abs(v).max()), 4) for n, v in reference.items()})
-    fault = differences(case_of(tmp_path / "fault", **yielding(0.242)), reference)
-    print({name: round(value, 4) for name, value in fault.items()})
-    assert 0
+    found = root_mean_squares(case, reference)
+    bounds = {"half width": 0.03, "pressure": 0.02, "shear": 0.07, "stress": 0.07, "plastic strain": 0.04}
+    for line in case.lines:  # the slip is that of one increment, and its edge is uncertain by half a cell
+        assert found[line.profile.name] < bounds.get(line.kind, 0.3), line.profile.name
+    lines = {line.profile.name: line.profile for line in case.lines}
+    fault = case_of(tmp_path / "fault", **yielding(0.176))
+    for line in fault.lines:
+        if line.kind == "plastic strain":
+            name = line.profile.name
+            wrong = np.interp(lines[name].along, line.profile.along, line.values[:, 0])
+            error = float(np.sqrt(((wrong - reference[name][:, 0]) ** 2).mean()) / reference[name].max())
+            assert error > 3 * found[name]
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,8 @@ _WINDOW, _DEEP, _REACH = 1.25, 0.5, 60.0
 #: Surface within this part of the half width is compared, and stress at these depths, in it.
 _INNER, _SHALLOW, _FARTHEST = 0.8, 0.2, 2.4
 _POINTS = 40
+#: Part by which loads of steps may differ and count as one.
+_SAME = 1e-4
 _MEAN = 1 / 8
 _KINDS: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "half width": ("strain", "step [1]", ("a",), "largest a"),
@@ -202,8 +204,7 @@ def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[Line
 
 def _lines(stored: StoredLine) -> list[LineProfile]:
     a, last = stored.half_width, len(stored.load) - 1
-    peak = int(np.flatnonzero(stored.load == stored.load.max())[0])
-    pulled = int(np.abs(stored.force).argmax())
+    peak, pulled = _first_largest(stored.load), _first_largest(np.abs(stored.force))
     wide = np.flatnonzero(a > 0.6 * a.max())
     widths = np.stack((wide + 1.0, 0 * wide, 0 * wide), axis=1)
     scale = float(a.max())
@@ -221,6 +222,11 @@ def _lines(stored: StoredLine) -> list[LineProfile]:
     for k in dict.fromkeys((peak, pulled, last)):
         lines += _stress(stored, k)
     return lines + _strains(stored)
+
+
+def _first_largest(values: FloatArray) -> int:
+    """First step whose value is the largest but for the tolerance of a load."""
+    return int(np.flatnonzero(values >= (1 - _SAME) * values.max())[0])
 
 
 def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
