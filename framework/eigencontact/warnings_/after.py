@@ -149,10 +149,11 @@ def _plastic_steps(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     excess = _EXCESS * end["normal_load"] * end["approach"] / count**_ORDER
     work = min(1.0, excess / end["dissipated_energy"]) if end["dissipated_energy"] > 0 else 0.0
     if max(along, work) > _PLASTIC:
+        friction = f", and up to {percent(work)} of its work of friction may be an error" if work else ""
         words = (
             f"the contact that yields grows in {count:.0f} increments{' even in its radius' if graded else ''}: its "
-            f"residual displacement along the surface may be wrong by {percent(min(1.0, along))}, and up to "
-            f"{percent(work)} of its work of friction may be an error; give the loading more increments"
+            f"residual displacement along the surface may be wrong by {percent(min(1.0, along))}{friction}; give the "
+            "loading more increments"
         )
         yield Caution("plastic-steps", words, min(1.0, max(along, work)))
 
