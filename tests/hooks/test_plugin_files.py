@@ -388,7 +388,7 @@ def test_check_knows_what_is_installed(command):
 
 
 #: Files that a bundled plugin reads, which nobody can guess.
-OF_FILES = {"map", "from-file", "gap-map", "polyhedron", "voxels"}
+OF_FILES = {"map", "from-file", "gap-map", "polyhedron", "profile", "voxels"}
 
 
 @pytest.mark.parametrize("entry", [entry for entry in installed_plugins() if entry.key not in OF_FILES], ids=str)
