@@ -49,6 +49,8 @@ EXCEPTIONS: dict[str, tuple[float, str]] = {
     "fretting-mode-2-plastic:tangential_load_x": _ZERO,
     "fretting-mode-2-plastic:tangential_load_y": _ZERO,
     "coating-worn-through:torsion_moment": _ZERO,
+    "plastic-inclusion:plastic_zone_x": _PLACE,
+    "plastic-inclusion:plastic_zone_y": _PLACE,
     "coated-fretting:dissipated_energy_max_x": _PLACE,
     "coated-fretting:dissipated_energy_max_y": _PLACE,
 }
