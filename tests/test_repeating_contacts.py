@@ -5,6 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact_plugins.surface_loads import PressureLoad
 from eigencontact_verification.oracles import hertz
@@ -144,3 +145,8 @@ def test_a_pair_names_the_axes_and_explain_says_what_a_period_means():
     text = ec.explain(scene)
     assert "the window repeats along y: loads, work and areas are those of one period" in text
     assert "displacements against the depth of 1 mm (grid.datum-depth)" in text
+
+
+def test_other_cells_of_a_repeating_window_repeat():
+    grid = Grid(nx=8, ny=8, dx=1.0, dy=1.0, repeats_y=True)
+    assert grid.with_cells(4, 4, 2.0, 2.0, (0.0, 0.0)).ended_axes == (0,)

@@ -27,10 +27,10 @@ SLIP = (
     "solvers.tangential.newton", "solvers.tangential.contact", "execution.mechanics.friction_contact",
 )  # fmt: skip
 NORMAL = ("solvers.normal", "execution.mechanics.normal_contact", "model.contact_window", "solvers.coarse_contact")
-#: Degrees of inclusions and fatigue tables, which no scene here has.
+#: Degrees of inclusions, fatigue tables and contacts that repeat along y alone, which no scene here has.
 NEVER = (
     "solvers.polynomial_inclusions", "halfspace.moments", "execution.fields.fatigue", "execution.fields.stress_cycle",
-    "core.path_loops",
+    "core.path_loops", "halfspace.images",
 )  # fmt: skip
 VOLUME = ("solvers.subsurface", "solvers.eigenstrain", "convolution.volume", "halfspace.voxels", "halfspace.cloud")
 HEAVY = ("numba", "matplotlib", "pyvista", "vtk", "meshio", "skfem")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -218,4 +218,4 @@ class Grid:
 
     def with_cells(self, nx: int, ny: int, dx: float, dy: float, center: Pair) -> Grid:
         """Return other cells of the same kind: see `Grid.of`."""
-        return Grid.of(nx, ny, dx, dy, center, line=self.line)
+        return replace(Grid.of(nx, ny, dx, dy, center, line=self.line), repeats_y=self.repeats_y)

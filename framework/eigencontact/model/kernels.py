@@ -15,7 +15,6 @@ from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.core.tractions import TRACTIONS, side
 from eigencontact.errors import PlanError
-from eigencontact.halfspace.images import repeated
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
 __all__ = ["KernelUse", "PairCoefficients", "Solid", "Solids", "StressCoefficients"]
@@ -60,6 +59,8 @@ def _sampled(
     below the strip.
     """
     if period is not None:
+        from eigencontact.halfspace.images import repeated  # late: few contacts repeat along y alone
+
         x, y, z = place
         strip = (x, np.zeros(1), z), (half_widths[0], np.inf)
         mean = _sampled(influence, quantity, components, *strip, body, datum, None)
