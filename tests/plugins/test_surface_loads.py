@@ -435,3 +435,12 @@ def test_registered_and_cited():
     assert found == {"pressure": PressureLoad, "shear-x": ShearLoadX, "shear-y": ShearLoadY}
     assert [load.traction for load in LOADS] == ["p", "q_x", "q_y"]
     assert all(any("Johnson 1985" in source for source in load.references) for load in LOADS)
+
+
+@pytest.mark.parametrize("load", LOADS, ids=lambda load: load.traction)
+def test_a_lattice_wider_than_the_rectangles(load):
+    """Rectangles that do not touch share no corners: the lattice holds the values at separate points."""
+    lattice, widths = 3e-6 * np.arange(4), (1e-6, 1e-6)
+    values = load.sample("stress", ["xx", "xz"], lattice, lattice, 1e-6, widths, material(0.3))
+    separate = load.stress(["xx", "xz"], lattice[None, :], lattice[:, None], 1e-6, widths, material(0.3))
+    assert values == close(separate, rel=1e-12)

@@ -22,7 +22,7 @@ from eigencontact.sweeps.folder import scene_digest, sweep_digest
 from eigencontact.sweeps.gather import warnings_in_words
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _scalars_to_draw, read_sweep_file, sweep
-from eigencontact.sweeps.variants import variants_of
+from eigencontact.sweeps.variants import on_one_grid, variants_of
 from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
@@ -328,6 +328,22 @@ def test_one_grid_for_all(tmp_path, monkeypatch):
     found = sweep(scene, vary, tmp_path, fields=["pressure"], grid="shared")
     area = (found.dataset.x[1] - found.dataset.x[0]) * (found.dataset.y[1] - found.dataset.y[0])
     assert (found.dataset.pressure.sum(("x", "y")) * area).values == close([0.1, 0.8], rel=1e-6)
+
+
+@pytest.mark.parametrize("boundary", ["non-periodic", "periodic", "periodic-y"])
+def test_a_shared_grid_keeps_an_odd_number_of_cells_and_the_period(boundary):
+    scene = {**SCENE, "grid": {"cells": [15, 15], "size": "20 um"}, "numerics": {"boundary": boundary}}
+    if boundary == "periodic-y":
+        scene["grid"]["datum-depth"] = "1 mm"
+    axes = axes_of({"steps.normal-load": [0.5, 1.0]})
+    shared = on_one_grid(variants_of(ec.load_scene(scene), axes, pairs=False, pictures=False))
+    assert [ec.plan(variant.scene).grid.shape for variant in shared] == [(15, 15)] * 2
+
+
+def test_a_shared_grid_does_not_change_a_period():
+    scene = {**SCENE, "grid": {"cells": [16, 16], "size": "30 um"}, "numerics": {"boundary": "periodic"}}
+    with pytest.raises(PlanError, match=r"keep the period .*got 3e-05 m along x in 'size=30um', 4\.12e-05 m"):
+        sweep(scene, {"grid.size": ["30 um", "40 um"]}, fields=["pressure"], grid="shared")
 
 
 def test_a_file_may_ask_for_one_grid(command, tmp_path):

@@ -88,7 +88,7 @@ class SurfaceInfluence(Component, ABC):
     ) -> FloatArray:
         """Influence coefficients on the lattice ``x (nx,)``, ``y (ny,)`` at one depth, ``(len(components), ny, nx)``.
 
-        `quantity` is ``"displacement"`` or ``"stress"``. The lattice has the spacing of the cells, so neighbouring
+        `quantity` is ``"displacement"`` or ``"stress"``. On a lattice with the spacing of the cells neighbouring
         rectangles share corners; `CornerInfluence` uses that.
         """
         evaluate = self.displacement if quantity == "displacement" else self.stress
@@ -170,8 +170,13 @@ class CornerInfluence(SurfaceInfluence):
         half_widths: tuple[float, float],
         material: Material,
     ) -> FloatArray:
-        """Evaluate the corner function once per lattice node and difference it; see `SurfaceInfluence.sample`."""
+        """Difference the corner function, evaluated once per node, where the rectangles of the lattice touch.
+
+        Rectangles that do not touch are evaluated one by one; see `SurfaceInfluence.sample`.
+        """
         (a, b), corner = half_widths, self._corner(quantity)
+        if not (_touch(x, a) and _touch(y, b)):
+            return super().sample(quantity, components, x, y, z, half_widths, material)
         nodes_x = np.append(x - a, x[-1] + a)
         nodes_y = np.append(y - b, y[-1] + b)
         values = corner(components, nodes_x[None, :], nodes_y[:, None], z, material)
@@ -180,6 +185,11 @@ class CornerInfluence(SurfaceInfluence):
             rows = component[1:] - component[:-1]
             np.subtract(rows[:, 1:], rows[:, :-1], out=table)
         return out
+
+
+def _touch(middles: FloatArray, half_width: float) -> bool:
+    """Whether rectangles about these middles share their edges, to a millionth of their width."""
+    return middles.size < 2 or bool(np.all(abs(np.diff(middles) / (2 * half_width) - 1) < 1e-6))
 
 
 @runtime_checkable

@@ -213,6 +213,11 @@ class Numerics(Table):
         """Whether the window repeats along y alone."""
         return self.boundary == "periodic-y"
 
+    @property
+    def repeated_axes(self) -> tuple[int, ...]:
+        """Axes (0 for x, 1 for y) along which the window repeats."""
+        return {"periodic": (0, 1), "periodic-y": (1,)}.get(self.boundary, ())
+
 
 class Output(Table):
     """What is written besides results and summary.

@@ -100,7 +100,7 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
     Raises
     ------
     PlanError
-        No variant can be planned, or the window would have too many cells.
+        No variant can be planned, the window would have too many cells, or a period would change.
     """
     from eigencontact.scene.line import window_keys
     from eigencontact.scene.schema import GridSpec
@@ -116,7 +116,7 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
         low = min(middle - span for middle, span in zip(middles, half, strict=True))
         high = max(middle + span for middle, span in zip(middles, half, strict=True))
         spans.append((low, high))
-    counts = [2 * ceil(0.5 * (high - low) / edge * (1 - 1e-9)) for (low, high), edge in zip(spans, edges, strict=True)]
+    counts = [ceil((high - low) / edge * (1 - 1e-9)) for (low, high), edge in zip(spans, edges, strict=True)]
     rectangles = max(grids, key=lambda grid: len(grid.counts))  # strips only where all variants are line contacts
     shared = rectangles.with_cells(counts[0], counts[1], edges[0], edges[1], (0.5 * sum(spans[0]), 0.5 * sum(spans[1])))
     if shared.nx * shared.ny > _MOST:
@@ -124,10 +124,24 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
             f"a shared grid must have at most {_MOST} cells (got {shared.nx} x {shared.ny}: the largest window in the "
             "finest cells); give grid.cells and grid.size in the scene, or vary less"
         )
+    _refuse_changed_periods(out, grids, shared)
     endless = all(grid.ended_axes == (0,) for grid in grids)  # displacements count against a depth
     spec = GridSpec.model_validate(window_keys(shared, max(grid.size[0] for grid in grids) if endless else None))
     return [variant if variant.scene is None or variant.refused else replace(variant, scene=variant.scene.model_copy(
         update={"grid": spec}).within(variant.scene.folder)) for variant in out]  # fmt: skip
+
+
+def _refuse_changed_periods(variants: Sequence[Variant], grids: Sequence[Grid], shared: Grid) -> None:
+    """Refuse a shared window that changes the period of a variant whose window repeats."""
+    planned = (variant for variant in variants if not variant.refused)
+    for variant, grid in zip(planned, grids, strict=True):
+        for axis in variant.scene.numerics.repeated_axes if variant.scene else ():
+            if not isclose(grid.size[axis], shared.size[axis], rel_tol=1e-9):
+                raise PlanError(
+                    f"a shared grid must keep the period of each variant (got {grid.size[axis]:.3g} m along "
+                    f"{'xy'[axis]} in {variant.label!r}, {shared.size[axis]:.3g} m in the shared grid); give "
+                    "grid.size and grid.cells in the scene"
+                )
 
 
 def refuse_different_cells(variants: Sequence[Variant]) -> None:
