@@ -556,7 +556,9 @@ def test_warnings_of_variants_are_told_once_a_code(tmp_path, command):
     few = [one for row in said for one in row if one["code"] == "contact-cells"]
     assert len(said) == 3
     assert len(few) == 2
-    assert any(f"2 of 3 variants warn: contact-cells: {one['words']}" in done.out.splitlines() for one in few)
+    line = f"2 of 3 variants warn: contact-cells: {few[0]['words']} (in 'normal-load=0.5N')"
+    assert line in done.out.splitlines()
+    assert few[0]["words"] != few[1]["words"]
     with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8") as sheet:
         codes = [row["warnings"] for row in csv.DictReader(sheet)]
     assert ["contact-cells" in text for text in codes] == [True, True, False]
@@ -574,7 +576,7 @@ def test_warnings_in_words():
     slow, few = ({"code": code, "words": f"{code} here", "error": None} for code in ("slow-place", "contact-cells"))
     again = {**slow, "words": "slow-place there"}
     assert warnings_in_words({"a": [slow, again], "b": [few], "c": [again]}, 4) == [
-        "2 of 4 variants warn: slow-place: slow-place here",
+        "2 of 4 variants warn: slow-place: slow-place here (in 'a')",
         "1 of 4 variants warns: contact-cells: contact-cells here",
     ]
     assert warnings_in_words({}, 4) == []

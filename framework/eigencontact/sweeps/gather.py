@@ -193,19 +193,26 @@ def codes_of(summary: Mapping[str, Any]) -> str:
 
 
 def warnings_in_words(warnings: Mapping[str, Sequence[Mapping[str, Any]]], total: int) -> list[str]:
-    """One line for each code: how many of `total` variants warn, and the words of the first, which name the number.
+    """One line for each code: how many of `total` variants warn, and the sentence of the first variant that warns.
 
-    `warnings` are those of ``summary.json`` (``code``, ``words``, ``error``) by label of the variant.
+    `warnings` are those of ``summary.json`` (``code``, ``words``, ``error``) by label of the variant. The line names
+    the variant where the sentences of the variants differ, because they contain numbers.
 
     Examples
     --------
-    >>> one = {"code": "slow-place", "words": "a place lags", "error": 0.1}
-    >>> warnings_in_words({"a": [one], "b": [one]}, 3)
-    ['2 of 3 variants warn: slow-place: a place lags']
+    >>> warnings = {label: [{"code": "slow-place", "words": f"{label} lags", "error": 0.1}] for label in "ab"}
+    >>> warnings_in_words(warnings, 3)
+    ["2 of 3 variants warn: slow-place: a lags (in 'a')"]
     """
-    by_code: dict[str, list[str]] = {}
-    for cautions in warnings.values():
-        for code, sentences in {caution["code"]: caution["words"] for caution in reversed(cautions)}.items():
-            by_code.setdefault(code, []).append(sentences)
-    return [f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentences[0]}"
-            for code, sentences in by_code.items()]  # fmt: skip
+    by_code: dict[str, dict[str, str]] = {}
+    for label, cautions in warnings.items():
+        for caution in reversed(cautions):
+            by_code.setdefault(caution["code"], {})[label] = caution["words"]
+    return [_warning_line(code, sentences, total) for code, sentences in by_code.items()]
+
+
+def _warning_line(code: str, sentences: Mapping[str, str], total: int) -> str:
+    """Line of one code, from the sentence of each variant that warns."""
+    first, sentence = next(iter(sentences.items()))
+    place = f" (in {first!r})" if len(set(sentences.values())) > 1 else ""
+    return f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentence}{place}"
