@@ -421,9 +421,9 @@ def test_check_takes_parameters(arguments, kept, bowl, tmp_path, command, monkey
     ("parameters", "words"),
     [
         ("poisson-ratio", "--with must be key=value"),
-        ("poisson-ratio=2", "j2.poisson_ratio must be "),
+        ("poisson-ratio=2", "j2.poisson-ratio must be "),
         ("poison-ratio=0.3", "did you mean 'poisson-ratio'?"),
-        ("hardening.yield-stress=-1 MPa", "linear.yield_stress must be "),
+        ("hardening.yield-stress=-1 MPa", "j2.hardening.yield-stress must be "),
     ],
 )
 def test_check_refuses_parameters(parameters, words, command):

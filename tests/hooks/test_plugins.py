@@ -66,7 +66,7 @@ def test_it_is_listed_and_explained(install, command):
 
 def test_its_refusals_read_like_ours(install):
     install(GOOD)
-    with pytest.raises(ec.EigencontactError, match=r"bowl.bend must be positive \[m\] \(got -1.0\)"):
+    with pytest.raises(ec.EigencontactError, match=r"geometry.bend must be positive \[m\] \(got -1.0\)"):
         ec.plan(ec.load_scene("hertz", ["geometry={type='bowl', bend=-1.0}"]))
     with pytest.raises(ec.EigencontactError, match=r"unknown key 'bnd' in geometry \(bowl\); .* did you mean 'bend'\?"):
         ec.plan(ec.load_scene("hertz", ["geometry={type='bowl', bnd=1.0}"]))

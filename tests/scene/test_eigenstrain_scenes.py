@@ -140,9 +140,9 @@ REFUSED = {
     "a table without type": ({"inclusions": [ball(eigenstrain={"value": 1.0})]}, 'or a table { type = "...", ... }'),
     "not symmetric": (
         {"inclusions": [ball(eigenstrain=[[0, 1, 0], [0, 0, 0], [0, 0, 0]])]},
-        "uniform.value must be a number, three numbers or a symmetric 3 x 3 matrix",
+        "inclusions.eigenstrain.value must be a number, three numbers or a symmetric 3 x 3 matrix",
     ),
-    "not a number": ({"inclusions": [ball(eigenstrain=float("nan"))]}, "uniform.value must be a number"),
+    "not a number": ({"inclusions": [ball(eigenstrain=float("nan"))]}, "inclusions.eigenstrain.value must be a number"),
     "unknown field": (
         {"inclusions": [ball(eigenstrain={"type": "termal"})]},
         "inclusions.eigenstrain: unknown eigenstrain-field 'termal'; installed: ",

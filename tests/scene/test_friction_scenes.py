@@ -139,7 +139,7 @@ def test_the_map_of_a_scene_counts_from_its_folder(tmp_path, monkeypatch):
 REFUSED = {
     "negative coefficient": (
         {"friction": {"type": "coulomb", "coefficient": -0.1}},
-        "coulomb.coefficient must be zero or positive, and finite [-] (got -0.1)",
+        "friction.coefficient must be zero or positive, and finite [-] (got -0.1)",
     ),
     "coefficient in words": (
         {"friction": {"type": "coulomb", "coefficient": "low"}},

@@ -47,7 +47,7 @@ MESSAGES = {
     ),
     "a plugin's own rule": (
         scene(BALL, named("void", radius=-1.0)),
-        "inclusion 'void' (second): sphere.radius must be positive and finite [m] (got -1.0)",
+        "radius of inclusion 'void' (second) must be positive and finite [m] (got -1.0)",
     ),
     "above the surface": (
         scene(BALL, named("void", center=[0, 0, 0])),
@@ -55,7 +55,7 @@ MESSAGES = {
     ),
     "a layer": (
         scene(layers=[LAYERS[0] | {"thickness": -1.0}, LAYERS[1]]),
-        "body1.medium: thickness of layer 'TiN' (first) must be positive and finite [m] (got -1.0)",
+        "thickness of layer 'TiN' (first) of body1 must be positive and finite [m] (got -1.0)",
     ),
     "a layer's unknown key": (
         scene(layers=[LAYERS[1], LAYERS[0] | {"thicknes": 1.0}]),
@@ -71,7 +71,7 @@ MESSAGES = {
     ),
     "layers of one name": (
         scene(layers=[LAYERS[0], LAYERS[0]]),
-        "body1.medium: bonded-layers.layers must be of different names; rename one of the layers called so (got 'TiN')",
+        "body1.medium.layers must be of different names; rename one of the layers called so (got 'TiN')",
     ),
 }
 

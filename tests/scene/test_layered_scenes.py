@@ -78,7 +78,7 @@ REFUSED = {
     "no plugin": (changed("type", None), "body1.medium.type must name a layered-medium (got None); installed: 'bonded"),
     "plugin of another kind": (changed("type", "sphere"), "body1.medium: unknown layered-medium 'sphere'"),
     "no substrate": (changed("substrate", None), "body1.medium.substrate must be given (bonded-layers needs it)"),
-    "no layers": (changed("layers", []), "body1.medium: bonded-layers.layers must hold at least one layer (got none)"),
+    "no layers": (changed("layers", []), "body1.medium.layers must hold at least one layer (got none)"),
     "unknown key": (
         changed("layers", 1, "thicknes", 1e-6),
         "unknown key 'thicknes' in body1.medium.layers.1; known: young-modulus, poisson-ratio, thickness, name",
@@ -92,15 +92,15 @@ REFUSED = {
     "no number": (changed("layers", 0, "poisson-ratio", "a third"), "body1.medium.layers.0.poisson-ratio must be"),
     "no thickness": (
         changed("layers", 1, "thickness", 0.0),
-        "body1.medium: bonded-layers.layers.1.thickness must be positive and finite [m] (got 0.0)",
+        "body1.medium.layers.1.thickness must be positive and finite [m] (got 0.0)",
     ),
     "beyond incompressible": (
         changed("layers", 0, "poisson-ratio", 0.51),
-        "body1.medium: bonded-layers.layers.0.poisson_ratio must be in (-1, 0.5] [-] (got 0.51)",
+        "body1.medium.layers.0.poisson-ratio must be in (-1, 0.5] [-] (got 0.51)",
     ),
     "soft substrate": (
         changed("substrate", "young-modulus", -1.0),
-        "body1.medium: bonded-layers.substrate.young_modulus must be positive and finite [Pa] (got -1.0)",
+        "body1.medium.substrate.young-modulus must be positive and finite [Pa] (got -1.0)",
     ),
     "no table": ("bonded-layers", "body1.medium must be a table (got 'bonded-layers')"),
 }

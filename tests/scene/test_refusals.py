@@ -56,8 +56,8 @@ REFUSED = {
         "unknown key 'radus' in geometry (sphere); known: radius, profile, center; did you mean 'radius'?",
     ),
     "missing key of a component": (["geometry={type='sphere'}"], "geometry.radius must be given (sphere needs it)"),
-    "refused by a component": (["geometry.radius=-1"], "sphere.radius must be positive and finite [m] (got -1.0)"),
-    "NaN of a component": (["geometry.radius=nan"], "sphere.radius must be positive and finite [m] (got nan)"),
+    "refused by a component": (["geometry.radius=-1"], "geometry.radius must be positive and finite [m] (got -1.0)"),
+    "NaN of a component": (["geometry.radius=nan"], "geometry.radius must be positive and finite [m] (got nan)"),
     "unknown plugin": (
         ["geometry.type=shpere"],
         (
@@ -160,7 +160,7 @@ REFUSED = {
     ),
     "missing topography": (
         ["geometry={type='topography', file='nowhere.npz'}"],
-        "topography.file must be an existing file (got 'nowhere.npz')",
+        "geometry.file must be an existing file (got 'nowhere.npz')",
     ),
     "unknown --set array entry": (
         ["stress.7.name=a"],
@@ -261,7 +261,7 @@ def test_heights_that_are_not_numbers_are_refused(command, scene_file, tmp_path)
     np.savez(tmp_path / "rough.npz", heights=heights, dx=1e-6, dy=1e-6)
     path = scene_file(geometry='type = "topography"\nfile = "rough.npz"')
     outcome = command("run", path, "-o", tmp_path / "out")
-    refused(outcome, "topography.file must be without missing points (got ")
+    refused(outcome, "geometry.file must be without missing points (got ")
     assert "1 of 576 missing); set missing = 'far'" in outcome.err
     assert not (tmp_path / "out").exists()
 

@@ -95,18 +95,18 @@ REFUSED = {
     "no coefficient": ({"wear": {"type": "archard"}}, "wear.coefficient must be given (archard needs it)"),
     "negative": (
         {"wear": ENERGY | {"coefficient": -1e-3}},
-        "dissipated-energy.coefficient must be zero or positive, and finite [m^3/J] (got -0.001)",
+        "wear.coefficient must be zero or positive, and finite [m^3/J] (got -0.001)",
     ),
-    "NaN": ({"wear": ARCHARD | {"coefficient": nan}}, "archard.coefficient must be zero or positive, and finite (got"),
+    "NaN": ({"wear": ARCHARD | {"coefficient": nan}}, "wear.coefficient must be zero or positive, and finite (got"),
     "infinite": (
         {"wear": AMPLITUDE | {"coefficient": inf}},
-        "amplitude-scaled.coefficient must be zero or positive, and finite [m^2/J] (got inf)",
+        "wear.coefficient must be zero or positive, and finite [m^2/J] (got inf)",
     ),
     "negative threshold": (
         {"wear": {"type": "threshold-energy", "coefficient": 1e-12, "threshold": -1.0}},
-        "threshold-energy.threshold must be zero or positive, and finite [J/m^2] (got -1.0)",
+        "wear.threshold must be zero or positive, and finite [J/m^2] (got -1.0)",
     ),
-    "hardness": ({"wear": ARCHARD | {"hardness": 0.0}}, "archard.hardness must be positive and finite [Pa] (got 0.0)"),
+    "hardness": ({"wear": ARCHARD | {"hardness": 0.0}}, "wear.hardness must be positive and finite [Pa] (got 0.0)"),
     "words": ({"wear": ENERGY | {"coefficient": "much"}}, "wear.coefficient must be a worn volume by work of friction"),
     "unit": ({"wear": ENERGY | {"coefficient": "1 mm^3/m"}}, "'1 mm^3/m' has the dimension [length] ** 2"),
     "unit of amplitude": ({"wear": AMPLITUDE | {"coefficient": "1e-3 mm^3/J"}}, "friction and amplitude [m^2/J]; '1e-"),

@@ -55,9 +55,17 @@ def instantiate(
         with plugin_code(lambda problem: f"{failed} {reason_of(problem)}", passing=(SceneError,)):
             return entry.component(**values)
     except SceneError as problem:
-        if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
-            raise SceneError(f"{where}: {problem}") from None
-        raise
+        raise SceneError(_with_place(str(problem), entry, where)) from None
+
+
+def _with_place(message: str, entry: Entry, where: str) -> str:
+    """Message of a component with the place in the scene: ``geometry.half-angle`` instead of ``wedge.half_angle``."""
+    if where == entry.key:  # made in Python, where fields have the names of the class
+        return message
+    path = re.match(rf"{re.escape(entry.key)}\.((\w+)[\w.]*)", message)  # of a field, or within one
+    if path and path[2] in {item.name for item in fields(entry.component)}:
+        return f"{where}.{path[1].replace('_', '-')}{message[path.end() :]}"
+    return message if where in message or not re.search(r"\.\d+$", where) else f"{where}: {message}"
 
 
 def converted(

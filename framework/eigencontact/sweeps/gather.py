@@ -215,4 +215,6 @@ def _warning_line(code: str, sentences: Mapping[str, str], total: int) -> str:
     """Line of one code, from the sentence of each variant that warns."""
     first, sentence = next(iter(sentences.items()))
     place = f" (in {first!r})" if len(set(sentences.values())) > 1 else ""
-    return f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentence}{place}"
+    return (
+        f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentence}{place}"
+    )
