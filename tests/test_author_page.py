@@ -48,7 +48,7 @@ def test_every_kind_has_a_page_and_a_file_to_copy():
     pages = {page.stem for page in PAGES.glob("*.md")} - OTHERS
     assert pages - {"shape"} | {"inclusion-shape"} == set(KINDS)
     assert set(components()) == pages | {"index", "exact-shape"}
-    lines = (PAGES / "index.md").read_text(encoding="utf-8").split("| to write |")[1].split("\n\n")[0].splitlines()
+    lines = (PAGES / "index.md").read_text(encoding="utf-8").split("| content |")[1].split("\n\n")[0].splitlines()
     rows = [line.split("|") for line in lines if line.startswith("| ") and "`" in line]
     assert {row[2].strip(" `") for row in rows} == set(KINDS)
     for row in rows:

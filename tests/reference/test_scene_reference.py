@@ -111,7 +111,7 @@ def test_unknown_keys_point_to_the_reference():
 
 def test_the_schema_is_one(schema):
     jsonschema.Draft202012Validator.check_schema(schema)
-    assert schema["properties"]["numerics"]["description"].startswith("Fidelity and effort.")
+    assert schema["properties"]["numerics"]["description"].startswith("Numerical settings: accuracy, time and memory.")
 
 
 @pytest.mark.parametrize("name", bundled_names())

@@ -67,18 +67,19 @@ Entry = Annotated[float | str | dict[str, float | str], BeforeValidator(_entry)]
 
 
 class Accuracy(Table):
-    """Accuracy that a run must reach; it then chooses cells, increments and tolerances itself.
+    """Largest errors of the results; the program chooses cells, increments and tolerances to reach them.
 
     Parameters
     ----------
     numbers : float or text, optional
-        Error of all main results, ``"1 %"``. Any further key is the name of a number of the summary with an error of
-        its own: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``. A field of a region has one by both names:
-        ``stress.section = "3 %"``, in parts of its largest value.
+        Largest error of all main results, ``"1 %"``. Any further key is the name of a number of the summary and sets
+        its error: ``max-pressure = "0.5 %"``, ``approach = "2 nm"``. A field of a region has both names:
+        ``stress.section = "3 %"``, relative to the largest value of the field.
     time : float, optional
-        Time that the run may take, 10 minutes by default; it then says what it has reached, and what more would cost.
+        Time budget of the run, 10 minutes by default. At its end the run reports the accuracy that it reached and the
+        predicted time for the targets.
     memory : float, optional
-        Memory that its arrays may take, that of the machine by default.
+        Memory budget of the arrays, by default the memory of the machine.
     """
 
     model_config = ConfigDict(extra="allow")

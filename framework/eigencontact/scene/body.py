@@ -17,17 +17,17 @@ FiniteStress = Annotated[Stress, AfterValidator(finite("Pa"))]
 
 
 class InitialTable(Table):
-    """State of a body after a step of an earlier run: what its cells remember.
+    """Initial state of a body: the internal variables of its cells after a step of an earlier run.
 
-    Of that run everything but the state of the body is forgotten. In the same cells the state is what it was, in others
-    the means over them.
+    The run uses nothing else of the earlier run. In equal cells the state is equal; in other cells it is the mean of
+    the stored state over the cell.
 
     Parameters
     ----------
     results : str
-        Folder of that run, or its ``results.nc``.
+        Folder of the earlier run, or its ``results.nc``.
     step : int, optional
-        Load step of that run, from 1; the last by default.
+        Load step of the earlier run, from 1; the last by default.
     """
 
     results: Annotated[str, FileMark()]
@@ -35,7 +35,7 @@ class InitialTable(Table):
 
 
 class BulkStress(Table):
-    """Uniform stress that a load far away puts on a body, from the start on; steps ramp it.
+    """Uniform stress in a body by a distant load, from the start of the history; steps ramp it.
 
     The surface is free: zz, xz and yz are zero.
 
@@ -51,12 +51,12 @@ class BulkStress(Table):
 
 
 class Body(Table):
-    """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
+    """One half-space: rigid, elastic with two constants, or a medium whose constants change with depth.
 
     Parameters
     ----------
     rigid : bool
-        A body that nothing deforms; it has no constants.
+        True for a rigid body, which has no constants.
     young_modulus : float, optional
         Young's modulus [Pa].
     poisson_ratio : float, optional
@@ -64,11 +64,12 @@ class Body(Table):
     medium : table or component, optional
         Layered medium in place of the two constants; ``type`` names the plugin.
     law : table or component, optional
-        Constitutive law that an elastic body obeys under the contact; its constants are those of the body.
+        Constitutive law of an elastic body below the contact; its elastic constants are those of the body.
     initial : InitialTable, optional
-        State of an earlier run that the laws in the body begin with.
+        Initial state of the laws in the body, from an earlier run.
     bulk_stress : BulkStress, optional
-        Stress by a load far away; of a layered medium that of the substrate, whose strain the layers share.
+        Stress by a distant load. In a layered medium it is the stress of the substrate; the layers have the same
+        strain.
     """
 
     rigid: bool = False

@@ -45,9 +45,9 @@ class Life(Table):
     knee_cycles : float
         Cycles at the limit amplitude.
     scatter : float
-        Amplitude that 90 % of the parts do not survive, over the amplitude that 10 % do not survive; 1 without scatter.
+        Ratio of the amplitudes at which 90 % and 10 % of the components fail; 1 without scatter.
     failure_probability : float
-        Part of all that has failed after the cycles in the results.
+        Fraction of the components that fails within the cycles of the results.
     """
 
     slope: Annotated[float, AfterValidator(positive("-"))]
@@ -62,17 +62,18 @@ class Life(Table):
 
 
 class CriticalDistance(Table):
-    """What is made of the map of a criterion: a value at a critical distance, and a life.
+    """Evaluation of a criterion near the hot spot: value at a critical distance, and life.
 
     Parameters
     ----------
     distance : float, optional
-        Critical distance L of the material [m]: the value near the hot spot is evaluated too, by the `method`.
+        Critical distance L of the material [m]: the program also evaluates the value near the hot spot by the `method`.
     method : {"point", "line", "volume"}
         Value at L/2 below the hot spot; mean down to 2 L below it; mean over the part of the body within the radius
         L around it.
     life : Life, optional
-        Wöhler curve; the value near the hot spot counts where a `distance` is given, else that at the hot spot.
+        Wöhler curve for the value at the critical distance if there is a `distance`, else for the value at the hot
+        spot.
     """
 
     distance: PositiveLength | None = None
@@ -98,16 +99,16 @@ class CriticalDistance(Table):
 
 
 class FatigueRequest(CriticalDistance, ComponentTable):
-    """A fatigue criterion over one cycle of the run: ``type`` names the criterion, whose fields stand beside it.
+    """Fatigue criterion for one cycle of the run: ``type`` names the criterion; its fields are keys of the same table.
 
-    It is evaluated after the last step. An amplitude is half of a range.
+    The program evaluates it after the last step. An amplitude is half of a range.
 
     Attributes
     ----------
     name : str, optional
-        Name in results and pictures, different from the others; by default that of the criterion.
+        Name in results and pictures, different from the others; by default the key of the criterion.
     region : str, optional
-        Stress region at whose points it is evaluated; by default the only one.
+        Stress region with the evaluated points; by default the only one.
     cycle : {"last", "all"} or (int, int)
         The last closed cycle of the load history, all steps, or the numbers of the first and last step.
     """

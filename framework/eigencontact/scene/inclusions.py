@@ -23,10 +23,10 @@ class _Component(ComponentTable):
     Parameters
     ----------
     name : str, optional
-        For pictures, messages, results, `explain` and laws that tell materials apart, different from the others of its
+        Name in pictures, messages, results, `explain` and laws by material, different from the others of its
         kind; by default the shape or field and its number.
     body : {1, 2}
-        The half-space it lies in.
+        Half-space that contains the region.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$")] | None = None
@@ -34,26 +34,26 @@ class _Component(ComponentTable):
 
 
 class Inclusion(_Component):
-    """A region of a body with an eigenstrain (stress-free strain), elastic constants of its own, or both.
+    """Region of a body with an eigenstrain (stress-free strain), other elastic constants, or both.
 
-    With a `material` the region is an inhomogeneity: what it does follows from the stress that acts on it. Where
-    inhomogeneities overlap the later table counts, with its prestrain. Prescribed eigenstrains that overlap add up; in
-    an inhomogeneity they add to its prestrain.
+    A region with a `material` is an inhomogeneity: its eigenstrain follows from the stress that acts on it. Where
+    inhomogeneities overlap, the later table determines the material and the prestrain. Prescribed eigenstrains that
+    overlap add up; in an inhomogeneity they add to its prestrain.
 
-    ``type`` names the inclusion shape; its fields (center, radius, edges ...) stand beside it. Coordinates are those of
-    the scene with z into `body`, the surface at z = 0.
+    ``type`` names the inclusion shape; its fields (center, radius, edges ...) are keys of the same table. Coordinates
+    are those of the scene with z into `body`, the surface at z = 0.
 
     Attributes
     ----------
     eigenstrain : number, three numbers, 3 x 3 matrix or table
-        Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table names an
+        Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table defines an
         eigenstrain field: ``{ type = "thermal", ... }``. Optional, and zero by default, with a material.
     material : table or component, optional
-        Constitutive law; its ``type`` names the plugin, ``"isotropic"`` where it is left out. ``void = true`` is short
+        Constitutive law; its ``type`` names the plugin, ``"isotropic"`` by default. ``void = true`` is short
         for ``type = "void"``.
     centers : list of (x, y, z), optional
-        For many of a kind: an inclusion at each of these places [m], in place of the field of the shape that says where
-        it is (``center``, of a polyhedron ``offset``).
+        Positions [m] of copies of the inclusion, in place of the field of the shape with its position
+        (``center``, of a polyhedron ``offset``).
     """
 
     kind: ClassVar[str] = "inclusion-shape"
@@ -112,21 +112,21 @@ class Inclusion(_Component):
 
 
 class EigenstrainPatch(_Component):
-    """An eigenstrain field that fills a patch of the window from the surface down to a depth.
+    """Eigenstrain field in a patch of the window from the surface down to a depth.
 
-    ``type`` names the eigenstrain field; its fields stand beside it.
+    ``type`` names the eigenstrain field; its fields are keys of the same table.
 
     Attributes
     ----------
     depth : float
         Lower end [m]; the upper end is the surface.
     layers : int, optional
-        Layers of cells that the depth is cut into; by default 32, or the steps of depth of a region of stress where 16
-        to 64 of them fit: the field there then takes one transform in space.
+        Layers of cells over the depth; 32 by default. If the depth steps of a stress region divide the depth into 16
+        to 64 layers, the default is these layers: the field there then needs a single transform in space.
     size : (float, float), optional
-        Extent of the patch along x and y [m]; the whole window by default. It is rounded to whole cells.
+        Extent of the patch along x and y [m], rounded to whole cells; the whole window by default.
     center : (float, float), optional
-        Middle of the patch [m]; of the window by default.
+        Centre of the patch [m]; by default the centre of the window.
     """
 
     kind: ClassVar[str] = "eigenstrain-field"

@@ -14,16 +14,18 @@ __all__ = ["StressRequest"]
 
 
 class StressRequest(Table):
-    """Points at which sub-surface fields are wanted.
+    """Region of points with stored fields below the surface.
 
-    z is the depth into `body`. In a body that yields the points lie by default in the middles of its cells, as
-    eigenstrain is uniform in each of them.
+    z is the depth into `body`. In a body that yields the points lie by default at the centres of its cells, because
+    eigenstrain is uniform in each cell.
 
-    At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
-    Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
-    linear between their centres (`eigencontact.solvers.surface_means`).
+    A point at an interface of a layered body belongs to the deeper layer; a point 1e-9 of the depth above it belongs to
+    the upper layer. At depths of less than a quarter of a cell below a surface that is not periodic, the stress by
+    tractions is the mean over each surface cell, interpolated linearly between their centres
+    (`eigencontact.solvers.surface_means`).
 
-    Close up nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells.
+    A region with finer points needs no new solution: its fields follow from the tractions and eigenstrains of the
+    cells.
 
     Parameters
     ----------
@@ -33,36 +35,36 @@ class StressRequest(Table):
         ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
         from `start` to `end`; ``points`` are listed.
     body : {1, 2}
-        The half-space that the region lies in.
+        Half-space that contains the region.
     normal : {"x", "y", "z"}
         Normal of a plane.
     position : float, optional
-        Place of a plane along its normal [m]; 0 by default, around an inclusion its middle.
+        Coordinate of a plane along its normal [m]; 0 by default, or the centre of the inclusion `around`.
     depths : list of float, optional
         Depths of the points of a volume or upright plane [m].
     depth_max : float, optional
-        Largest of them [m], in steps from the surface on.
+        Largest depth [m] of equally spaced depths from the surface.
     depth_cells : int, optional
-        Steps down to `depth_max`; 48 by default.
+        Number of steps down to `depth_max`; 48 by default.
     start : (float, float, float), optional
-        Point (x, y, depth) where a line begins [m]; corner to which a plane or volume is cut in x and y.
+        First point (x, y, depth) of a line [m]; corner that restricts a plane or volume in x and y.
     end : (float, float, float), optional
-        Point where a line ends [m]; the other corner.
+        Last point of a line [m]; opposite corner.
     count : int
-        Points of a line.
+        Number of points of a line.
     points : list of (float, float, float), optional
         Points (x, y, depth) [m].
     around : str, optional
-        Name of an inclusion: a plane or volume is cut to the box around the inclusion and some `room`.
+        Name of an inclusion: restricts a plane or volume to the box around the inclusion with a margin of `room`.
     room : float
-        Room around that inclusion, in its sizes.
+        Margin around the inclusion, in sizes of the inclusion.
     refinement : int, optional
-        Points to an edge of a cell in x and y; 8 by default around an inclusion, else 1.
+        Points per cell edge in x and y; 8 by default around an inclusion, else 1.
     fields : list of {"stress", "strain", "displacement"}
-        What is stored; the displacement is that against distant points of the body, in a periodic window against the
-        mean of its surface.
+        Stored fields. The displacement is relative to distant points of the body; in a periodic window it is relative
+        to the mean of the surface.
     quantities : list of {"von_mises", "tresca", "principal", "hydrostatic"}
-        What is read off the stress and stored beside it.
+        Stored scalars of the stress.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""

@@ -47,13 +47,13 @@ __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step",
 
 
 class GridSpec(Table):
-    """Cells of the window: given by two of cells, size, spacing; or chosen from the size of the contact.
+    """Cells of the window: two of cells, size and spacing, or an automatic grid by the size of the contact.
 
     Without a contact an automatic grid follows the inclusions: see `eigencontact.model.regions`. ``grid = "auto"`` is
     the grid without any key.
 
-    A grid of infinite length makes a line contact in plane strain: its cells are strips along y, geometries count at
-    y = 0, and loads, work and areas are per metre of the length.
+    A grid of infinite length makes a line contact in plane strain: its cells are strips along y, geometries contribute
+    their profile at y = 0, and loads, work and areas are per metre of the length.
 
     Parameters
     ----------
@@ -64,18 +64,18 @@ class GridSpec(Table):
     spacing : float or (float, float), optional
         Edges of a cell along x and y [m].
     center : (float, float)
-        Middle of the window [m].
+        Centre of the window [m].
     cells_per_contact_radius : float
-        Of an automatic grid: cells from the middle of the largest contact to its edge, the nearer one.
+        Automatic grid: cells from the centre of the largest contact to the nearest point of its edge.
     margin : float
-        Of an automatic grid: extent of the window in extents of the largest contact.
+        Automatic grid: extent of the window relative to the extent of the largest contact.
     length : "infinite", optional
         Length of the contact along y. ``"infinite"`` makes a line contact; `cells`, `size` and `spacing` are then those
         along x.
     datum_depth : float, optional
-        Of a line contact, and of a window that repeats along y alone: depth of the points in each body against which
-        the surfaces move [m], by default the width of the window. Displacements have no limit far away there, so an
-        approach needs this depth.
+        Datum depth [m] of a line contact, and of a window that is periodic along y only: displacements are relative to
+        the points of each body at this depth, by default the width of the window. Displacements grow without limit with
+        the distance there, so a prescribed approach needs this depth.
     """
 
     cells: Annotated[tuple[int, int] | None, BeforeValidator(both_alike)] = None
@@ -128,60 +128,63 @@ class GridSpec(Table):
 
 
 class Numerics(Table):
-    """Fidelity and effort. The defaults are accurate.
+    """Numerical settings: accuracy, time and memory. The defaults are accurate.
 
     Parameters
     ----------
     half_space : {"exact", "full-space", "image-pressure", "periodic"}
-        Treatment of the free surface in the fields of eigenstrain: ``"exact"``; ``"image-pressure"``, which frees the
-        middles of the surface's cells; ``"periodic"``, where the window repeats; or ``"full-space"``, which leaves the
-        surface out.
+        Treatment of the free surface in the fields of eigenstrain. ``"exact"``: closed forms. ``"image-pressure"``:
+        a pressure makes the centres of the surface cells free of normal stress. ``"periodic"``: the window repeats.
+        ``"full-space"``: no surface.
     inclusion_cells : int
-        Cells along z across a region that has to be cut into cells: a shape without potentials, or an eigenstrain that
-        is not uniform.
+        Cells along z across a region that the program divides into cells: a shape without potentials, or an eigenstrain
+        that is not uniform.
     inclusion_resolution : {"cells", "whole"} or Whole
-        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own; or as a whole with a
-        polynomial, ``{ whole = 4 }`` or ``{ whole = "auto" }`` (balls and ellipsoids: more accurate than cells, and
-        cheaper). ``"whole"`` is ``{ whole = 0 }``, one uniform eigenstrain (also of cuboids; for regions away from the
-        surface and each other).
+        Discretisation of an inhomogeneity. ``"cells"``: one eigenstrain per cell. ``{ whole = 4 }`` or ``{ whole =
+        "auto" }``: one polynomial eigenstrain for the whole region (spheres and ellipsoids; more accurate than cells,
+        and cheaper). ``"whole"`` is ``{ whole = 0 }``, one uniform eigenstrain (also for cuboids; for regions far from
+        the surface and from each other).
     inclusion_pitch : float, optional
-        Height of those cells [m]; by default it follows the grid and the shapes.
+        Height of the cells of inhomogeneities [m]; by default it follows the grid and the shapes.
     inclusion_refinement : int
-        Divides the cells of a body at its inclusions, and two cells around them, so many times along each edge, where a
-        law of the body is not linear: strain in thin layers beside a hard inclusion needs finer cells than the contact.
+        Divides the cells of a body at its inclusions, and two cells around them, this many times along each edge. For
+        bodies with a law that is not linear: strain in thin layers around a hard inclusion needs finer cells than the
+        contact.
     law_room : float
-        Room around the part of a body in which its law may be more than elastic, in sizes of that part: the cells fill
-        both, and become more where that proves too little.
+        Margin of the box of cells around the part of a body that may exceed its elastic range, in sizes of this part.
+        The program adds cells if the box is too small.
     boundary : {"non-periodic", "periodic", "periodic-y"}
-        Whether the window stands alone on the half-space, repeats along x and y, or repeats along y alone. A pair
-        such as ``["non-periodic", "periodic"]`` names the axes x and y.
+        Boundary of the window: a single window on the half-space, periodic along x and y, or periodic along y only. A
+        pair such as ``["non-periodic", "periodic"]`` sets the axes x and y.
     coupling : {"none", "partial", "one-way", "full"}
-        Which displacements follow from which tractions in a contact with friction: ``"none"``, each along its own
-        traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with each
-        other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
-        the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along
-        the surface makes the surfaces slip at every level.
+        Displacements by tractions in a contact with friction. ``"none"``: each displacement by the traction in its own
+        direction (directions without load and motion are left out). ``"partial"``: also x by y and y by x.
+        ``"one-way"``: also x and y by the pressure (Goodman's approximation: the shear has no effect on the pressure).
+        ``"full"``: all. Every level includes the tangential displacement by prescribed and plastic eigenstrain.
     precision : {"double", "single", "auto"}
-        Precision of transforms and of the fields that they are applied to. ``"auto"`` takes single in each operator
-        whose round-off in it, measured when the scene is planned, is below the tolerance: half its memory, and up to
-        half its time; `explain` says which and why. In ``"single"`` all are; not every tolerance can be reached then.
+        Precision of transforms and their fields. ``"auto"`` uses single precision in each operator whose round-off,
+        measured when the scene is planned, is below the tolerance; this saves half of the memory and up to half of the
+        time, and `explain` lists the choice with the reason. ``"single"`` uses it in all operators; some tolerances are
+        then out of reach.
     tolerance : float
         Residual at which a solver ends, relative to the deflection or the stress that drives it.
     max_iterations : int
-        Iterations after which a solver gives up and says so.
+        Largest number of iterations of a solver; the run fails if it exceeds this number.
     threads : int, optional
-        Threads of transforms and loops; as many as there are processors by default.
+        Threads of transforms and loops; the number of processors by default.
     plastic_error : float, optional
-        Halves load steps in which cells flow until the whole and its halves differ by no more than this part of the
-        strain (five times at most; ``plastic_error`` of a step tells what is left): three times the work of a step that
-        is fine enough, none where nothing flows. Without it steps are those of the scene.
+        Largest difference in strain between a load step and its two halves. The program halves load steps in which
+        cells yield until the difference is within this fraction (five times at most; ``plastic_error`` of a step is the
+        remaining difference). The check costs three times the work of a step, and nothing in elastic steps. Without
+        this key the steps are those of the scene.
     cloud_tolerance : float
-        Error allowed in the field of many inclusions at many points, relative to its largest value: what is far away is
-        then summed by expansions. 0 sums all one by one.
+        Error allowed in the field of many inclusions at many points, relative to its largest value: the program sums
+        distant inclusions by expansions. 0 sums all inclusions one by one.
     allow_contact_at_edge : bool
-        Accepts a contact that reaches the edge of the window, where what is loaded outside is missing.
+        Accepts a contact that reaches the edge of the window; tractions outside the window are then missing.
     allow_coarse : bool
-        Accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
+        Accepts cells that are too coarse for the contact or for a region inside a body; the results then have a
+        warning.
     """
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
@@ -220,19 +223,20 @@ class Numerics(Table):
 
 
 class Output(Table):
-    """What is written besides results and summary.
+    """Output in addition to results and summary.
 
     Parameters
     ----------
     pictures : bool
-        Pictures (PNG) of what was solved.
+        Pictures (PNG) of the solution.
     vtk : bool
         Files for ParaView.
     tangential_displacement : bool
-        The displacement of the surface along x and y of a contact without friction.
+        Surface displacement along x and y of a contact without friction.
     history : {"last", "all"}
-        What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any
-        of them without solving again, and an animation shows what has yielded in each.
+        Steps with stored internal variables of the bodies: the ``last`` step, or ``all`` steps. With ``all`` the
+        program can compute regions at any step without a new solution, and an animation shows the yielded zone at each
+        step.
     errors : bool
         Estimated error of every number and field, from coarser runs of the scene; they take about as long as the run
         itself.
@@ -249,50 +253,50 @@ class Output(Table):
 
 
 class Scene(Table):
-    """A contact, the field of eigenstrain, or both together.
+    """A contact, the field of an eigenstrain, or both.
 
     Parameters
     ----------
     name : str
-        Short name, for folders: letters, digits, ``_``, ``.`` and ``-``, beginning with a letter, a digit or ``_``. By
-        default that of the file, made into such a name.
+        Short name, for folders: letters, digits, ``_``, ``.`` and ``-``; the first character is a letter, a digit or
+        ``_``. By default it is made from the name of the file.
     title : str
         One line for plots and lists.
     description : str
-        What the scene shows, and where its numbers come from.
+        Purpose of the scene, and sources of its numbers.
     plugins : list of files
-        Python files with plugins of your own, used by this scene as if they were installed; they are run when it is
-        planned.
+        Python files with your own plugins for this scene; the program executes them when it plans the scene.
     body1 : Body
-        The half-space that z points into.
+        Lower half-space; z points into it.
     body2 : Body
-        The half-space above it, rigid by default; at least one of the two is elastic.
+        Upper half-space, rigid by default; at least one of the two bodies is elastic.
     geometry : list of tables or components
-        Separations that add up; ``type`` names the geometry plugin. Without one there is no contact.
+        Separations of the surfaces, which add up; ``type`` names the geometry plugin. A scene without geometry has no
+        contact.
     friction : table or component, optional
         Friction law of the contact; ``type`` names the plugin. Without it the contact is frictionless.
     wear : Wear, optional
         Wear of sliding surfaces; ``type`` names the wear law.
     inclusions : list of Inclusion
-        Regions with a prescribed eigenstrain; ``type`` names the inclusion shape.
+        Regions with an eigenstrain or another material; ``type`` names the inclusion shape.
     eigenstrain : list of EigenstrainPatch
-        Eigenstrain that fills a patch of the window down to a depth; ``type`` names the eigenstrain field.
+        Eigenstrain in a patch of the window down to a depth; ``type`` names the eigenstrain field.
     grid : GridSpec
         Cells, or ``"auto"``.
     steps : list of Step
-        Load history; one step by default where there is no contact.
+        Load history; one step by default if there is no contact.
     numerics : Numerics
-        Fidelity and effort.
+        Numerical settings: accuracy, time and memory.
     stress : list of StressRequest
-        Where fields below the surface are wanted.
+        Regions of points with stored fields below the surface.
     observers : list of tables or components
-        What is written beside each step; ``type`` names the plugin.
+        Additional numbers of each step; ``type`` names the plugin.
     fatigue : list of FatigueRequest
         Fatigue criteria over a cycle of the run; ``type`` names the criterion.
     output : Output
-        Files beside results and summary.
+        Output in addition to results and summary.
     accuracy : Accuracy, optional
-        Errors that numbers may have: the run chooses cells, increments and tolerances.
+        Largest errors of the results: the program chooses cells, increments and tolerances.
 
     Examples
     --------

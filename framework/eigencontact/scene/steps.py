@@ -37,20 +37,20 @@ MOST_CYCLES = 10**9
 
 
 class Impacts(Table):
-    """Random places of a rectangle around a middle at which a geometry is pressed on and lifted, one after the other.
+    """Impacts at random places of a rectangle: the geometry is loaded and unloaded at one place after the other.
 
-    The places are drawn uniformly and depend on the seed alone; more of them begin with the same ones.
+    The places are uniformly distributed and depend only on the seed; a larger `count` adds places at the end.
 
     Parameters
     ----------
     count : int
-        How many places.
+        Number of places.
     seed : int
-        Of the random numbers.
+        Seed of the random numbers.
     size : float or (float, float)
         Edges of the rectangle along x and y [m].
     center : (float, float)
-        Middle of the rectangle [m].
+        Centre of the rectangle [m].
     """
 
     count: Annotated[int, AfterValidator(in_range(1, 1e5, "impacts"))]
@@ -84,65 +84,66 @@ def _some(steps: Any) -> Any:
 
 
 class Step(Table):
-    """One piece of the load history: a linear ramp from the last state to the values given here.
+    """Load step: a linear ramp from the last state to the values of this table.
 
-    A contact is controlled by normal-load or approach. With friction, loads and motions along the surface are given
-    beside them, those of body 2 against body 1, and what a step does not mention stays as an earlier step left it (see
-    `eigencontact.scene.holding`). Without friction the geometry may roll along the surface: at the end of the step it
-    has moved to (travel-x, travel-y). A scene without geometry has steps of `increments` alone, which are the times at
-    which eigenstrain that changes with time is evaluated. A step with `impacts` stands for one of loading to its
-    normal-load and one of unloading at each of their places.
+    Either normal-load or approach controls a contact. With friction, a step also has loads and motions along the
+    surface, of body 2 relative to body 1; a value that a step does not mention keeps its last value (see
+    `eigencontact.scene.holding`). Without friction the geometry may roll along the surface: its position at the end of
+    the step is (travel-x, travel-y). A scene without geometry has steps of `increments` only, the times at which it
+    evaluates an eigenstrain that changes with time. A step with `impacts` stands for two steps at each place: loading
+    to normal-load, and unloading.
 
-    A step with a `cycle` is that list of steps, done `repeat` times, and prescribes nothing itself. Of a contact that
-    wears not every cycle is solved: see `eigencontact.scene.wear`.
+    A step with a `cycle` is a list of steps that is repeated `repeat` times, and prescribes nothing else. If the
+    contact wears, the program does not solve every cycle: see `eigencontact.scene.wear`.
 
-    In a step with `sliding_distance` the surfaces slide all over the contact by that path, which is not resolved: the
-    motion is not counted in shift-x, and the shear is that of its end, along `sliding_direction`, body 2 moving towards
-    positive values; ``"circular"`` ends along x.
+    In a step with `sliding_distance` the whole contact slides along this path, which is not resolved: shift-x does not
+    contain the motion, and the shear is that of the end, along `sliding_direction`, for a motion of body 2 in the
+    positive direction; ``"circular"`` ends along x.
 
     Parameters
     ----------
     normal_load : float, optional
-        Normal force at the end of the step [N]; of a periodic window, on the window.
+        Normal force at the end of the step [N]; for a periodic window the force on one window.
     approach : float, optional
-        How far the bodies have come together [m].
+        Approach of the bodies [m].
     moment_x, moment_y : float, optional
-        Moment of the pressure about the x or y axis through the middle of the window [N m].
+        Moment of the pressure about the x or y axis through the centre of the window [N m].
     tilt_x, tilt_y : float, optional
         Rotation about the x or y axis [rad].
     tangential_load_x, tangential_load_y : float, optional
         Tangential force of body 2 on body 1 along x or y [N].
     shift_x, shift_y : float, optional
-        Motion of body 2 against body 1 along x or y [m]. It makes the surfaces slip, and the contact stays where it is:
-        a shift should be small beside the contact radius. `travel_x` and `travel_y` move the contact.
+        Tangential displacement of body 2 relative to body 1 along x or y [m]. It makes the surfaces slip, and the
+        contact stays at its place: a shift should be small compared with the contact radius. `travel_x` and `travel_y`
+        move the contact.
     torsion_moment : float, optional
         Moment of body 2 on body 1 about the z axis [N m].
     twist : float, optional
         Rotation about the z axis [rad].
     travel_x, travel_y : float, optional
-        Place along x or y to which the geometry has moved at the end of the step [m].
+        Position of the geometry along x or y at the end of the step [m].
     sliding_distance : float, optional
-        Path that the surfaces slide all over the contact in this step [m].
+        Sliding path of the whole contact in this step [m].
     sliding_direction : {"x", "y", "circular"}, optional
-        Along which they do; x by default.
+        Direction of this path; x by default.
     bulk_stress_xx, bulk_stress_yy, bulk_stress_xy : float, optional
         Bulk stress of body 1 at the end of the step [Pa]; see `eigencontact.scene.body.BulkStress`. It acts with and
-        without friction and contact, and stays where a step does not mention it.
+        without friction and contact, and keeps its last value if a step does not mention it.
     body2_bulk_stress_xx, body2_bulk_stress_yy, body2_bulk_stress_xy : float, optional
         Bulk stress of body 2 [Pa].
     increments : int
-        Parts in which the ramp is done.
+        Number of increments of the ramp.
     spacing : {"radius", "even"}, optional
-        Whether these parts are even in the contact radius, or in the loads and motions themselves. With friction, a
-        step that increases the normal load or the approach and moves nothing else is even in the radius by default,
-        where the gap rises on all sides of one place: what comes into contact within an increment sticks where it is.
-        All else is even in the loads.
+        Spacing of the increments: even in the contact radius, or even in the loads and motions. The default is even in
+        the radius for a step with friction that increases only the normal load or the approach, if the gap rises on all
+        sides of one point, because a cell that comes into contact within an increment sticks at once. All other steps
+        are even in the loads.
     impacts : Impacts, optional
-        Random places at each of which the geometry is pressed on and lifted.
+        Random places at which the geometry is loaded and unloaded.
     cycle : list of Step, optional
-        Steps done again and again, in place of anything else.
+        Steps of a cycle, in place of all other keys.
     repeat : int
-        How often they are done.
+        Number of cycles.
     """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
@@ -236,18 +237,18 @@ class Step(Table):
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A part of the load history that is done as a whole, once or again and again.
+    """Part of the load history that the run repeats as a whole.
 
     Attributes
     ----------
     first : int
-        Its first ramp.
+        Number of its first ramp.
     ramps : int
-        How many it has.
+        Number of its ramps.
     repeat : int
-        How often it is done.
+        Number of repetitions.
     cycle : bool
-        Whether the scene calls it a cycle.
+        True if the scene defines it as a cycle.
     """
 
     first: int

@@ -28,9 +28,9 @@ Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
 
 @dataclass(frozen=True, slots=True)
 class OfKind:
-    """Mark of a field that holds the table of a component of a kind, or several: its ``type`` names the plugin.
+    """Mark of a field with the table of a plugin of a kind, or a list of such tables: ``type`` names the plugin.
 
-    A `default` stands where the table has no ``type``.
+    A table without ``type`` has the type `default`.
     """
 
     kind: str
@@ -39,7 +39,7 @@ class OfKind:
 
 @dataclass(frozen=True, slots=True)
 class Also:
-    """Mark of a field that may hold a word in place of its table."""
+    """Mark of a field that also accepts a text in place of its table."""
 
     text: str
 
@@ -60,7 +60,7 @@ class Table(BaseModel):
 
 
 class ComponentTable(Table):
-    """Table whose further keys are the fields of the plugin of a `kind` that ``type`` names.
+    """Table with the fields of a plugin of a `kind` as further keys; ``type`` names the plugin.
 
     Parameters
     ----------

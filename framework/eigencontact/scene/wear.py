@@ -15,14 +15,14 @@ _Share = Annotated[float, AfterValidator(non_negative("-"))]
 
 
 class Shares(Table):
-    """Parts of the worn depth that each body loses; their sum is 1.
+    """Shares of the two bodies in the worn depth; their sum is 1.
 
     Parameters
     ----------
     body1 : float
-        Part of the worn depth that body 1 loses.
+        Share of body 1 in the worn depth.
     body2 : float
-        Part of the worn depth that body 2 loses.
+        Share of body 2 in the worn depth.
     """
 
     body1: _Share = 0.0
@@ -39,28 +39,29 @@ class Shares(Table):
 class Wear(ComponentTable):
     """Wear of sliding surfaces: ``type`` names the wear law, whose fields are keys of the same table.
 
-    The depth is that which both bodies lose together. Each increment of a load step moves the surface; the increments
-    of a cycle leave it, and the cycle moves it in the end by what all of them wear: with ``update = "increment"`` they
-    move it one by one there too.
+    The law computes the worn depth of both bodies together. Each increment of a load step moves the surfaces. Within a
+    cycle, the surfaces move at the end of the cycle by the wear of all its increments; with ``update = "increment"``
+    each increment moves them.
 
-    Of the repeats of a cycle some are solved; what they wear stands for those between them. Their number follows from
-    ``jump_error``, or is that of ``cycles_per_update``. The first two and the last are solved in any case.
+    The program solves some of the repeated cycles and extrapolates their wear to the cycles between them. The number of
+    solved cycles follows from ``jump_error`` or from ``cycles_per_update``. The first two cycles and the last one are
+    always solved.
 
     Attributes
     ----------
     body : {1, 2}, optional
-        The one that wears; 1 by default.
+        Body that wears; 1 by default.
     shares : Shares, optional
-        Where both do.
+        Shares of both bodies, if both wear.
     jump_error : float, optional
-        Error of the worn volume by cycles that are not solved, relative to it; 0.01 by default.
+        Largest relative error of the worn volume by the extrapolation over cycles; 0.01 by default.
     cycles_per_update : int, optional
-        Cycles that each solved one stands for, instead.
+        Number of cycles for each solved cycle, in place of ``jump_error``.
     layer_error : float
-        Where layers wear (`bonded-layers`): how far, relative to it, the answer of the layers taken as uniform may be
-        from that of the most and of the least worn column.
+        For worn layers (`bonded-layers`): largest relative difference between the response of the layers with their
+        mean thickness and the responses of the most and the least worn column.
     update : {"cycle", "increment"}
-        When the surface moves within a cycle.
+        Time at which the surfaces move within a cycle.
     """
 
     kind: ClassVar[str] = "wear-law"

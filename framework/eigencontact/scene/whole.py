@@ -23,16 +23,16 @@ def uniform_or_given(value: object) -> object:
 
 
 class Whole(Table):
-    """Inhomogeneities as wholes, each with an eigenstrain that is a polynomial.
+    """Whole inhomogeneities, each with one polynomial eigenstrain.
 
     Parameters
     ----------
     whole : int or "auto"
-        Degree of the polynomial, 0 for a uniform eigenstrain; ``"auto"`` takes for each the least whose foretold error
-        is within `error`.
+        Degree of the polynomial, 0 for a uniform eigenstrain; ``"auto"`` chooses for each region the smallest degree
+        whose predicted error is within `error`.
     error : float, optional
-        Error of the stress in them that is allowed, in parts of what the load causes there: ``"auto"`` aims at 0.001 by
-        default; a degree that misses the error that is given is refused.
+        Largest error of the stress in the regions, relative to the stress by the load: 0.001 by default for ``"auto"``.
+        The program refuses a degree that does not reach a prescribed error.
     """
 
     whole: Literal["auto"] | Annotated[int, AfterValidator(in_range(0, HIGHEST_DEGREE, "[-]"))]
