@@ -26,6 +26,14 @@ def turns(increments, parts):
 #: Coarser cells and fewer increments, so that each scene takes a part of a second.
 COARSER = {
     "cylinder-fretting": ["grid.cells-per-contact-radius=64", *(f"steps.{k}.increments=4" for k in (1, 2, 3))],
+    "cylinder-fretting-plastic": [
+        "grid.cells-per-contact-radius=12",
+        "stress.0.depth-max=300 um",
+        "steps.0.increments=6",
+        *(f"steps.1.cycle.{part}.increments={count}" for part, count in ((0, 2), (1, 4), (2, 2))),
+        "steps.1.repeat=1",
+        "steps.2.increments=2",
+    ],
     "fretting-fatigue": ["stress.0.depth-cells=30", "steps.1.increments=4", *turns(6, 2)],
     "fretting-fatigue-out-of-phase": [
         "stress.0.depth-cells=6",
@@ -170,6 +178,21 @@ def test_a_print_stays_below_a_cylinder(finished):
     assert depth[int(middle.argmin())] > 0.0
     yield_stress = 500e6 + 5e9 * float(data.max_plastic_strain[-1])
     assert float(data.section_von_mises[-1].max()) < yield_stress  # at cell centres; on their faces strain steps
+
+
+def test_fretting_beyond_yield(finished):
+    """The surface flows at both ends of the stick zone, and most in the first strokes; the loop takes up all work."""
+    result = finished("cylinder-fretting-plastic")
+    data = result.dataset
+    loads, strain = data.tangential_load_x.values, data.max_plastic_strain.values
+    pressed, pulled = 5, int(np.argmax(loads))
+    assert strain[pressed] < 2e-4 < 20 * strain[pressed] < strain[pulled]
+    cells, x = data.equivalent_plastic_strain_1.values[-1, 0, 0], data.cells_1_x.values
+    peaks = [float(x[x < 0][cells[x < 0].argmax()]), float(x[x > 0][cells[x > 0].argmax()])]
+    a, _ = hertz_cylinder(400e3, 0.01, 0.5 * 119e9 / (1 - 0.3**2))
+    assert np.abs(peaks) == close([0.75 * a, 0.75 * a], abs=0.15 * a)
+    assert float(data.plastic_zone_volume[-1]) == close(float(data.plastic_volume[-1]), rel=1e-6)  # per metre
+    assert float(data.plastic_work[-1]) > 0.0 < float(data.dissipated_energy[-1])
 
 
 def test_criteria_below_a_rolling_cylinder(finished):

@@ -72,7 +72,10 @@ def test_no_docstring_explains_a_key_that_is_none(tables, registry):
 def test_words_are_those_of_the_rules(tables):
     numerics = {key.name: key for key in tables["numerics"].keys}
     assert numerics["tolerance"].takes == "a number, in [1e-13, 0.1]"
-    assert numerics["boundary"].takes == 'one of "non-periodic", "periodic", "periodic-y"'
+    assert numerics["boundary"].takes == (
+        'one of "non-periodic", "periodic", "periodic-y", ["non-periodic", "periodic"], '
+        '["non-periodic", "non-periodic"], ["periodic", "periodic"]'
+    )
     assert numerics["tolerance"].to_dict()["default"] == 1e-6
     body = {key.name: key for key in tables["body1"].keys}
     assert body["young-modulus"].takes == "a stress [Pa], positive and finite"
@@ -128,11 +131,13 @@ REFUSED = {
     "unknown plugin": {"geometry": {"type": "spere"}},
     "parameter that is missing": {"geometry": {"type": "sphere"}},
     "choice": {"numerics": {"boundary": "open"}},
+    "pair of axes": {"numerics": {"boundary": ["periodic", "non-periodic"]}},
     "type": {"output": {"vtk": "perhaps"}},
     "length of an array": {"grid": {"size": [1.0, 1.0, 1.0]}},
 }
 TAKEN = {
     "one table or several": {"geometry": [SPHERE, SPHERE]},
+    "pair of axes": {"grid": {"size": "1 mm", "cells": 8}, "numerics": {"boundary": ["non-periodic", "periodic"]}},
     "one value for both": {"grid": {"size": "1 mm", "cells": 8}},
     "word": {"grid": "auto"},
     "law without a type": {"inclusions": {**SPHERE, "center": [0, 0, 2.0], "material": {**BODY}}},

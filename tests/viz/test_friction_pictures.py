@@ -321,14 +321,17 @@ def test_the_loop_is_that_of_the_scalars_and_its_last_cycle_is_tinted(stored):
     assert ratio.startswith("energy ratio ")
 
 
-@pytest.mark.parametrize(("share", "said"), [(1.0, False), (1.05, True)])
-def test_a_loop_of_coarse_increments_has_the_work_of_the_run_and_says_that_its_area_is_another(stored, share, said):
+@pytest.mark.parametrize(("share", "plastic", "said"), [(1.0, 0.0, False), (1.05, 0.0, True), (0.95, 0.05, False)])
+def test_a_loop_of_coarse_increments_has_the_work_of_the_run_and_says_that_its_area_is_another(
+    stored, share, plastic, said
+):
     def spend(made, info):
         """Gross slip of a square loop: the corners of the polygon are those of the loop, or cut off."""
         way, force = ((0, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1))[made.index - 1]
         made.scalars.update(
             shift_x=1e-6 * way, tangential_load_x=0.1 * force, dissipated_energy=share * 1e-7 * max(0, made.index - 2)
         )
+        made.scalars.update({"plastic_work": plastic * 1e-7 * made.index} if plastic else {})
 
     title = fretting_loops(stored(6 * ((LOAD, 0.1, 0.0),), change=spend)).get_suptitle()
     energy = share * 400

@@ -1,11 +1,13 @@
 """Outlines of inclusions in pictures, the homogeneous body beside a pressure, colours beside values that stand out."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from close import close
-from eigencontact.viz.outline import paths_of
+from eigencontact.viz.outline import inclusion_segments, paths_of
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.surface import cause, homogeneous_words, pressure_map, pressure_profiles
 
@@ -63,6 +65,20 @@ def test_pressure_beside_the_homogeneous_body_and_over_outlines():
     assert [text.get_text() for text in legend.get_texts()] == ["computed cells", "homogeneous body (closed form)"]
     dashed, plain = pressure_map(data).axes[0].collections, pressure_map(dataset()[0]).axes[0].collections
     assert len(dashed) == len(plain) + 2
+
+
+@pytest.mark.parametrize("line", [0, 1])
+def test_borders_of_a_plane_are_those_within_half_a_cell(line):
+    """Strips are 1 m long by convention, which is no distance between planes."""
+    names = ("section_segment", "section_end", "section_axis")
+    data, _ = dataset(
+        section_segments=(names, ring(0, 0, 1e-6)),
+        section_table=(("section", "section_column"), np.array([[0, 0, 2e-6, 0.0, 0.0, 0, 12]])),
+    )
+    table = json.dumps([{"body": 1, "bounds": [[0, 0, 0], [0, 0, 1e-6]]}])
+    data = data.assign_attrs(line=line, cell_size=[1e-6, 1.0 if line else 1e-6], inclusions=table)
+    assert len(inclusion_segments(data, 1, "x", 2.4e-6)) == 12
+    assert not len(inclusion_segments(data, 1, "x", 2.6e-6))
 
 
 def test_what_lifts_the_surface():

@@ -18,7 +18,15 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.schema import Scene
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, plastic_surfaces, surface_of, unloads
+from eigencontact.viz.plastic import (
+    load_depth,
+    loaded_step,
+    plastic_history,
+    plastic_section,
+    plastic_surfaces,
+    surface_of,
+    unloads,
+)
 from eigencontact.viz.profile import mean_profile
 from eigencontact.viz.remembered import SHARE, plastic_strains
 from eigencontact.viz.rolling import coverage_map, impacts, strikes, struck
@@ -100,6 +108,26 @@ def test_load_and_depth_are_told_apart(yielded):
     assert 1e-9 * first == close(float(yielded["approach"][0]), rel=1e-12)
     assert 0.0 <= 1e-9 * touch < 0.05 * float(yielded["approach"][0])
     assert axes.get_xlabel() == "Approach [nm]"
+
+
+def test_the_largest_load_is_the_first_that_also_pulls_most(yielded):
+    """Loads of steps that hold the normal load differ by its tolerance."""
+    loads = {
+        "normal_load": [0.3, 0.65, 0.65 + 1e-8, 0.65 + 3e-8, 0.65, 0.0],
+        "tangential_load_x": [0, 0, 0.1, -0.1, 0, 0],
+    }
+    data = yielded.isel(step=[0, 1, 1, 1, 1, 2]).assign({name: ("step", values) for name, values in loads.items()})
+    assert loaded_step(data) == 2
+    assert loaded_step(data.drop_vars("tangential_load_x")) == 1
+
+
+@pytest.mark.parametrize(("line", "label"), [(0, "Volume [µm³]"), (1, "Area [µm²]")])
+def test_the_size_of_the_zone_has_its_unit(yielded, line, label):
+    factor = 1e6 if line else 1.0
+    data = yielded.assign(plastic_zone_volume=yielded["plastic_zone_volume"] * factor).assign_attrs(line=line)
+    axes = plastic_history(data, "plastic_zone").axes[1]
+    assert axes.get_ylabel() == label
+    assert axes.lines[0].get_ydata() == close([100.0, 200.0, 300.0], rel=1e-12)
 
 
 def test_a_load_that_is_held_is_neither_loading_nor_unloading(yielded):

@@ -18,7 +18,7 @@ from pydantic.fields import FieldInfo
 from eigencontact.core.quantities import AlikeMark, FileMark, Unit
 from eigencontact.plugin.component import Component
 from eigencontact.scene.annotations import class_within, parts_of
-from eigencontact.scene.checks import both_alike
+from eigencontact.scene.checks import BOUNDARY_OF_AXES, both_alike, boundary_of_axes
 from eigencontact.scene.table import Also, OfKind
 
 __all__ = ["Form", "form_of", "in_words", "kinds_within", "table_within", "unit_within"]
@@ -89,6 +89,8 @@ def _marked(form: Form, mark: Any) -> Form:
         return {**form, "minItems" if "items" in form else "minLength": mark.min_length}
     elif isinstance(mark, BeforeValidator) and mark.func is both_alike:
         return {"anyOf": [form["prefixItems"][0], form]}
+    elif isinstance(mark, BeforeValidator) and mark.func is boundary_of_axes:
+        return _any_of([form, {"enum": [list(axes) for axes in BOUNDARY_OF_AXES]}])
     elif isinstance(mark, AfterValidator) and hasattr(mark.func, "rule"):
         return {**form, "x-rule": mark.func.rule}
     return form
@@ -143,6 +145,8 @@ def _ruled(text: str, rule: str) -> str:
 
 
 def _toml(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
     return str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else str(value)
 
 

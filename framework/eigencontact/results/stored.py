@@ -19,7 +19,7 @@ from eigencontact.results.reader import opened_whole
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Held", "Results", "open_stored"]
+__all__ = ["Held", "Results", "open_stored", "widest_edge"]
 
 #: Attributes of variables that belong to the format.
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
@@ -74,6 +74,12 @@ class Results(Protocol):
     def __contains__(self, name: object) -> bool: ...
     def __iter__(self) -> Iterator[Any]: ...
     def __getitem__(self, name: str) -> Variable: ...
+
+
+def widest_edge(dataset: Results) -> float:
+    """Largest edge of the cells of the surface [m]; of a line contact their width, for strips have no ends."""
+    edges = np.atleast_1d(dataset.attrs["cell_size"])
+    return float(np.max(edges[:1] if dataset.attrs.get("line") else edges))
 
 
 def open_stored(path: str | Path) -> _Stored:

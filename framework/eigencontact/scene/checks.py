@@ -16,6 +16,7 @@ from eigencontact.errors import SceneError
 from eigencontact.scene.annotations import parts_of
 
 __all__ = [
+    "BOUNDARY_OF_AXES",
     "at_least",
     "both_alike",
     "boundary_of_axes",
@@ -173,15 +174,21 @@ def both_alike(value: Any) -> Any:
     return [value, value] if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
+#: Names of boundaries by those along the axes x and y.
+BOUNDARY_OF_AXES = {
+    ("non-periodic", "periodic"): "periodic-y",
+    ("non-periodic", "non-periodic"): "non-periodic",
+    ("periodic", "periodic"): "periodic",
+}
+
+
 def boundary_of_axes(value: Any) -> Any:
     """Name of the boundary along the axes x and y."""
-    pairs = {("periodic", "periodic"): "periodic", ("non-periodic", "periodic"): "periodic-y"}
-    pairs["non-periodic", "non-periodic"] = "non-periodic"
     if not isinstance(value, list | tuple):
         return value
     if tuple(value) == ("periodic", "non-periodic"):
         raise ValueError("periodic along y where it is along one axis; turn the scene by 90 degrees")
-    return pairs.get(tuple(value), value)
+    return BOUNDARY_OF_AXES.get(tuple(value), value)
 
 
 def one_or_many(value: Any) -> Any:

@@ -220,12 +220,14 @@ def vanishes(dataset: Results, names: Iterable[str], step: int) -> bool:
 def area_varies(dataset: Results) -> bool:
     """Whether the contact area changes by more than a rim of half a cell all round the largest contact.
 
-    The area is that of whole cells: a smaller change may be the steps of a few cells.
+    The area is that of whole cells: a smaller change may be the steps of a few cells. The rim of a line contact is one
+    cell, half of one at each end.
     """
     area = np.asarray(dataset["contact_area"].values, dtype=float)
     cell = float(np.prod(np.atleast_1d(dataset.attrs["cell_size"])))
     count = float(area.max(initial=0.0)) / cell
-    return float(np.ptp(area)) > float(np.sqrt(np.pi * count)) * cell
+    rim = 1.0 if is_line(dataset) else float(np.sqrt(np.pi * count))
+    return float(np.ptp(area)) > rim * cell
 
 
 def axis_from_zero(values: ArrayLike) -> bool:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.results.stored import widest_edge
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
@@ -59,7 +61,7 @@ def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
 
 def _without_rim(segments: NDArray[Any], dataset: Results) -> NDArray[Any]:
     """Segments without those along the rim of the surface, where a layer ends with the model and not in the body."""
-    cells = np.resize(np.atleast_1d(dataset.attrs["cell_size"]), 2)
+    cells = np.minimum(np.resize(np.atleast_1d(dataset.attrs["cell_size"]), 2), widest_edge(dataset))
     along_rim = np.zeros(len(segments), dtype=bool)
     for axis, cell in enumerate(cells):
         for rim in np.asarray(dataset["xy"[axis]].values, dtype=float)[[0, -1]]:
@@ -135,7 +137,7 @@ def inclusion_segments(dataset: Results, body: int, normal: str, at: float, numb
     numbers = [n for n, item in enumerate(_inclusions(dataset)) if item["body"] == body and number in (None, n)]
     table = table[np.isin(table[:, 0], numbers) & (table[:, 1] == "xyz".index(normal))]
     away = np.abs(table[:, 2] - at)
-    if not away.size or away.min() > NEAR * float(np.max(dataset.attrs["cell_size"])):
+    if not away.size or away.min() > NEAR * widest_edge(dataset):
         return nothing
     segments = np.asarray(dataset["section_segments"].values, dtype=float)
     sections = table[table[:, 2] == table[away.argmin(), 2]]

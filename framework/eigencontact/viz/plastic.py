@@ -19,6 +19,7 @@ from eigencontact.viz.style import (
     colour_bar,
     draw_cross,
     heading,
+    is_line,
     label_plane,
     new_figure,
     paper_style,
@@ -60,15 +61,21 @@ _WAYS: dict[int, tuple[str, dict[str, Any]]] = {
     -1: ("unloading", {"color": COLOURS[1], "linestyle": "--", "marker": "s"}),
     0: ("load held", {"color": COLOURS[2], "linestyle": "-.", "marker": "^"}),
 }
+#: Part by which loads of steps may differ and count as one.
+SAME_LOAD = 1e-5
 #: Shares of the largest strain whose surfaces are drawn, and how well one sees through them.
 SHARES = ((0.02, 0.16), (0.25, 0.35), (0.75, 0.9))
 
 
 def loaded_step(dataset: Results) -> int:
-    """Position of the last step; of the largest load where nothing presses in the last."""
+    """Position of the last step; where nothing presses in the last, of the largest load, normal before tangential."""
     if "pressure" not in dataset or np.any(dataset["pressure"][-1].values != 0):
         return -1
-    return int(np.argmax(dataset["normal_load"].values))
+    normal = np.asarray(dataset["normal_load"].values, dtype=float)
+    names = [name for name in ("tangential_load_x", "tangential_load_y") if name in dataset]
+    pull = np.linalg.norm([np.zeros_like(normal), *(dataset[name].values for name in names)], axis=0)
+    pull[normal < (1 - SAME_LOAD) * normal.max()] = -1.0
+    return int(np.flatnonzero(pull >= (1 - SAME_LOAD) * pull.max())[0])
 
 
 def unloads(dataset: Results) -> bool:
@@ -193,13 +200,14 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
     step = np.asarray(dataset["step"].values)
     strain = np.asarray(dataset[f"{prefix}_max_strain"].values, dtype=float)
     volume = np.asarray(dataset[f"{prefix}_volume"].values, dtype=float)
-    cubic = 1e6 if volume.max(initial=0.0) < 1e-9 else 1e3
+    name, unit = ("area", "m2") if is_line(dataset) else ("volume", "m3")
+    size = scale_for([float(volume.max(initial=0.0))], unit)
     with paper_style():
         figure = new_figure(6.6, 2.8)
-        volume_label = f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]"
+        label = f"{name.capitalize()} [{size.unit}]"
         curves = (
             ("max_strain", strain, PERCENT, "o-", "Equivalent plastic strain [%]", "Largest plastic strain"),
-            ("volume", volume, cubic**3, "s-", volume_label, "Plastic volume"),
+            ("volume", volume, size.factor, "s-", label, f"Plastic {name}"),
         )
         panels = zip(figure.subplots(1, 2), curves, strict=True)
         for n, (axes, (name, values, factor, style, label, title)) in enumerate(panels):

@@ -69,8 +69,12 @@ class PlasticZone(Observer):
         if not plastic.any():
             return out
         z, y, x = (record.coords[name] for name in "zyx")
-        # One layer begins at the surface; its centre is half of its height.
-        dz, dy, dx = (float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in (z, y, x))
+        # One layer begins at the surface, so that its centre is half of its height; one row is that of a line contact.
+        single = {"z": 2.0 * float(z[0]), "y": step.grid.dy, "x": step.grid.dx}
+        dz, dy, dx = (
+            float(axis[1] - axis[0]) if axis.size > 1 else single[name]
+            for name, axis in zip("zyx", (z, y, x), strict=True)
+        )
         k, j, i = np.unravel_index(int(strain.argmax()), strain.shape)
         layers, rows, columns = np.nonzero(plastic)
         return out | {

@@ -24,6 +24,7 @@ from eigencontact.model.model import Model
 from eigencontact.model.regions import region_lattice
 from eigencontact.plugin.fatigue import DamageParameter, FatigueCriterion, StressCycle, checked_damage
 from eigencontact.results.borders import Variable
+from eigencontact.results.stored import widest_edge
 from eigencontact.scene.fatigue import CriticalDistance
 
 if TYPE_CHECKING:
@@ -137,9 +138,7 @@ def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> lis
     if len(region.steps) == 1:
         words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
         out.append(Caution("fatigue-cycle", words))
-    sizes = np.atleast_1d(dataset.attrs["cell_size"])
-    edge = float(np.max(sizes[:1] if dataset.attrs.get("line") else sizes))  # the cell of a line has no end along y
-    if z < edge and _near_edge(dataset, region, x, y):
+    if z < widest_edge(dataset) and _near_edge(dataset, region, x, y):
         words = (
             f"the largest value, at ({place}), lies at the edge of the contact, where stress grows as cells and points "
             "come closer: compare values at a critical distance, not this one"
