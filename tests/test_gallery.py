@@ -12,6 +12,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
 from eigencontact_verification.oracles import hertz
+from eigencontact_verification.oracles.line_contact import hertz_cylinder
 
 STEEL = 210e9 / (1 - 0.3**2)
 
@@ -20,6 +21,12 @@ COARSER = {
     "hertz": ["grid.cells-per-contact-radius=40", "stress.0.depth-cells=60"],
     "hertz-ellipse": ["grid.cells-per-contact-radius=20", "stress.0.depth-cells=30", "stress.1.depth-cells=30"],
     "tilted-punch": ["grid.cells-per-contact-radius=32", "steps.1.increments=2", "stress.0.depth-cells=12"],
+    "ribbed-roller": [
+        "grid.cells=[128, 24]",
+        "stress.0.depth-cells=20",
+        "stress.1.depth-cells=8",
+        "steps.1.increments=1",
+    ],
     "rough-surface": [],
     "random-rough": ["steps.0.increments=3"],
     "dissimilar-spheres": ["grid.cells-per-contact-radius=24", "output.vtk=true"],
@@ -152,6 +159,7 @@ PINS = {
     "hertz": ("max_pressure", 8.4683e9),
     "hertz-ellipse": ("max_pressure", 4.5776e9),
     "tilted-punch": ("max_pressure", 9.5462e8),
+    "ribbed-roller": ("max_pressure", 1.4640e9),
     "rough-surface": ("approach", 2.5763e-7),
     "random-rough": ("approach", 4.3883e-7),
     "dissimilar-spheres": ("max_von_mises", 4.2538e8),
@@ -213,6 +221,25 @@ def test_the_punch_tilts_as_a_flat_punch_of_its_contact_radius(finished):
     with ec.open_results(finished("tilted-punch")) as data:
         moment = -float((data.pressure[-1] * data.x).sum()) * float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
     assert moment == close(240e-6, rel=1e-6)
+
+
+def test_ribs_of_a_roller_grow_together(finished):
+    """The bundled scene: one rib alone at first; at last a smooth roller in the mean, and one period below it."""
+    modulus, period = 0.5 * STEEL, 100e-6
+    with ec.open_results(finished("ribbed-roller")) as data:
+        x, pressure, peaks = data.x.values, data.pressure.values[-1], data.max_pressure.values
+        depth, stress = data.across_z.values, data.across_stress.values[-1, 2]
+    along, across, alone, _ = hertz.hertz_ellipse(0.1, 10e-3, 5e-3, modulus)
+    assert (along, across, alone) == (close(20.80e-6, rel=1e-3), close(13.12e-6, rel=1e-3), close(175.0e6, rel=1e-3))
+    assert peaks[0] == close(alone, rel=0.03)  # three cells to the shorter semi-axis
+    a, p0 = hertz_cylinder(40.0 / period, 10e-3, modulus)
+    mean = pressure.mean(axis=0)
+    smooth = p0 * np.sqrt(np.maximum(0.0, 1.0 - (x / a) ** 2))
+    assert np.sqrt(np.mean((mean - smooth) ** 2)) < 0.03 * p0
+    assert pressure[:, 64].min() < 0.4 * p0 < 1.15 * p0 < pressure[:, 64].max()
+    below = depth > period
+    assert np.abs(stress[below].mean(axis=1) + p0 / np.sqrt(1.0 + (depth[below] / a) ** 2)).max() < 0.01 * p0
+    assert np.ptp(stress[below], axis=1).max() < 0.01 * p0 < np.ptp(stress[depth < 0.3 * period], axis=1).min()
 
 
 def test_the_rough_contact_obeys_the_laws_of_contact(finished):

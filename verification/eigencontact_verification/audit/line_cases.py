@@ -42,6 +42,8 @@ _SHARPER = 32
 _GROWTH = 16.0
 #: Window, depth of the elements of a half width's part, and reach of the mesh, in half widths.
 _WINDOW, _DEEP, _REACH = 1.25, 0.5, 60.0
+#: That depth where a body yields.
+_DEEP_YIELDING = 2.0
 #: Surface within this part of the half width is compared, and stress at these depths, in it.
 _INNER, _SHALLOW, _FARTHEST = 0.8, 0.2, 2.4
 _POINTS = 40
@@ -137,7 +139,7 @@ def line_model(parameters: dict[str, Any], divisions: int, outer: Outer) -> Line
         friction=parameters["friction"],
         window=(-_WINDOW * a, _WINDOW * a),
         fine=a / parts,
-        deep=_DEEP * a,
+        deep=(_DEEP_YIELDING if any(body.law for body in bodies) else _DEEP) * a,
         edges=tuple(parameters["edges"]),
         sharp=a / (_SHARPER * parts),
         reach=_REACH * a,
