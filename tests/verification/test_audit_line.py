@@ -9,7 +9,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.results.reader import open_results
 from eigencontact_verification.audit import contact_cases_of
-from eigencontact_verification.audit.line_cases import line_model
+from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.crosscheck.case import own_error
 from eigencontact_verification.fem.line_contact import LineStep, solve_line_contact
 

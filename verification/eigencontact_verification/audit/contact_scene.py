@@ -18,7 +18,16 @@ from eigencontact_verification.audit.bodies import NotJudged, moduli_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["INCOMPRESSIBLE", "ContactScene", "body_law", "contact_scene", "profile_of", "refuse"]
+__all__ = [
+    "INCOMPRESSIBLE",
+    "ContactScene",
+    "body_law",
+    "contact_scene",
+    "law_numbers",
+    "layers_of",
+    "profile_of",
+    "refuse",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -117,14 +126,14 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
         place["eigenstrain"] = _of_revolution(source.name, np.asarray(source.uniform_eigenstrain(1.0)))
         if hasattr(source, "law"):
             young, nu = moduli_of(source.law, material)
-            place |= {"young_modulus": young, "poisson_ratio": nu, "law": _law(source.law, young)}
+            place |= {"young_modulus": young, "poisson_ratio": nu, "law": law_numbers(source.law, young)}
         regions.append(place)
     return ContactScene(
         number=number,
         young_modulus=material.young_modulus,
         poisson_ratio=material.poisson_ratio,
         law=body_law(registry, body.law, number, material),
-        layers=_layers(solid),
+        layers=layers_of(solid),
         regions=regions,
         profile=[profile_of(registry, table, contact_radius) for table in scene.geometry],
         cells=bool(different) or body.law is not None,
@@ -155,7 +164,7 @@ def _plain(component: Any) -> dict[str, Any]:
     return {"type": component.key, **{name: value for name, value in table.items() if value is not None}}
 
 
-def _law(law: Any, young_modulus: float) -> dict[str, Any] | None:
+def law_numbers(law: Any, young_modulus: float) -> dict[str, Any] | None:
     """Fields of a law that yields; None where it is elastic."""
     if not law.variables:
         return None
@@ -183,11 +192,12 @@ def body_law(registry: Any, table: Mapping[str, Any] | None, number: int, materi
     return (
         None
         if table is None
-        else _law(build_law(registry, table, f"body{number}.law", material), material.young_modulus)
+        else law_numbers(build_law(registry, table, f"body{number}.law", material), material.young_modulus)
     )
 
 
-def _layers(solid: Any) -> list[dict[str, float]]:
+def layers_of(solid: Any) -> list[dict[str, float]]:
+    """Layers of a body from the surface down; raises NotJudged where their constants change with depth."""
     if not hasattr(solid, "interfaces"):
         return []
     depths = [0.0, *solid.interfaces]

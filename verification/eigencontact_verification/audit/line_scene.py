@@ -1,8 +1,7 @@
-"""A run of a line contact in plain numbers: its bodies, gap, friction and loads per length; and what is not judged."""
+"""What a run of a line contact stores over its steps: loads per length, surface, stress; and what is not judged."""
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import NotJudged
-from eigencontact_verification.audit.contact_scene import INCOMPRESSIBLE, body_law, profile_of, refuse
+from eigencontact_verification.audit.line_bodies import line_scene
 from eigencontact_verification.audit.stored import StoredRegion, regions_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["StoredLine", "StoredStrain", "is_line", "line_scene", "read_line"]
+__all__ = ["StoredLine", "StoredStrain", "is_line", "read_line"]
 
 FloatArray = NDArray[np.float64]
 
@@ -70,6 +69,10 @@ class StoredLine:
         Stress, by step.
     strains : list of StoredStrain
         Of bodies that yield.
+    pitch : float
+        Largest edge of the cells below the surface, 0 without [m].
+    middles : dict of int to ((n,), (m,)) float64
+        Middles x and z of the cells by body [m].
     """
 
     name: str
@@ -83,6 +86,8 @@ class StoredLine:
     fields: dict[str, FloatArray]
     regions: list[list[StoredRegion]]
     strains: list[StoredStrain]
+    pitch: float
+    middles: dict[int, tuple[FloatArray, FloatArray]]
 
     def edges(self, steps: Iterable[int]) -> list[float]:
         """Places where contact or stick ends in these steps, ascending, at least a strip apart [m]."""
@@ -129,11 +134,22 @@ def read_line(path: str | Path) -> StoredLine:
         if any(np.any(data[name].values) for name in remote if not name.endswith("_xx")):
             raise NotJudged("its bulk stress is not along x alone")
         ends = ("bulk_stress_xx", "body2_bulk_stress_xx")
+        x, cell = np.asarray(data["x"].values, dtype=float), float(data.attrs["cell_size"][0])
+        edges = np.append(x - cell / 2, x[-1] + cell / 2)
+        middles = {
+            number: (np.asarray(data[f"cells_{number}_x"].values), np.asarray(data[f"cells_{number}_z"].values))
+            for number in (1, 2)
+            if f"cells_{number}_z" in data.variables
+        }
         stored = StoredLine(
             name=str(data.attrs["name"]),
-            scene=line_scene(str(data.attrs["scene"])),
-            x=np.asarray(data["x"].values, dtype=float),
-            cell=float(data.attrs["cell_size"][0]),
+            scene=line_scene(str(data.attrs["scene"]), edges, np.asarray(data["time"].values).tolist()),
+            x=x,
+            cell=cell,
+            pitch=max(
+                (float(np.diff(line).max()) for two in middles.values() for line in two if line.size > 1), default=0.0
+            ),
+            middles=middles,
             half_width=np.asarray(data["contact_radius"].values, dtype=float),
             load=load,
             force=np.asarray(data["tangential_load_x"].values, dtype=float) if rubs else 0 * load,
@@ -152,61 +168,9 @@ def read_line(path: str | Path) -> StoredLine:
         )
     if not load.max(initial=0.0) > 0:
         raise NotJudged("none of its steps has a load")
+    for body in stored.scene["bodies"]:
+        if any(region["kind"] == "layer" for region in body["regions"]) and np.any(stored.bulk[body["number"] - 1]):
+            raise NotJudged(f"body {body['number']} has layers and bulk stress")
     if np.any(np.abs(stored.force) > _SLIDES * stored.scene["friction"] * load):
         raise NotJudged("it slides as a whole, and the elements hold the force")
     return stored
-
-
-def line_scene(text: str) -> dict[str, Any]:
-    """Scene of a run, as JSON allows.
-
-    Parameters
-    ----------
-    text : str
-        TOML.
-
-    Returns
-    -------
-    dict
-        ``bodies`` that deform (number, young_modulus, poisson_ratio, law), ``profile`` (see `ContactScene`) and
-        ``friction``, the coefficient.
-
-    Raises
-    ------
-    NotJudged
-        It has what the elements have not.
-    """
-    from eigencontact.model.bodies import bodies_of
-    from eigencontact.scene.components import build_component
-    from eigencontact.scene.schema import Scene
-
-    scene = Scene(**{**tomllib.loads(text), "stress": [], "observers": [], "fatigue": []})
-    refuse(scene, line=True)
-    if scene.inclusions or scene.eigenstrain:
-        raise NotJudged("it has inclusions or eigenstrain, and the bodies of the elements have none")
-    registry = scene.known_plugins()
-    bodies = []
-    for number, solid in enumerate(bodies_of(scene, registry), 1):
-        table: Any = (scene.body1, scene.body2)[number - 1]
-        if solid is None:
-            continue
-        material: Any = solid
-        if hasattr(solid, "interfaces"):
-            raise NotJudged(f"body {number} has layers, and the bodies of the elements have none")
-        if material.poisson_ratio > INCOMPRESSIBLE:
-            raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, and the elements need less than 0.5")
-        if table.initial is not None:
-            raise NotJudged(f"body {number} begins with the state of another run")
-        law = body_law(registry, table.law, number, material)
-        moduli = {"young_modulus": material.young_modulus, "poisson_ratio": material.poisson_ratio}
-        bodies.append({"number": number, "law": law, **moduli})
-    coefficient = 0.0
-    if scene.friction is not None:
-        friction: Any = build_component(registry, "friction-law", scene.friction, "friction")
-        if friction.key != "coulomb":
-            raise NotJudged(f"the elements have no friction {friction.key!r}")
-        if bodies[0]["number"] != 1:
-            raise NotJudged("body 1 is rigid, and the elements hold the shear on it")
-        coefficient = float(friction.coefficient)
-    profile = [profile_of(registry, table, 0.0) for table in scene.geometry]
-    return {"bodies": bodies, "profile": profile, "friction": coefficient}

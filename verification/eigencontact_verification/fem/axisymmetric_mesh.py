@@ -90,21 +90,30 @@ def graded_lines(fixed: ArrayLike, fine: Sequence[Interval], size: ArrayLike, gr
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """A region to be fitted: ``contains(r, z)``, its bounds, and the number that its elements are marked with."""
+    """A region to be fitted: ``contains(r, z)``, its bounds, and the number that its elements are marked with.
+
+    In a `plane` r has no axis: the region may lie on both sides of 0, and the box leaves half of its roof.
+    """
 
     contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
     low: tuple[float, float]
     high: tuple[float, float]
     mark: int
+    plane: bool = False
+
+    @property
+    def on_axis(self) -> bool:
+        """Whether the region meets the axis."""
+        return not self.plane and self.low[0] <= 0
 
     @property
     def box(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Low and high corner (r, z) of the box that the curved blocks fill."""
         half = (np.asarray(self.high) - np.asarray(self.low)) / 2
-        if self.low[0] <= 0:
+        if self.on_axis:
             half[0] *= 2
         low = np.asarray(self.low) - _MARGIN * half
-        low = np.where(low < _GAP * half, 0.0, low)
+        low = np.maximum(low, (-np.inf, self.low[1] / 2)) if self.plane else np.where(low < _GAP * half, 0.0, low)
         high = np.asarray(self.high) + _MARGIN * half
         return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
@@ -112,7 +121,7 @@ class Fit:
     def centre(self) -> FloatArray:
         """Point (r, z) that the rays start from; on the axis if the region meets it."""
         middle = (np.asarray(self.low) + np.asarray(self.high)) / 2
-        return np.asarray(middle * ((self.low[0] > 0), 1))
+        return np.asarray(middle * (not self.on_axis, 1))
 
     def boundary(self, towards: FloatArray) -> FloatArray:
         """Points (2, n) of the region's boundary on the rays from the centre to the points (2, n)."""
@@ -156,11 +165,11 @@ def _patch(fit: Fit, r: FloatArray, z: FloatArray, size: float, divisions: int) 
     centre = fit.centre[:, None]
     rows = [np.stack((r, np.full_like(r, z[0]))), np.stack((np.full_like(z, r[-1]), z))[:, 1:]]
     rows.append(np.stack((r, np.full_like(r, z[-1])))[:, -2::-1])
-    if fit.low[0] > 0:
+    if not fit.on_axis:
         rows.append(np.stack((np.full_like(z, r[0]), z))[:, -2::-1])
     loop = np.concatenate(rows, axis=1)
     edge = fit.boundary(loop)
-    if fit.low[0] <= 0:
+    if fit.on_axis:
         edge[0, [0, -1]] = 0.0
     else:
         edge[:, -1] = edge[:, 0]

@@ -14,23 +14,29 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import block_diag, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
-from skfem import FacetBasis, LinearForm
 
-from eigencontact_verification.fem.line_contact_model import LineBody, LineContact, LineStep
-from eigencontact_verification.fem.plane_strain import (
-    PlaneBody,
-    line_force_displacement,
-    line_force_stress,
-    stretched_displacement,
-)
+from eigencontact_verification.fem.line_contact_model import LineBody, LineContact, LineStep, PlaneRegion
+from eigencontact_verification.fem.line_half_plane import HalfPlane
+from eigencontact_verification.fem.plane_recovery import recovered_plane
+from eigencontact_verification.fem.plane_strain import PlaneBody
 from eigencontact_verification.fem.yielding_law import State
 
-__all__ = ["LineBody", "LineContact", "LineMoment", "LineSolution", "LineStep", "solve_line_contact"]
+__all__ = [
+    "LineBody",
+    "LineContact",
+    "LineMoment",
+    "LineSolution",
+    "LineStep",
+    "PlaneRegion",
+    "solve_line_contact",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -53,9 +59,9 @@ class LineMoment:
     stick : (n,) bool
         Nodes in contact that the last increment did not shift.
     displacement : (unknowns + 2,) float64
-        Of both bodies, u_x and u_z; last the rigid motion of body 2 into and along body 1.
-    stresses : tuple of (4, elements, 9) float64
-        xx, yy, zz, sqrt2 xz at the integration points of each body.
+        What the bodies keep (`HalfPlane`); last the rigid motion of body 2 into and along body 1.
+    stresses : tuple of (4, elements, 9) float64 or None
+        xx, yy, zz, sqrt2 xz at the integration points of each body; None of an elastic one.
     states : tuple
         What the laws remember, by body.
     iterations : int
@@ -68,7 +74,7 @@ class LineMoment:
     slip: FloatArray
     stick: NDArray[np.bool_]
     displacement: FloatArray
-    stresses: tuple[FloatArray, ...] = field(repr=False)
+    stresses: tuple[FloatArray | None, ...] = field(repr=False)
     states: tuple[tuple[State, ...], ...] = field(repr=False)
     iterations: int = 0
 
@@ -80,7 +86,7 @@ class LineSolution:
     Attributes
     ----------
     model : LineContact
-    bodies : tuple of PlaneBody
+    halves : tuple of HalfPlane
     x, weight : (n,) float64
         Nodes of the surface where contact is looked for, ascending, and their shares of its length [m].
     moments : tuple of LineMoment
@@ -89,18 +95,29 @@ class LineSolution:
     """
 
     model: LineContact
-    bodies: tuple[PlaneBody, ...]
+    halves: tuple[HalfPlane, ...]
     x: FloatArray
     weight: FloatArray
     moments: tuple[LineMoment, ...]
     seconds: float
+
+    @property
+    def bodies(self) -> tuple[PlaneBody, ...]:
+        """Meshes of the bodies."""
+        return tuple(half.body for half in self.halves)
 
     def stress(self, points: ArrayLike, moment: int = -1, body: int = 1) -> FloatArray:
         """Stress xx, yy, zz, xz (4, n) at points (x, z), (n, 2), z into body 1 or upwards into body 2 [Pa].
 
         Of body 2 in the axes of body 1: its xz changes sign, because its z points the other way.
         """
-        found = self.bodies[body - 1].read(self.moments[moment].stresses[body - 1], points)
+        half, now, points = self.halves[body - 1], self.moments[moment], np.asarray(points, dtype=float)
+        values = now.stresses[body - 1]
+        if values is None:
+            start = sum(len(other.kept) for other in self.halves[: body - 1])
+            values = half.stress(now.displacement[start : start + len(half.kept)], now.step)
+        material = half.material
+        found = recovered_plane(half.body, values, points, breaks=material.breaks(), side=material.side)
         found[3] *= (1 if body == 1 else -1) / np.sqrt(2.0)
         return found
 
@@ -162,48 +179,30 @@ def solve_line_contact(model: LineContact, steps: Sequence[LineStep]) -> LineSol
     start = time.perf_counter()
     steps = tuple(steps)
     model.check(steps)
-    solver = _Solver(model=model, bodies=model.meshed(), largest=max((step.normal for step in steps), default=0.0))
+    halves = tuple(HalfPlane(model=model, number=k, body=body) for k, body in enumerate(model.meshed()))
+    solver = _Solver(model=model, halves=halves, largest=max((step.normal for step in steps), default=0.0))
     moments = tuple(solver.follow(steps))
     seconds = time.perf_counter() - start
     x, weight = solver.x, solver.weight
-    return LineSolution(model=model, bodies=solver.bodies, x=x, weight=weight, moments=moments, seconds=seconds)
+    return LineSolution(model=model, halves=halves, x=x, weight=weight, moments=moments, seconds=seconds)
 
 
 @dataclass(kw_only=True, eq=False)
 class _Solver:
-    """Unknowns are those of the first body, of the second, the depth d and the shift s."""
+    """Unknowns are those that the first body keeps, those of the second, the depth d and the shift s."""
 
     model: LineContact
-    bodies: tuple[PlaneBody, ...]
+    halves: tuple[HalfPlane, ...]
     largest: float
     spent: int = 0
 
-    @cached_property
-    def facets(self) -> tuple[FloatArray, IntArray, IntArray]:
-        """Weights (nodes,) by u_z's number, those numbers by rising x, and the numbers of u_x beside them."""
-        basis = self.bodies[0].basis
-        mesh, (low, high) = basis.mesh, self.model.window
-        edges = mesh.boundary_facets()
-        ends = mesh.p[:, mesh.facets[:, edges]]
-        tiny = 1e-9 * (high - low)
-        kept = np.all(ends[1] == 0, axis=0) & np.all((ends[0] > low - tiny) & (ends[0] < high + tiny), axis=0)
-        edges, length = edges[kept], np.abs(np.diff(ends[0][:, kept], axis=0))[0]
-        corners = mesh.facets[:, edges]
-        across = np.concatenate((*basis.nodal_dofs[1][corners], basis.facet_dofs[1][edges]))
-        along = np.concatenate((*basis.nodal_dofs[0][corners], basis.facet_dofs[0][edges]))
-        weight = np.bincount(across, np.concatenate((length / 6, length / 6, length * 4 / 6)), minlength=basis.N)
-        across, first = np.unique(across, return_index=True)
-        order = np.argsort(basis.doflocs[0, across])
-        across = across[order]
-        return weight[across], across, np.asarray(along[first][order], dtype=np.int64)
-
     @property
     def weight(self) -> FloatArray:
-        return self.facets[0]
+        return self.halves[0].facets[0]
 
-    @cached_property
+    @property
     def x(self) -> FloatArray:
-        return np.asarray(self.bodies[0].basis.doflocs[0, self.facets[1]])
+        return self.halves[0].x
 
     @cached_property
     def gap(self) -> FloatArray:
@@ -214,83 +213,32 @@ class _Solver:
         return _STIFF * self.model.contact_modulus * self.model.divisions / self.model.fine
 
     @cached_property
-    def count(self) -> int:
-        """Unknowns of one body."""
-        return int(self.bodies[0].basis.N)
+    def parts(self) -> list[slice]:
+        """Places of the unknowns of each body among all."""
+        ends = np.cumsum([0, *(len(half.kept) for half in self.halves)])
+        return [slice(*map(int, pair)) for pair in pairwise(ends)]
+
+    @property
+    def size(self) -> int:
+        return sum(len(half.kept) for half in self.halves) + 2
 
     @cached_property
     def overlaps(self) -> csr_matrix:
         """Overlap of each node by the unknowns, without the gap."""
-        return self._relative(self.facets[1], (-1.0, -1.0), -2)
+        return self._relative(0, (-1.0, -1.0), -2)
 
     @cached_property
     def shifts(self) -> csr_matrix:
         """Relative shift of each node by the unknowns."""
-        return self._relative(self.facets[2], (-1.0, 1.0), -1)
+        return self._relative(1, (-1.0, 1.0), -1)
 
-    def _relative(self, numbers: IntArray, signs: tuple[float, float], rigid: int) -> csr_matrix:
-        n, bodies = len(numbers), len(self.bodies)
-        columns = [k * self.count + numbers for k in range(bodies)] + [np.full(n, self.size + rigid)]
+    def _relative(self, which: int, signs: tuple[float, float], rigid: int) -> csr_matrix:
+        n, bodies = len(self.x), len(self.halves)
+        columns = [part.start + half.surface[which] for part, half in zip(self.parts, self.halves, strict=True)]
         values = np.repeat([*signs[:bodies], 1.0], n)
         rows = np.tile(np.arange(n), bodies + 1)
+        columns.append(np.full(n, self.size + rigid))
         return csr_matrix((values, (rows, np.concatenate(columns))), shape=(n, self.size))
-
-    @property
-    def size(self) -> int:
-        return len(self.bodies) * self.count + 2
-
-    @cached_property
-    def horizontal(self) -> NDArray[np.bool_]:
-        basis = self.bodies[0].basis
-        found = np.zeros(basis.N, dtype=bool)
-        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
-            found[dofs[0]] = True
-        return found
-
-    @cached_property
-    def held(self) -> NDArray[np.bool_]:
-        """Unknowns of one body that the far field moves: all of the outer boundary, or three that stop rigid motion."""
-        x, z = self.bodies[0].basis.doflocs
-        reach = self.model.reach
-        if self.model.outer == "fixed":
-            return np.asarray((np.abs(x) == reach) | (z == reach))
-        corner = (z == reach) & (np.abs(x) == reach)
-        return np.asarray(corner & ~(self.horizontal & (x > 0)))
-
-    def far(self, step: LineStep) -> FloatArray:
-        """Displacement (unknowns + 2,) of what is held, zero elsewhere."""
-        found = np.zeros(self.size)
-        here = np.flatnonzero(self.held)
-        x, z = self.bodies[0].basis.doflocs[:, here]
-        for k, (body, bulk) in enumerate(zip(self.model.bodies, step.bulk, strict=False)):
-            moduli = body.young_modulus, body.poisson_ratio
-            both = line_force_displacement(step.normal, (step.shear, -step.shear)[k], *moduli, x, z)
-            both = both + stretched_displacement(bulk, *moduli, x, z)
-            found[k * self.count + here] = np.where(self.horizontal[here], *both)
-        return found
-
-    def outer_loads(self, step: LineStep) -> FloatArray:
-        """Forces (unknowns + 2,) on free sides and base, and the loads of d and s."""
-        found = np.zeros(self.size)
-        found[-2:] = step.normal, step.shear
-        if self.model.outer == "free":
-            for k in range(len(self.bodies)):
-                part = np.s_[k * self.count : (k + 1) * self.count]
-                found[part] = self._traction(step.normal, (step.shear, -step.shear)[k], step.bulk[k])
-        return found
-
-    def _traction(self, normal: float, shear: float, bulk: float) -> FloatArray:
-        basis, reach = self.bodies[0].basis, self.model.reach
-
-        def work(v: object, w: object) -> object:
-            return w.t_x * v[0] + w.t_z * v[1]  # type: ignore[attr-defined, index]
-
-        outer = basis.mesh.facets_satisfying(lambda x: (np.abs(x[0]) == reach) | (x[1] == reach), boundaries_only=True)
-        rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-        (n_x, n_z), (x, z) = np.asarray(rim.normals), np.asarray(rim.global_coordinates())
-        s_xx, s_zz, s_xz = line_force_stress(normal, shear, x, z)
-        loads = {"t_x": (s_xx + bulk) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
-        return np.asarray(LinearForm(work).assemble(rim, **loads))
 
     def follow(self, steps: Sequence[LineStep]) -> Iterator[LineMoment]:
         none = np.zeros(len(self.x))
@@ -301,9 +249,11 @@ class _Solver:
             slip=none,
             stick=none > 0,
             displacement=np.zeros(self.size),
-            stresses=tuple(np.zeros(body.prestrain.shape) for body in self.bodies),
-            states=tuple(body.rest() for body in self.bodies),
+            stresses=(None,) * len(self.halves),
+            states=tuple(half.body.rest() for half in self.halves),
         )
+        if any(np.any(half.body.prestrain) for half in self.halves):
+            now = self.advance(now, now.step)
         for step in steps:
             self.spent = 0
             now = self.advance(now, step)
@@ -330,23 +280,25 @@ class _Solver:
 
     def newton(self, before: LineMoment, step: LineStep) -> LineMoment | None:
         """Newton's iteration on the semi-smooth equations; None where it does not converge."""
-        u = before.displacement + self.far(step) - self.far(before.step)
+        u = before.displacement.copy()
+        for part, half in zip(self.parts, self.halves, strict=True):
+            u[part] += half.moved(before.step, step)
         if step.normal and not before.step.normal:
             u[-2] = self.first_depth(u, step.normal)
-        free = np.concatenate((np.tile(~self.held, len(self.bodies)), [step.normal > 0, self.rubs and step.normal > 0]))
-        loads, free = self.outer_loads(step), np.flatnonzero(free)
+        loose = [half.free for half in self.halves]
+        free = np.flatnonzero(np.concatenate((*loose, [step.normal > 0, self.rubs and step.normal > 0])))
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
         slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
         for tried in range(_ITERATIONS):
             try:
-                parts = [
-                    body.forces(u[k * self.count : (k + 1) * self.count], states)
-                    for k, (body, states) in enumerate(zip(self.bodies, before.states, strict=True))
+                inner = [
+                    half.answer(u[part], states, step)
+                    for part, half, states in zip(self.parts, self.halves, before.states, strict=True)
                 ]
             except ArithmeticError:
                 return None
             p, q, slip, slopes, slides = self.tractions(u, before.slip, slides, parted=not step.normal)
-            rest = loads - np.concatenate([part[0] for part in parts] + [np.zeros(2)])
+            rest = np.concatenate([*(-force for force, *_ in inner), [step.normal, step.shear]])
             rest -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
             rest = rest[free]
             bounded = np.all(np.abs(q) <= self.model.friction * p * (1 + 1e-12))
@@ -359,25 +311,34 @@ class _Solver:
                     slip=slip,
                     stick=(p > 0) & ~moved,
                     displacement=u,
-                    stresses=tuple(part[3] for part in parts),
-                    states=tuple(part[2] for part in parts),
+                    stresses=tuple(stress for *_, stress in inner),
+                    states=tuple(states for _, _, states, _ in inner),
                     iterations=self.spent,
                 )
             if step.normal and not np.any(p):
                 return None
             self.spent += 1
-            matrix = block_diag([part[1] for part in parts] + [csc_matrix((2, 2))], format="csr")
             normal, shear, cross = (diags(self.weight * slope) for slope in slopes)
-            matrix = matrix + self.overlaps.T @ normal @ self.overlaps
-            matrix = matrix + self.shifts.T @ (shear @ self.shifts + cross @ self.overlaps)
+            springs = self.overlaps.T @ normal @ self.overlaps
+            springs = springs + self.shifts.T @ (shear @ self.shifts + cross @ self.overlaps)
             try:
-                step_u = splu(matrix[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
-            except RuntimeError:  # every node slips: the halved step keeps some that stick
+                u[free] += self.solved([matrix for _, matrix, _, _ in inner], springs, free, rest)
+            except (RuntimeError, np.linalg.LinAlgError):  # every node slips: the halved step keeps some that stick
                 return None
-            u[free] += step_u.solve(rest)
             if not np.all(np.isfinite(u)):
                 return None
         return None
+
+    def solved(self, matrices: list[Any], springs: csr_matrix, free: IntArray, rest: FloatArray) -> FloatArray:
+        """Step (free,) of Newton's iteration; dense where no body keeps what lies inside."""
+        if all(half.material.elastic for half in self.halves):
+            dense = springs.toarray()
+            for part, matrix in zip(self.parts, matrices, strict=True):
+                dense[part, part] += matrix
+            return np.linalg.solve(dense[np.ix_(free, free)], rest)
+        whole = block_diag([*map(csc_matrix, matrices), csc_matrix((2, 2))], format="csr") + springs
+        factors = splu(whole[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+        return np.asarray(factors.solve(rest))
 
     @property
     def rubs(self) -> bool:

@@ -8,35 +8,152 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.fem.axisymmetric_mesh import Grid, build, graded_lines
+from eigencontact_verification.fem.axisymmetric_mesh import Fit, Grid, build, graded_lines
 from eigencontact_verification.fem.plane_strain import PlaneBody
 from eigencontact_verification.fem.yielding_law import PointLaw, YieldingLaw
 
-__all__ = ["LineBody", "LineContact", "LineStep"]
+__all__ = ["LineBody", "LineContact", "LineStep", "PlaneRegion"]
 
 FloatArray = NDArray[np.float64]
+Pair = tuple[float, float]
+
+#: Elements of the undivided mesh to the thickness of a layer, and to the width and height of another region.
+_LAYER, _ACROSS = 2, 4
+#: Young's modulus of a void, in units of the body's.
+_VOID = 1e-10
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaneRegion:
+    """Part of a half plane that has moduli, a law or an eigenstrain of its own; endless along y.
+
+    Attributes
+    ----------
+    low, high : (x, z)
+        Corners of the box around it; x is infinite for a layer.
+    contains : callable or None
+        ``contains(x, z)`` of a region that the mesh follows: below the surface, star-shaped about the middle of its
+        box. None: it fills its box.
+    young_modulus, poisson_ratio : float or None
+        Moduli; None: those of the body. Young's modulus 0 makes a void (1e-10 of the body's).
+    law : PointLaw or None
+        None: elastic with these moduli, or made of what is around it if it gives none.
+    eigenstrain : (xx, yy, zz, xz)
+        Strain without stress, tensor components.
+    """
+
+    low: Pair
+    high: Pair
+    contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]] | None = None
+    young_modulus: float | None = None
+    poisson_ratio: float | None = None
+    law: PointLaw | None = None
+    eigenstrain: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not (self.low[0] < self.high[0] and 0 <= self.low[1] < self.high[1]):
+            raise ValueError(f"region low, high must rise, with z >= 0 (got {self.low}, {self.high}); give (x, z)")
+        if self.contains is not None and self.low[1] <= 0:
+            raise ValueError(f"region with contains must lie below z = 0 (got z from {self.low[1]}); move it down")
+
+    @property
+    def sizes(self) -> Pair:
+        """Largest elements along x and z in the undivided mesh."""
+        width, height = self.high[0] - self.low[0], self.high[1] - self.low[1]
+        return width / _ACROSS, height / (_LAYER if np.isinf(width) else _ACROSS)
+
+    def inside(self, x: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie in it."""
+        if self.contains is not None:
+            return np.asarray(self.contains(x, z), dtype=bool)
+        (left, top), (right, bottom) = self.low, self.high
+        return np.asarray((x > left) & (x < right) & (z > top) & (z < bottom))
+
+    def own_law(self, body: LineBody) -> PointLaw | None:
+        """Its material; None: that of what is around it."""
+        if self.law is not None or (self.young_modulus is None and self.poisson_ratio is None):
+            return self.law
+        young = body.young_modulus if self.young_modulus is None else self.young_modulus
+        nu = body.poisson_ratio if self.poisson_ratio is None else self.poisson_ratio
+        return YieldingLaw(young_modulus=young or _VOID * body.young_modulus, poisson_ratio=nu)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LineBody:
-    """Half plane of one material.
+    """Half plane of one material, with regions.
 
     Attributes
     ----------
     young_modulus, poisson_ratio : float
-        Moduli [Pa, 1], those of its law.
+        Moduli [Pa, 1], those of its law; below layers.
     law : PointLaw or None
         None: elastic.
+    regions : tuple of PlaneRegion
+        Where they overlap, eigenstrains add up and the last material counts.
     """
 
     young_modulus: float
     poisson_ratio: float
     law: PointLaw | None = None
+    regions: tuple[PlaneRegion, ...] = ()
 
     @property
     def compliance(self) -> float:
         """(1 - nu²) / E [1/Pa]."""
         return (1 - self.poisson_ratio**2) / self.young_modulus
+
+    @property
+    def elastic(self) -> bool:
+        """Whether no part of it has a law."""
+        return self.law is None and all(region.law is None for region in self.regions)
+
+    def fits(self) -> list[Fit]:
+        """Regions that the mesh follows."""
+        return [
+            Fit(contains=region.contains, low=region.low, high=region.high, mark=k, plane=True)
+            for k, region in enumerate(self.regions)
+            if region.contains is not None
+        ]
+
+    def boxes(self, axis: int) -> list[tuple[Pair, float]]:
+        """Ends along x (0) or z (1) of the boxes that are meshed for its regions, and elements' size there."""
+        fits = {fit.mark: fit.box for fit in self.fits()}
+        found = []
+        for k, region in enumerate(self.regions):
+            low, high = fits.get(k, (region.low, region.high))
+            if np.isfinite(low[axis]):
+                found.append(((low[axis], high[axis]), region.sizes[axis]))
+        return found
+
+    def breaks(self) -> tuple[FloatArray, FloatArray]:
+        """Places along x and z of the sides of regions that fill their boxes."""
+        filled = [region for region in self.regions if region.contains is None]
+        ends = [np.array([end[k] for region in filled for end in (region.low, region.high)]) for k in (0, 1)]
+        return tuple(np.unique(end[np.isfinite(end)]) for end in ends)  # type: ignore[return-value]
+
+    def on(self, grid: Grid) -> PlaneBody:
+        """The body on a mesh of its own."""
+        x, z = PlaneBody.points_of(grid)
+        laws: list[PointLaw] = [
+            self.law or YieldingLaw(young_modulus=self.young_modulus, poisson_ratio=self.poisson_ratio)
+        ]
+        material, prestrain = np.zeros(x.shape, dtype=np.int64), np.zeros((4, *x.shape))
+        for k, region in enumerate(self.regions):
+            fitted = np.broadcast_to((grid.marks == k)[:, None], x.shape)
+            inside = region.inside(x, z) if region.contains is None else fitted
+            prestrain[:, inside] += np.multiply(region.eigenstrain, (1, 1, 1, np.sqrt(2.0)))[:, None]
+            own = region.own_law(self)
+            if own is not None:
+                material[inside] = len(laws)
+                laws.append(own)
+        return PlaneBody(grid=grid, laws=laws, material=material, prestrain=prestrain)
+
+    def side(self, x: FloatArray, z: FloatArray) -> NDArray[np.int64]:
+        """A bit for each region that holds the point."""
+        found = np.zeros(np.shape(x), dtype=np.int64)
+        for k, region in enumerate(self.regions):
+            found += region.inside(x, z).astype(np.int64) << k
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,25 +241,25 @@ class LineContact:
         """1 / Σ (1 - nu²)/E [Pa]."""
         return 1 / sum(body.compliance for body in self.bodies)
 
-    def grid(self) -> Grid:
-        """Mesh of either body, (x, z)."""
+    def grid(self, body: LineBody) -> Grid:
+        """Mesh of a body, (x, z), z into it; the lines along z are those of both bodies, so that their nodes face."""
         low, high = self.window
         sharp = [(edge, edge) for edge in self.edges]
-        sizes = [self.fine] + [self.sharp] * len(sharp)
-        x = graded_lines((-self.reach, low, 0.0, high, self.reach), [(low, high), *sharp], sizes, self.growth)
-        z = graded_lines((0.0, self.reach), [(0.0, self.deep), *[(0.0, 0.0)] * len(sharp)], sizes, self.growth)
-        return build(x, z, (), self.fine, self.divisions)
+        lines = []
+        for axis, fixed, kept, bodies in (
+            (0, [-self.reach, low, 0.0, high, self.reach], (low, high), self.bodies),
+            (1, [0.0, self.reach], (0.0, self.deep), (body,)),
+        ):
+            boxes = [box for one in bodies for box in one.boxes(axis)]
+            fine = [kept, *(sharp if axis == 0 else [(0.0, 0.0)] * len(sharp)), *(ends for ends, _ in boxes)]
+            sizes = [self.fine, *[self.sharp] * len(sharp), *(min(size, self.fine) for _, size in boxes)]
+            lines.append(graded_lines([*fixed, *(end for ends, _ in boxes for end in ends)], fine, sizes, self.growth))
+        fitted = [min(*region.sizes, self.fine) for region in body.regions if region.contains is not None]
+        return build(lines[0], lines[1], body.fits(), min(fitted, default=self.fine), self.divisions)
 
     def meshed(self) -> tuple[PlaneBody, ...]:
         """The bodies with their materials; body 2 is mirrored, its z too points into it."""
-        grid = self.grid()
-        shape = PlaneBody.points_of(grid).shape[1:]
-        found = []
-        for body in self.bodies:
-            law = body.law or YieldingLaw(young_modulus=body.young_modulus, poisson_ratio=body.poisson_ratio)
-            material, none = np.zeros(shape, dtype=np.int64), np.zeros((4, *shape))
-            found.append(PlaneBody(grid=grid, laws=[law], material=material, prestrain=none))
-        return tuple(found)
+        return tuple(body.on(self.grid(body)) for body in self.bodies)
 
     def check(self, steps: tuple[LineStep, ...]) -> None:
         """Refuse loads that no equilibrium carries.
@@ -158,5 +275,10 @@ class LineContact:
             most = self.friction * step.normal
             if step.shear and not abs(step.shear) < most:
                 raise ValueError(f"line step {number} |shear| must be below {most:g} (got {step.shear}); lower it")
+            for k, body in enumerate(self.bodies):
+                if step.bulk[k] and any(np.isinf(region.low[0]) for region in body.regions):
+                    raise ValueError(
+                        f"line step {number} bulk[{k}] must be 0, the body has layers (got {step.bulk[k]}); drop it"
+                    )
             if len(self.bodies) == 1 and step.bulk[1]:
                 raise ValueError(f"line step {number} bulk[1] must be 0, body 2 is rigid (got {step.bulk[1]}); drop it")

@@ -13,6 +13,8 @@ J. Barlow 1976, Int. J. Numer. Methods Eng. 10, 243-251; O. C. Zienkiewicz and J
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -20,7 +22,7 @@ from scipy.spatial import cKDTree
 from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
 from eigencontact_verification.fem.recovery import section_gauss_points
 
-__all__ = ["recovered"]
+__all__ = ["fitted", "recovered", "stencil"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,8 +38,8 @@ def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
     """Stress (n, 3, 3) at Cartesian points (n, 3), off the boundaries of the regions."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
     own = _side(solution, r, z)
-    rs, wr = _stencil(solution.grid.lines[0], r, mirrored=True)
-    zs, wz = _stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
+    rs, wr = stencil(solution.grid.lines[0], r, mirrored=True)
+    zs, wz = stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
     shape = (r.size, _COUNT, _COUNT)
     sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
     beside = _curved(solution, np.abs(sample_r), sample_z)
@@ -73,7 +75,7 @@ def _curved(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> NDA
     return out
 
 
-def _stencil(
+def stencil(
     line: FloatArray, at: FloatArray, *, breaks: FloatArray | None = None, mirrored: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Places (n, 4) of Gauss points around coordinates and the weights of Lagrange's interpolation.
@@ -134,21 +136,46 @@ def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: I
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
     side = _side(solution, np.abs(gauss[:, 0]), gauss[:, 1])
-    found = np.empty((4, r.size))
+
+    def values(chosen: IntArray) -> FloatArray:
+        return _continuous(solution, gauss[chosen, 0], gauss[chosen, 1])
+
+    return fitted(values, nodes, gauss, element, side, np.stack([r, z], axis=1), own)
+
+
+def fitted(
+    values: Callable[[IntArray], FloatArray], nodes: FloatArray, gauss: FloatArray, element: IntArray, side: IntArray,
+    at: FloatArray, own: IntArray,
+) -> FloatArray:  # fmt: skip
+    """Values (k, n) at points by cubics through the nearest Gauss points on the same side, by least squares.
+
+    Parameters
+    ----------
+    values : callable
+        Values (k, m) at the Gauss points of numbers (m,).
+    nodes : (2, 9, elements) float64
+    gauss, element, side : (g, 2) float64, (g,) int64, (g,) int64
+        Gauss points, their elements, and a number for the side that each lies on.
+    at, own : (n, 2) float64, (n,) int64
+        Points, and the side that each lies on.
+    """
+    found: list[FloatArray] = [np.empty(0)] * len(at)
     for key in np.unique(own):
         chosen, wanted = np.flatnonzero(side == key), np.flatnonzero(own == key)
-        at = np.stack([r[wanted], z[wanted]], axis=1)
-        near = chosen[cKDTree(gauss[chosen]).query(at, k=min(_CANDIDATES, chosen.size))[1].reshape(len(at), -1)]
+        here = at[wanted]
+        near = chosen[cKDTree(gauss[chosen]).query(here, k=min(_CANDIDATES, chosen.size))[1].reshape(len(here), -1)]
         spread = np.stack([np.linalg.cholesky(np.cov(nodes[:, :, e])) for e in element[near[:, 0]]])
-        spread = np.where(gauss[near[:, 0], 0][:, None, None] < 0, spread * np.array([[-1.0], [1.0]]), spread)
-        local = np.linalg.solve(spread[:, None], (gauss[near] - at[:, None])[..., None])[..., 0]
+        mirrored = gauss[near[:, 0], 0] * nodes[0, 8, element[near[:, 0]]] < 0
+        spread = np.where(mirrored[:, None, None], spread * np.array([[-1.0], [1.0]]), spread)
+        local = np.linalg.solve(spread[:, None], (gauss[near] - here[:, None])[..., None])[..., 0]
         nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :_NEAREST]
         local, near = np.take_along_axis(local, nearest[..., None], axis=1), np.take_along_axis(near, nearest, axis=1)
         distance = np.hypot(local[..., 0], local[..., 1])
         size = distance[:, -1:]
         local, weight = local / size[..., None], np.exp(-2.0 * (distance / size) ** 2)[..., None]
-        values = _continuous(solution, gauss[near.ravel(), 0], gauss[near.ravel(), 1]).reshape(4, *near.shape)
+        table = values(near.ravel())
         matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in _POWERS], axis=-1)
-        solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(values, 0, -1))
-        found[:, wanted] = solved[:, 0].T
-    return found
+        solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(table.reshape(len(table), *near.shape), 0, -1))
+        for k, value in zip(wanted, solved[:, 0], strict=True):
+            found[k] = value
+    return np.stack(found, axis=1)

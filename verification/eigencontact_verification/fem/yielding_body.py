@@ -100,10 +100,8 @@ class YieldingBody:
         dofs = np.asarray(self.basis.element_dofs).T
         return np.asarray(np.moveaxis(self.strains @ u[dofs][:, None, :, None], 2, 0)[..., 0])
 
-    def forces(
-        self, u: FloatArray, before: tuple[State, ...]
-    ) -> tuple[FloatArray, csc_matrix, tuple[State, ...], FloatArray]:
-        """Inner forces (unknowns,), their derivative, the states that follow, and stress (4, elements, 9)."""
+    def answer(self, u: FloatArray, before: tuple[State, ...]) -> tuple[FloatArray, FloatArray, tuple[State, ...]]:
+        """Stress (4, elements, 9), its derivative by the strain (4, 4, elements, 9), and the states that follow."""
         strain = self.strain(u) - self.prestrain
         stress, tangent = np.empty_like(strain), np.empty((4, *strain.shape))
         after = []
@@ -111,6 +109,13 @@ class YieldingBody:
             here = self.material == k
             stress[:, here], tangent[:, :, here], now = law.answer(strain[:, here], state)
             after.append(now)
+        return stress, tangent, tuple(after)
+
+    def forces(
+        self, u: FloatArray, before: tuple[State, ...]
+    ) -> tuple[FloatArray, csc_matrix, tuple[State, ...], FloatArray]:
+        """Inner forces (unknowns,), their derivative, the states that follow, and stress (4, elements, 9)."""
+        stress, tangent, after = self.answer(u, before)
         B, w = self.strains, self.weight
         dofs = np.asarray(self.basis.element_dofs).T
         loads = np.einsum("eqia,ieq->ea", B, w * stress)
@@ -121,7 +126,7 @@ class YieldingBody:
         matrices = np.swapaxes(B.reshape(flat), 1, 2) @ turned.reshape(flat)
         rows, columns = (np.broadcast_to(x, matrices.shape).ravel() for x in (dofs[:, :, None], dofs[:, None]))
         matrix = csc_matrix((matrices.ravel(), (rows, columns)), shape=(self.basis.N, self.basis.N))
-        return force, matrix, tuple(after), stress
+        return force, matrix, after, stress
 
     def of_state(self, states: tuple[State, ...], name: str = "p") -> FloatArray:
         """One number of the state at every integration point, (elements, 9)."""

@@ -1,0 +1,196 @@
+"""One body of a line contact for the solver: the unknowns that it keeps, and its inner forces by them.
+
+A body with a law keeps all of its unknowns. An elastic one keeps those of the surface where contact is looked for: its
+stiffness is condensed onto them once, ``S = K_ss - K_si K_ii^-1 K_is``, and so is what the far field, the remote stress
+and the eigenstrain do, which are linear in the loads. The rest follows from the surface where stress is read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+from skfem import FacetBasis, LinearForm
+
+from eigencontact_verification.fem.line_contact_model import LineBody, LineContact, LineStep
+from eigencontact_verification.fem.plane_strain import (
+    PlaneBody,
+    line_force_displacement,
+    line_force_stress,
+    stretched_displacement,
+)
+from eigencontact_verification.fem.yielding_law import State
+
+__all__ = ["HalfPlane", "Inner"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+#: Force by the kept unknowns, its derivative, the states that follow, and stress where it is known without more work.
+Inner = tuple[FloatArray, Any, tuple[State, ...], FloatArray | None]
+
+#: Columns that are condensed at a time.
+_AT_ONCE = 100
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HalfPlane:
+    """Body of a number from 0; body 1 lies above, mirrored.
+
+    Attributes
+    ----------
+    model : LineContact
+    number : int
+    body : PlaneBody
+    """
+
+    model: LineContact
+    number: int
+    body: PlaneBody
+
+    @property
+    def material(self) -> LineBody:
+        """What it is made of."""
+        return self.model.bodies[self.number]
+
+    @cached_property
+    def facets(self) -> tuple[FloatArray, IntArray, IntArray]:
+        """Weights (n,) of the surface nodes by rising x; numbers of their u_z and u_x among all unknowns."""
+        basis = self.body.basis
+        mesh, (low, high) = basis.mesh, self.model.window
+        edges = mesh.boundary_facets()
+        ends = mesh.p[:, mesh.facets[:, edges]]
+        tiny = 1e-9 * (high - low)
+        kept = np.all(ends[1] == 0, axis=0) & np.all((ends[0] > low - tiny) & (ends[0] < high + tiny), axis=0)
+        edges, length = edges[kept], np.abs(np.diff(ends[0][:, kept], axis=0))[0]
+        corners = mesh.facets[:, edges]
+        across = np.concatenate((*basis.nodal_dofs[1][corners], basis.facet_dofs[1][edges]))
+        along = np.concatenate((*basis.nodal_dofs[0][corners], basis.facet_dofs[0][edges]))
+        weight = np.bincount(across, np.concatenate((length / 6, length / 6, length * 4 / 6)), minlength=basis.N)
+        across, first = np.unique(across, return_index=True)
+        order = np.argsort(basis.doflocs[0, across])
+        across = across[order]
+        return weight[across], across, np.asarray(along[first][order], dtype=np.int64)
+
+    @property
+    def x(self) -> FloatArray:
+        """Surface nodes."""
+        return np.asarray(self.body.basis.doflocs[0, self.facets[1]])
+
+    @cached_property
+    def kept(self) -> IntArray:
+        """Numbers of the unknowns that it keeps."""
+        _, across, along = self.facets
+        return np.concatenate((across, along)) if self.material.elastic else np.arange(self.body.basis.N)
+
+    @cached_property
+    def surface(self) -> tuple[IntArray, IntArray]:
+        """Places of u_z and u_x of the surface nodes among the kept unknowns."""
+        _, across, along = self.facets
+        return (
+            (np.arange(len(across)), np.arange(len(across)) + len(across)) if self.material.elastic else (across, along)
+        )
+
+    @cached_property
+    def horizontal(self) -> NDArray[np.bool_]:
+        """Which unknowns are u_x."""
+        basis = self.body.basis
+        found = np.zeros(basis.N, dtype=bool)
+        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
+            found[dofs[0]] = True
+        return found
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """Unknowns that the far field moves: all of the outer boundary, or three that stop rigid motion."""
+        x, z = self.body.basis.doflocs
+        reach = self.model.reach
+        if self.model.outer == "fixed":
+            return np.asarray((np.abs(x) == reach) | (z == reach))
+        corner = (z == reach) & (np.abs(x) == reach)
+        return np.asarray(corner & ~(self.horizontal & (x > 0)))
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which kept unknowns are not held."""
+        return np.asarray(~self.held[self.kept])
+
+    def _loads(self, step: LineStep) -> tuple[float, float, float]:
+        """Normal force, shear and remote stress of this body."""
+        return step.normal, (step.shear, -step.shear)[self.number], step.bulk[self.number]
+
+    @cached_property
+    def _far(self) -> FloatArray:
+        """Displacement (unknowns, 3) of what is held under unit loads, zero elsewhere."""
+        found = np.zeros((self.body.basis.N, 3))
+        here = np.flatnonzero(self.held)
+        x, z = self.body.basis.doflocs[:, here]
+        moduli = self.material.young_modulus, self.material.poisson_ratio
+        fields = [line_force_displacement(p, q, *moduli, x, z) for p, q in ((1.0, 0.0), (0.0, 1.0))]
+        for k, both in enumerate((*fields, stretched_displacement(1.0, *moduli, x, z))):
+            found[here, k] = np.where(self.horizontal[here], *both)
+        return found
+
+    @cached_property
+    def _outer(self) -> FloatArray:
+        """Forces (unknowns, 3) on free sides and base under unit loads."""
+        basis, reach = self.body.basis, self.model.reach
+        if self.model.outer == "fixed":
+            return np.zeros((basis.N, 3))
+
+        def work(v: object, w: object) -> object:
+            return w.t_x * v[0] + w.t_z * v[1]  # type: ignore[attr-defined, index]
+
+        outer = basis.mesh.facets_satisfying(lambda x: (np.abs(x[0]) == reach) | (x[1] == reach), boundaries_only=True)
+        rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+        (n_x, n_z), (x, z) = np.asarray(rim.normals), np.asarray(rim.global_coordinates())
+        found = []
+        for p, q, bulk in np.eye(3):
+            s_xx, s_zz, s_xz = line_force_stress(p, q, x, z)
+            loads = {"t_x": (s_xx + bulk) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
+            found.append(np.asarray(LinearForm(work).assemble(rim, **loads)))
+        return np.stack(found, axis=1)
+
+    @cached_property
+    def _condensed(self) -> tuple[Any, Any, FloatArray, FloatArray, IntArray]:
+        """Factors of K_ii, K_is, S, forces of unit loads and of the eigenstrain (kept, 4), and the inner unknowns."""
+        body = self.body
+        force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.rest())
+        right = np.column_stack((self._outer - matrix @ self._far, -force))
+        kept = self.kept
+        loose = np.setdiff1d(np.flatnonzero(~self.held), kept)
+        rows = matrix.tocsr()
+        inner, between = rows[loose], rows[kept]
+        factors = splu(
+            inner[:, loose].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+        coupling = inner[:, kept].tocsc()
+        stiffness = between[:, kept].toarray()
+        for k in range(0, len(kept), _AT_ONCE):
+            part = np.s_[:, k : k + _AT_ONCE]
+            stiffness[part] -= between[:, loose] @ factors.solve(coupling[part].toarray())
+        loads = right[kept] - between[:, loose] @ factors.solve(right[loose])
+        return factors, (coupling, right[loose]), (stiffness + stiffness.T) / 2, loads, loose
+
+    def moved(self, before: LineStep, after: LineStep) -> FloatArray:
+        """Change (kept,) of what is held from one step to another."""
+        return np.asarray((self._far @ np.subtract(self._loads(after), self._loads(before)))[self.kept])
+
+    def answer(self, kept: FloatArray, before: tuple[State, ...], step: LineStep) -> Inner:
+        """Inner forces less those of the far field, by the kept unknowns."""
+        if self.material.elastic:
+            _, _, stiffness, loads, _ = self._condensed
+            return stiffness @ kept - loads @ (*self._loads(step), 1.0), stiffness, before, None
+        force, matrix, after, stress = self.body.forces(kept, before)
+        return force - self._outer @ self._loads(step), matrix, after, stress
+
+    def stress(self, kept: FloatArray, step: LineStep) -> FloatArray:
+        """Stress (4, elements, 9) of an elastic body: xx, yy, zz, sqrt2 xz at the integration points."""
+        factors, (coupling, right), _, _, loose = self._condensed
+        found = self._far @ self._loads(step)
+        found[self.kept] = kept
+        found[loose] = factors.solve(right @ (*self._loads(step), 1.0) - coupling @ kept)
+        return self.body.answer(found, self.body.rest())[0]
