@@ -18,14 +18,13 @@ from numpy.typing import ArrayLike
 from eigencontact.convolution.backends import Backend, Plan, backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
+from eigencontact.convolution.rows import Kernels, Rows
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]
-
-Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
 _BATCH_BYTES = 524_288
@@ -85,6 +84,11 @@ class Convolver:
         self._fft = backend(library, effort)
         y, x = layout.y, layout.x
         self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
+        self._rows = Rows(layout, self._fft, (self._real, self._complex)) if y.length == 1 else None
+        self._half: list[Array] = []
+        self._workers: list[_Worker] = []
+        if self._rows is not None:
+            return
         # Equal batches, an even number where one is not enough, whatever the threads: they do not change the answer.
         batches = -(-16 * x.half * y.length // max(_BATCH_BYTES, 16 * y.length * _FEWEST_COLUMNS))
         batches += batches % 2 if batches > 1 else 0
@@ -94,7 +98,6 @@ class Convolver:
             _Worker(layout, self._fft, (self._real, self._complex), columns, batch_rows, (k, self.threads))
             for k in range(self.threads)
         ]
-        self._half: list[Array] = []
 
     @property
     def library(self) -> str:
@@ -104,7 +107,8 @@ class Convolver:
     @property
     def nbytes(self) -> int:
         """Memory of buffers held now."""
-        return sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
+        rows = 0 if self._rows is None else self._rows.nbytes
+        return rows + sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
 
     def apply(self, sources: ArrayLike, kernels: Spectrum | Kernels) -> Array:
         """Convolve sources with a matrix of kernels: ``target[i] = sum_j kernels[i][j] * source[j]``.
@@ -135,6 +139,8 @@ class Convolver:
         kernel : Spectrum
             Real and even in x and y.
         """
+        if self._rows is not None:
+            return self._rows.energy(source, kernel)
         half = self._buffers(1)
         self._all([partial(worker.rows_forward, source[None], half) for worker in self._workers])
         sums: dict[int, float] = {}
@@ -146,7 +152,9 @@ class Convolver:
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
         n, widths = len(sources), [len(row) for row in kernels]
         require(set(widths) <= {n}, "convolution", "kernels", widths, f"rows of {n} kernels, one for each source")
-        for kernel in (kernel for row in kernels for kernel in row if kernel is not None):
+        present = [kernel for row in kernels for kernel in row if kernel is not None]
+        self.count += len(present)
+        for kernel in present:
             shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
             require(
                 kernel.values.shape == shape,
@@ -155,8 +163,10 @@ class Convolver:
                 kernel.values.shape,
                 f"of this convolver's layout, with spectra of shape {shape}",
             )
-        self.count += sum(kernel is not None for row in kernels for kernel in row)
         targets = np.empty((len(kernels), *self.layout.target), self._real)
+        if self._rows is not None:
+            self._rows.apply(sources, kernels, targets)
+            return targets
         if len(sources) > len(kernels):
             self._compile(len(sources) * len(kernels))
         if len(sources) > len(kernels) and 16 * self.layout.x.half * self.layout.y.length <= _SMALL_PLANE:

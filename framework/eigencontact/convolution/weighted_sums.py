@@ -73,23 +73,22 @@ class WeightedSums:
             f"{product} {where}",
         )
 
-    @property
-    def count(self) -> int:
-        """Inverse transforms along z."""
-        return len(self.rows)
+    def rows_of(self, active: Sequence[int]) -> list[Row]:
+        """Rows that some of the sources reach: as many inverse transforms along z."""
+        return [row for row in self.rows if any(source in active for _, source in row.terms)]
 
     def turned(self, parity: tuple[int, int]) -> bool:
         """Whether a field is carried as 1j times itself, so that folded kernels need no factor 1j."""
         return self.kernels.layout.folded and parity[0] * parity[1] < 0
 
     def matrices(self, active: Sequence[int]) -> list[tuple[int, int, FloatArray]]:
-        """For each row the range of columns it uses, and the coefficients ``(columns, kernels)``.
+        """For each row of `rows_of` the range of columns it uses, and the coefficients ``(columns, kernels)``.
 
         The columns are the active sources' spectra, then these at -kz.
         """
         width, rows = len(active), []
         place = {source: position for position, source in enumerate(active)}
-        for row in self.rows:
+        for row in self.rows_of(active):
             full = np.zeros((2 * width, len(self.kernels)))
             for (kernel, source), value in row.terms.items():
                 if source in place:
@@ -100,7 +99,7 @@ class WeightedSums:
                     column = place[source] + (width if self.kernels.correlations[kernel] else 0)
                     full[column, kernel] += sign * value
             used = np.flatnonzero(full.any(axis=1))
-            first, last = (int(used[0]), int(used[-1]) + 1) if used.size else (0, 1)
+            first, last = int(used[0]), int(used[-1]) + 1
             rows.append((first, last, full[first:last]))
         return rows
 
