@@ -107,6 +107,7 @@ class VolumeConvolver:
         layout, count = self.layout, len(self.sums.outputs)
         expected = (len(self.sums.sources), *layout.source)
         require(fields.shape == expected, "convolution", "sources", fields.shape, f"of shape {expected}")
+        fields = self.sums.merged(fields)
         active = tuple(k for k, field in enumerate(fields) if field.any())
         if not self.sums.rows_of(active):
             return np.zeros((count, *layout.target), self.real)
