@@ -18,13 +18,15 @@ from numpy.typing import ArrayLike
 from eigencontact.convolution.backends import Backend, Plan, backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
-from eigencontact.convolution.rows import Kernels, Rows
+from eigencontact.convolution.rows import Rows, same
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]
+
+Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
 _BATCH_BYTES = 524_288
@@ -85,6 +87,8 @@ class Convolver:
         y, x = layout.y, layout.x
         self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
         self._rows = Rows(layout, self._fft, (self._real, self._complex)) if y.length == 1 else None
+        #: Kernels that were found to be of this layout, and how many of them there are.
+        self._checked: tuple[list[Spectrum | None], int] = [], 0
         self._half: list[Array] = []
         self._workers: list[_Worker] = []
         if self._rows is not None:
@@ -152,20 +156,13 @@ class Convolver:
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
         n, widths = len(sources), [len(row) for row in kernels]
         require(set(widths) <= {n}, "convolution", "kernels", widths, f"rows of {n} kernels, one for each source")
-        present = [kernel for row in kernels for kernel in row if kernel is not None]
-        self.count += len(present)
-        for kernel in present:
-            shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
-            require(
-                kernel.values.shape == shape,
-                "convolution",
-                "kernels",
-                kernel.values.shape,
-                f"of this convolver's layout, with spectra of shape {shape}",
-            )
+        flat = [kernel for row in kernels for kernel in row]
+        if not same(flat, self._checked[0]):
+            self._check(flat)
+        self.count += self._checked[1]
         targets = np.empty((len(kernels), *self.layout.target), self._real)
         if self._rows is not None:
-            self._rows.apply(sources, kernels, targets)
+            self._rows.apply(sources, flat, targets)
             return targets
         if len(sources) > len(kernels):
             self._compile(len(sources) * len(kernels))
@@ -181,6 +178,20 @@ class Convolver:
             self._all([partial(w.columns, len(sources), group, half, half[first_output:]) for w in self._workers])
             self._all([partial(w.rows_inverse, len(group), half[first_output:], into) for w in self._workers])
         return targets
+
+    def _check(self, kernels: list[Spectrum | None]) -> None:
+        """Refuse kernels of another layout."""
+        present = [kernel for kernel in kernels if kernel is not None]
+        for kernel in present:
+            shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
+            require(
+                kernel.values.shape == shape,
+                "convolution",
+                "kernels",
+                kernel.values.shape,
+                f"of this convolver's layout, with spectra of shape {shape}",
+            )
+        self._checked = kernels, len(present)
 
     def _compile(self, pairs: int) -> None:
         """Load the compiled loop where this many pairs repay its import."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import is_
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,7 @@ from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 
-__all__ = ["Rows"]
-
-Kernels = Sequence[Sequence[Spectrum | None]]
+__all__ = ["Rows", "same"]
 
 # Bytes of the rows that are transformed together, small enough to stay in cache.
 _TOGETHER = 524_288
@@ -47,13 +46,13 @@ class Rows:
         plans = [plan for group in self._plans for plan in group.values()]
         return sum(a.nbytes + b.nbytes for a, b, _ in plans) + int(self._stack[1].nbytes)
 
-    def apply(self, sources: Array, kernels: Kernels, targets: Array) -> None:
-        """Convolve ``sources (n, 1, nx)`` with a matrix of kernels, into ``targets (m, 1, tx)``."""
+    def apply(self, sources: Array, kernels: list[Spectrum | None], targets: Array) -> None:
+        """Convolve ``sources (n, 1, nx)`` with kernels ``[m * n]``, row by row, into ``targets (m, 1, tx)``."""
         if not len(sources):
             targets[:] = 0
             return
         waves, x = self._waves(sources[:, 0]), self._x
-        stack = self._stacked(kernels).reshape(len(kernels), len(sources), x.half)
+        stack = self._stacked(kernels).reshape(len(targets), len(sources), x.half)
         for first in range(0, len(stack), self._most):
             group = stack[first : first + self._most]
             sums, full, inverse = self._plan(1, len(group))
@@ -97,16 +96,19 @@ class Rows:
         plans[count] = (real, waves, plan) if forth else (waves, real, plan)
         return plans[count]
 
-    def _stacked(self, kernels: Kernels) -> Array:
-        """Kernels row by row, ``(m * n, kx)``; the last are kept."""
-        flat = [kernel for row in kernels for kernel in row]
-        known, stack = self._stack
-        if len(flat) == len(known) and all(a is b for a, b in zip(flat, known, strict=True)):
-            return stack
-        turned = any(kernel is not None and (kernel.imaginary or np.iscomplexobj(kernel.values)) for kernel in flat)
-        stack = np.zeros((len(flat), self._x.half), self._dtypes[1 if turned else 0])
-        for row, kernel in zip(stack, flat, strict=True):
+    def _stacked(self, kernels: list[Spectrum | None]) -> Array:
+        """Kernels as one array ``(m * n, kx)``; the last are kept."""
+        if same(kernels, self._stack[0]):
+            return self._stack[1]
+        turned = any(kernel is not None and (kernel.imaginary or np.iscomplexobj(kernel.values)) for kernel in kernels)
+        stack = np.zeros((len(kernels), self._x.half), self._dtypes[1 if turned else 0])
+        for row, kernel in zip(stack, kernels, strict=True):
             if kernel is not None:
                 (row.imag if kernel.imaginary else row)[:] = kernel.values[:, 0]
-        self._stack = flat, stack
+        self._stack = kernels, stack
         return stack
+
+
+def same(first: Sequence[Any], second: Sequence[Any]) -> bool:
+    """Whether two sequences hold the very same objects."""
+    return len(first) == len(second) and all(map(is_, first, second))
