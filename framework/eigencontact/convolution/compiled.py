@@ -109,10 +109,9 @@ def contract(
                 for k in range(kz):
                     j = b * kz + k
                     sums[r, s, b, k] = complex(total[2 * s, 0, j], total[2 * s, 1, j])
-                if signs == 2:
-                    for k in range(1, length - kz + 1):
-                        j = b * kz + k
-                        sums[r, s, b, length - k] = complex(total[2 * s + 1, 0, j], -total[2 * s + 1, 1, j])
+                for k in range(1, length - kz + 1):
+                    j = b * kz + k
+                    sums[r, s, b, length - k] = complex(total[2 * s + 1, 0, j], -total[2 * s + 1, 1, j])
 
 
 @_compiled

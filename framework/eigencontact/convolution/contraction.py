@@ -20,13 +20,14 @@ class _Contraction:
         layout = sums.kernels.layout
         self._sums, self._size, self._dtype = sums, size, np.dtype(dtype)
         self._real = sums.kernels.values.dtype
-        self._signs, self._kz = (2 if layout.folded else 1), layout.spectrum_shape[2]
+        # Folded: at each kz >= 0 the values there and the conjugates of those at -kz; kernels multiply both alike.
+        self._halves, self._signs, self._kz = (2 if layout.folded else 1), layout.signs, layout.spectrum_shape[2]
         self._matrices = sums.matrices(active)
         self._flips = np.array([parity[0] for parity in sums.outputs], self._real)
         self._first, self._targets = layout.z.target_start, layout.z.targets
         products = [
             (output, number, factor * depths**power)
-            for number, row in enumerate(sums.rows)
+            for number, row in enumerate(sums.rows_of(active))
             for output, power, factor in row.into
         ]
         products.sort(key=lambda item: item[:2])
@@ -51,12 +52,11 @@ class BlockContraction(_Contraction):
         super().__init__(sums, active, depths, size, dtype)
         from scipy.sparse import csr_array
 
-        n, signs, kz = len(active), self._signs, self._kz
+        n, halves, signs, kz = len(active), self._halves, self._signs, self._kz
         # Sparse, as most entries are zero, and as the threads of a dense product would spin beside ours.
         self._matrix = csr_array(np.concatenate([matrix for *_, matrix in self._matrices]).astype(self._real))
-        # Folded: at each kz >= 0 the values there and the conjugates of those at -kz; kernels multiply both alike.
-        self._columns = self._empty(2 * n, signs, signs, size, kz)
-        self._product = self._empty(max(last - first for first, last, _ in self._matrices), signs, signs, size, kz)
+        self._columns = self._empty(2 * n, halves, signs, size, kz)
+        self._product = self._empty(max(last - first for first, last, _ in self._matrices), halves, signs, size, kz)
         self._lower = self._empty(signs, size, kz)
         self._assembled = self._empty(self._matrix.shape[0], 1, 1, size, kz)
         self._sum, self._term = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
@@ -79,7 +79,7 @@ class BlockContraction(_Contraction):
         columns, mirrored = self._columns, waves[..., ::-1][..., :kz]
         np.copyto(columns[:n, 0], waves[..., :kz])
         np.copyto(columns[n:, 0], mirrored)
-        if self._signs == 2:
+        if self._halves == 2:
             np.conjugate(mirrored, out=columns[:n, 1])
             np.conjugate(waves[..., :kz], out=columns[n:, 1])
         for component, values in enumerate((self._assembled.real, self._assembled.imag)):
@@ -92,7 +92,7 @@ class BlockContraction(_Contraction):
             product = self._product[: last - first, :, :, :size]
             np.multiply(weights, columns[first:last, :, :, :size], out=product)
             np.add.reduce(product[:, 0], axis=0, out=out[row, :, :size, :kz])
-            if self._signs == 2:
+            if self._halves == 2:
                 lower = self._lower[:, :size]
                 np.add.reduce(product[:, 1], axis=0, out=lower)
                 np.conjugate(lower[..., upper], out=out[row, :, :size, : kz - 1 : -1])

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from eigencontact.convolution.backends import Backend, Plan, backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
+from eigencontact.convolution.rows import Rows, same
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 from eigencontact.core.parallel import available_threads, in_parallel
@@ -85,6 +86,13 @@ class Convolver:
         self._fft = backend(library, effort)
         y, x = layout.y, layout.x
         self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
+        self._rows = Rows(layout, self._fft, (self._real, self._complex)) if y.length == 1 else None
+        #: Kernels that were found to be of this layout, and how many of them there are.
+        self._checked: tuple[list[Spectrum | None], int] = [], 0
+        self._half: list[Array] = []
+        self._workers: list[_Worker] = []
+        if self._rows is not None:
+            return
         # Equal batches, an even number where one is not enough, whatever the threads: they do not change the answer.
         batches = -(-16 * x.half * y.length // max(_BATCH_BYTES, 16 * y.length * _FEWEST_COLUMNS))
         batches += batches % 2 if batches > 1 else 0
@@ -94,7 +102,6 @@ class Convolver:
             _Worker(layout, self._fft, (self._real, self._complex), columns, batch_rows, (k, self.threads))
             for k in range(self.threads)
         ]
-        self._half: list[Array] = []
 
     @property
     def library(self) -> str:
@@ -104,7 +111,8 @@ class Convolver:
     @property
     def nbytes(self) -> int:
         """Memory of buffers held now."""
-        return sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
+        rows = 0 if self._rows is None else self._rows.nbytes
+        return rows + sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
 
     def apply(self, sources: ArrayLike, kernels: Spectrum | Kernels) -> Array:
         """Convolve sources with a matrix of kernels: ``target[i] = sum_j kernels[i][j] * source[j]``.
@@ -135,6 +143,8 @@ class Convolver:
         kernel : Spectrum
             Real and even in x and y.
         """
+        if self._rows is not None:
+            return self._rows.energy(source, kernel)
         half = self._buffers(1)
         self._all([partial(worker.rows_forward, source[None], half) for worker in self._workers])
         sums: dict[int, float] = {}
@@ -146,17 +156,14 @@ class Convolver:
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
         n, widths = len(sources), [len(row) for row in kernels]
         require(set(widths) <= {n}, "convolution", "kernels", widths, f"rows of {n} kernels, one for each source")
-        for kernel in (kernel for row in kernels for kernel in row if kernel is not None):
-            shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
-            require(
-                kernel.values.shape == shape,
-                "convolution",
-                "kernels",
-                kernel.values.shape,
-                f"of this convolver's layout, with spectra of shape {shape}",
-            )
-        self.count += sum(kernel is not None for row in kernels for kernel in row)
+        flat = [kernel for row in kernels for kernel in row]
+        if not same(flat, self._checked[0]):
+            self._check(flat)
+        self.count += self._checked[1]
         targets = np.empty((len(kernels), *self.layout.target), self._real)
+        if self._rows is not None:
+            self._rows.apply(sources, flat, targets)
+            return targets
         if len(sources) > len(kernels):
             self._compile(len(sources) * len(kernels))
         if len(sources) > len(kernels) and 16 * self.layout.x.half * self.layout.y.length <= _SMALL_PLANE:
@@ -171,6 +178,20 @@ class Convolver:
             self._all([partial(w.columns, len(sources), group, half, half[first_output:]) for w in self._workers])
             self._all([partial(w.rows_inverse, len(group), half[first_output:], into) for w in self._workers])
         return targets
+
+    def _check(self, kernels: list[Spectrum | None]) -> None:
+        """Refuse kernels of another layout."""
+        present = [kernel for kernel in kernels if kernel is not None]
+        for kernel in present:
+            shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
+            require(
+                kernel.values.shape == shape,
+                "convolution",
+                "kernels",
+                kernel.values.shape,
+                f"of this convolver's layout, with spectra of shape {shape}",
+            )
+        self._checked = kernels, len(present)
 
     def _compile(self, pairs: int) -> None:
         """Load the compiled loop where this many pairs repay its import."""

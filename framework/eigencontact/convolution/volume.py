@@ -3,11 +3,13 @@
 The padded field never exists. Real transforms along x take the source's rows only; then each wavenumber kx is
 finished by itself, in pieces that fit a cache: transform along y and z, sum kernels times sources, transform back along
 z, weight with powers of the depth and crop, transform back along y and crop. Powers of the depth are combined before
-the inverse transforms along y and x, which are therefore made once for each output.
+the inverse transforms along y and x, which are therefore made once for each output. In a section, one row of cells
+along y, pieces have many wavenumbers kx.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -105,23 +107,23 @@ class VolumeConvolver:
         layout, count = self.layout, len(self.sums.outputs)
         expected = (len(self.sums.sources), *layout.source)
         require(fields.shape == expected, "convolution", "sources", fields.shape, f"of shape {expected}")
+        fields = self.sums.merged(fields)
         active = tuple(k for k, field in enumerate(fields) if field.any())
-        if not active or not self.sums.rows:
+        if not self.sums.rows_of(active):
             return np.zeros((count, *layout.target), self.real)
         targets: Array = np.empty((count, *layout.target), self.real)
         if active not in self._workers:
-            self._workers = {active: [_Worker(self, active) for _ in range(self.threads)]}  # the last set is kept
+            form = _SectionWorker if layout.section else _Worker
+            self._workers = {active: [form(self, active) for _ in range(self.threads)]}  # the last set is kept
         workers = self._workers[active]
-        nz, ny, _ = layout.source
-        tz, ty, _ = layout.target
-        size = max(len(active) * nz * ny, count * tz * ty)
-        if self._half.size != layout.x.half * size:
-            self._half = self.fft.empty((layout.x.half, size), self.complex)
-        before = self._half[:, : len(active) * nz * ny].reshape(-1, len(active), nz, ny)
-        after = self._half[:, : count * tz * ty].reshape(-1, count, tz, ty)
-        self._share(workers, len(active) * nz, lambda w, k: w.forward_x(fields, k, before))
-        self._share(workers, layout.x.half, lambda w, k: w.wavenumber(k, before[k], after[k]))
-        self._share(workers, count * tz, lambda w, k: w.inverse_x(k, after, targets))
+        size = workers[0].half_shape
+        if self._half.shape != size:
+            self._half = self.fft.empty(size, self.complex)
+        before, after = workers[0].views(self._half)
+        forward, between, inverse = workers[0].tasks
+        self._share(workers, forward, lambda w, k: w.forward_x(fields, k, before))
+        self._share(workers, between, lambda w, k: w.wavenumber(k, before, after))
+        self._share(workers, inverse, lambda w, k: w.inverse_x(k, after, targets))
         return targets
 
     def _share(self, workers: Sequence[_Worker], count: int, task: Callable[[_Worker, int], None]) -> None:
@@ -142,6 +144,7 @@ class _Worker:
         layout, sums, fft = owner.layout, owner.sums, owner.fft
         self._layout, self._sums, self._fft, self._active = layout, sums, fft, active
         self._complex, self._real = owner.complex, owner.real
+        self._rows, self._outputs = len(sums.rows_of(active)), len(sums.outputs)
         self._buffers: list[Array] = []
         self._plan_x()
         self._plan_y()
@@ -152,6 +155,26 @@ class _Worker:
     @property
     def nbytes(self) -> int:
         return sum(int(buffer.nbytes) for buffer in self._buffers) + self._contraction.nbytes
+
+    @property
+    def half_shape(self) -> tuple[int, int]:
+        """Half-transformed sources or outputs of all wavenumbers kx; these take the place of those."""
+        (nz, ny, _), (tz, ty, _) = self._layout.source, self._layout.target
+        return self._layout.x.half, max(len(self._active) * nz * ny, self._outputs * tz * ty)
+
+    def views(self, half: Array) -> tuple[Array, Array]:
+        """Sources ``[kx, source, z, y]`` and outputs ``[kx, output, z, y]`` in this memory."""
+        shapes = [
+            (count, *box[:2]) for count, box in ((len(self._active), self._layout.source), (self._outputs, self._layout.target))
+        ]
+        before, after = (half[:, : math.prod(shape)].reshape(-1, *shape) for shape in shapes)
+        return before, after
+
+    @property
+    def tasks(self) -> tuple[int, int, int]:
+        """Planes to transform along x, wavenumbers, and planes to transform back."""
+        z = self._layout.z
+        return len(self._active) * z.sources, self._layout.x.half, self._outputs * z.targets
 
     def _empty(self, *shape: int, real: bool = False) -> Array:
         array = self._fft.empty(shape, self._real if real else self._complex)
@@ -169,7 +192,7 @@ class _Worker:
 
     def _plan_y(self) -> None:
         # One column more than the transform repeats ky = 0 behind the last, so that -ky is a plain reversed slice.
-        layout, n, m = self._layout, len(self._active), len(self._sums.outputs)
+        layout, n, m = self._layout, len(self._active), self._outputs
         y, nz, tz = layout.y, layout.z.sources, layout.z.targets
         self._padded_y, self._waves_y = self._empty(n, nz, y.length), self._empty(n, nz, y.length + 1)
         self._forward_y = self._fft.forward(self._padded_y, self._waves_y[..., : y.length])
@@ -177,9 +200,8 @@ class _Worker:
         self._inverse_y = self._fft.inverse(self._sum_y[..., : y.length], self._back_y)
 
     def _plan_z(self) -> None:
-        layout, n, rows = self._layout, len(self._active), self._sums.count
+        layout, n, rows, signs = self._layout, len(self._active), self._rows, self._layout.signs
         z, (_, ky, _) = layout.z, layout.spectrum_shape
-        signs = 2 if layout.folded else 1
         most = max(1, _PIECE_BYTES // (2 * rows * signs * z.length * np.dtype(self._complex).itemsize))
         self._size = size = -(-ky // -(-ky // most))
         self._pieces = [slice(k, min(k + size, ky)) for k in range(0, ky, size)]
@@ -210,28 +232,32 @@ class _Worker:
         self._inverse_x()
         targets[output, k] = self._full[:, x.target_start : x.target_start + x.targets]
 
-    def wavenumber(self, kx: int, source: Array, target: Array) -> None:
-        """Finish one kx: ``source[active, z, y]`` to ``target[output, z, y]``."""
-        y, kernels = self._layout.y, self._sums.kernels.values[kx]
-        self._padded_y[..., y.source_start : y.source_start + y.sources] = source
+    def wavenumber(self, kx: int, sources: Array, targets: Array) -> None:
+        """Finish one kx: ``sources[kx, active, z, y]`` to ``targets[kx, output, z, y]``."""
+        y = self._layout.y
+        self._padded_y[..., y.source_start : y.source_start + y.sources] = sources[kx]
         self._forward_y()
         self._waves_y[..., -1] = self._waves_y[..., 0]
         for piece in self._pieces:
             self._spread(piece)
-            self._forward_z()
-            self._waves_z[..., -1] = self._waves_z[..., 0]
-            self._contraction.multiply(self._waves_z, kernels, piece, self._sum_z)
-            self._inverse_z()
-            self._contraction.collect(self._back_z, piece, self._sum_y)
+            self._along_z(kx, piece, self._sum_y)
         self._inverse_y()
-        target[:] = self._back_y[..., y.target_start : y.target_start + y.targets]
+        targets[kx] = self._back_y[..., y.target_start : y.target_start + y.targets]
+
+    def _along_z(self, kx: int, piece: slice, out: Array) -> None:
+        """Transform a piece along z, sum kernels times sources, transform back and collect into ``out[output, z]``."""
+        self._forward_z()
+        self._waves_z[..., -1] = self._waves_z[..., 0]
+        self._contraction.multiply(self._waves_z, self._sums.kernels.values[kx], piece, self._sum_z)
+        self._inverse_z()
+        self._contraction.collect(self._back_z, piece, out)
 
     def _spread(self, piece: slice) -> None:
         """Rows along z of the wavenumbers ky of a piece, and of -ky."""
         z, length, n = self._layout.z, self._layout.y.length, piece.stop - piece.start
         rows = slice(z.source_start, z.source_start + z.sources)
         self._padded_z[:, 0, :n, rows] = self._waves_y[..., piece].transpose(0, 2, 1)
-        if not self._layout.folded:
+        if self._layout.signs == 1:
             return
         mirrored = self._waves_y[..., length - piece.stop + 1 : length - piece.start + 1][..., ::-1].transpose(0, 2, 1)
         for place, source in enumerate(self._active):
@@ -239,3 +265,55 @@ class _Worker:
                 self._padded_z[place, 1, :n, rows] = mirrored[place]
             else:
                 np.negative(mirrored[place], out=self._padded_z[place, 1, :n, rows])
+
+
+class _SectionWorker(_Worker):
+    """The same for a section: planes to transform have a row for each z, and pieces are wavenumbers kx."""
+
+    def _plan_x(self) -> None:
+        x, z = self._layout.x, self._layout.z
+        self._padded, self._halved = self._empty(z.sources, x.length, real=True), self._empty(z.sources, x.half)
+        self._forward_x = self._fft.forward(self._padded, self._halved)
+        self._unhalved, self._full = self._empty(z.targets, x.half), self._empty(z.targets, x.length, real=True)
+        self._inverse_x = self._fft.inverse(self._unhalved, self._full)
+
+    def _plan_y(self) -> None:
+        """Nothing: one row is its own transform."""
+
+    @property
+    def half_shape(self) -> tuple[int, int]:
+        """Half-transformed sources and outputs of all wavenumbers kx, side by side."""
+        z = self._layout.z
+        return len(self._active) * z.sources + self._outputs * z.targets, self._layout.x.half
+
+    def views(self, half: Array) -> tuple[Array, Array]:
+        """Sources ``[source, kx, z]`` and outputs ``[output, z, kx]`` in this memory."""
+        n, z = len(self._active), self._layout.z
+        before, after = np.split(half, [n * z.sources])
+        return before.reshape(n, -1, z.sources), after.reshape(-1, z.targets, self._layout.x.half)
+
+    @property
+    def tasks(self) -> tuple[int, int, int]:
+        """Sources, pieces and outputs."""
+        return len(self._active), len(self._pieces), self._outputs
+
+    def forward_x(self, fields: Array, number: int, half: Array) -> None:
+        """Transform one source along x; ``half[source, kx, z]``."""
+        x, source = self._layout.x, self._active[number]
+        self._padded[:, x.source_start : x.source_start + x.sources] = fields[source, :, 0]
+        self._forward_x()
+        np.multiply(self._halved.T, 1j if self._sums.turned(self._sums.sources[source]) else 1.0, out=half[number])
+
+    def inverse_x(self, number: int, half: Array, targets: Array) -> None:
+        """Transform one output back along x and crop it; ``half[output, z, kx]``."""
+        x = self._layout.x
+        np.multiply(half[number], 1j if self._sums.turned(self._sums.outputs[number]) else 1.0, out=self._unhalved)
+        self._inverse_x()
+        targets[number, :, 0] = self._full[:, x.target_start : x.target_start + x.targets]
+
+    def wavenumber(self, number: int, sources: Array, targets: Array) -> None:
+        """Finish one piece: ``sources[active, kx, z]`` to ``targets[output, z, kx]``."""
+        z, piece = self._layout.z, self._pieces[number]
+        rows = slice(z.source_start, z.source_start + z.sources)
+        self._padded_z[:, 0, : piece.stop - piece.start, rows] = sources[:, piece]
+        self._along_z(0, piece, targets)

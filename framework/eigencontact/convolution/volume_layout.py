@@ -75,9 +75,21 @@ class VolumeLayout:
         """Whether parities along x and y leave an octant of each spectrum."""
         return self.x.symmetric and self.y.symmetric
 
+    @cached_property
+    def section(self) -> bool:
+        """Whether one row of cells along y leaves no wavenumber ky but zero."""
+        return self.folded and self.y.length == 1
+
+    @property
+    def signs(self) -> int:
+        """Signs of ky that are transformed together, because parity gives the spectra of both."""
+        return 2 if self.folded and not self.section else 1
+
     @property
     def spectrum_shape(self) -> tuple[int, int, int]:
-        """Wavenumbers kept of each spectrum, along (kx, ky, kz)."""
+        """Wavenumbers kept of each spectrum, along (kx, ky, kz); in a section kx takes the place of ky."""
+        if self.section:
+            return 1, self.x.half, self.z.half
         if self.folded:
             return self.x.half, self.y.half, self.z.half
         return self.x.half, self.y.length, self.z.length
@@ -88,7 +100,7 @@ class VolumeKernels:
 
     Where the layout is folded, a spectrum is ``1j**odd * (values[:, :, 0] + 1j * values[:, :, 1])`` with ``odd`` = 1
     if exactly one of the parities along x and y is odd; what multiplies ``1j**odd`` is the conjugate at -kz, and at -ky
-    the same times the parity.
+    the same times the parity. In a section kx takes the place of ky, and the first axis has one entry.
 
     Parameters
     ----------
@@ -143,6 +155,7 @@ class VolumeKernels:
             spectrum = _along_z(layout, values, parity[0], correlation=correlation)
         else:
             spectrum = _full_transform(layout, table, parity, correlation=correlation)
+        spectrum = spectrum.reshape(layout.spectrum_shape)
         out = self.values[:, number]
         np.multiply(spectrum.real, factor, out=out[:, 0], casting="same_kind")
         np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from eigencontact.convolution.volume_layout import VolumeKernels
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import Array, FloatArray
 from eigencontact.errors import require
 
 __all__ = ["Coefficients", "WeightedSums"]
@@ -41,8 +41,8 @@ class WeightedSums:
 
     Notes
     -----
-    A row of the table that is a combination of earlier rows (the zz component of a traceless part) is not transformed
-    a second time.
+    A row of the table that is a combination of others (the zz component of a traceless part) is not transformed a
+    second time, nor a source that acts as a combination of others (eigenstrain yy in plane strain).
     """
 
     def __init__(
@@ -58,7 +58,13 @@ class WeightedSums:
         for (output, _), terms in table.items():
             for kernel, source in terms:
                 self._check(output, kernel, source)
-        self.rows = _independent(table)
+        self._merged = _dependent(table)
+        self.rows = _independent(
+            {
+                output: {(kernel, source): value for (kernel, source), value in terms.items() if source not in self._merged}
+                for output, terms in table.items()
+            }
+        )
 
     def _check(self, output: int, kernel: int, source: int) -> None:
         """Refuse a kernel without the symmetry of its source and output."""
@@ -73,23 +79,33 @@ class WeightedSums:
             f"{product} {where}",
         )
 
-    @property
-    def count(self) -> int:
-        """Inverse transforms along z."""
-        return len(self.rows)
+    def rows_of(self, active: Sequence[int]) -> list[Row]:
+        """Rows that some of the sources reach: as many inverse transforms along z."""
+        return [row for row in self.rows if any(source in active for _, source in row.terms)]
+
+    def merged(self, fields: Array) -> Array:
+        """Sources ``(n_sources, ...)`` with those that act as combinations of others added to these."""
+        if not any(fields[source].any() for source in self._merged):
+            return fields
+        out = np.array(fields)
+        for source, weights in self._merged.items():
+            for other, weight in weights.items():
+                out[other] += weight * fields[source]
+            out[source] = 0
+        return out
 
     def turned(self, parity: tuple[int, int]) -> bool:
         """Whether a field is carried as 1j times itself, so that folded kernels need no factor 1j."""
         return self.kernels.layout.folded and parity[0] * parity[1] < 0
 
     def matrices(self, active: Sequence[int]) -> list[tuple[int, int, FloatArray]]:
-        """For each row the range of columns it uses, and the coefficients ``(columns, kernels)``.
+        """For each row of `rows_of` the range of columns it uses, and the coefficients ``(columns, kernels)``.
 
         The columns are the active sources' spectra, then these at -kz.
         """
         width, rows = len(active), []
         place = {source: position for position, source in enumerate(active)}
-        for row in self.rows:
+        for row in self.rows_of(active):
             full = np.zeros((2 * width, len(self.kernels)))
             for (kernel, source), value in row.terms.items():
                 if source in place:
@@ -100,34 +116,69 @@ class WeightedSums:
                     column = place[source] + (width if self.kernels.correlations[kernel] else 0)
                     full[column, kernel] += sign * value
             used = np.flatnonzero(full.any(axis=1))
-            first, last = (int(used[0]), int(used[-1]) + 1) if used.size else (0, 1)
+            first, last = int(used[0]), int(used[-1]) + 1
             rows.append((first, last, full[first:last]))
         return rows
 
 
+def _combination(vector: FloatArray, others: Sequence[FloatArray]) -> FloatArray | None:
+    """Weights with which others add up to a vector; None where they cannot."""
+    if not others:
+        return None
+    weights = np.linalg.lstsq(np.array(others).T, vector)[0]
+    remainder = vector - weights @ np.array(others)
+    return weights if np.abs(remainder).max() <= 1e-13 * np.abs(vector).max() else None
+
+
 def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
-    """Rows of the table, those left out that are combinations of others of the same power."""
+    """Rows of the table, those left out that are combinations of larger ones of the same power."""
     keys = sorted({term for terms in table.values() for term in terms})
     columns = {key: k for k, key in enumerate(keys)}
     rows: list[Row] = []
     for power in sorted({power for _, power in table}):
         independent: list[int] = []
         vectors: list[FloatArray] = []
-        for output in sorted(output for output, p in table if p == power):
+        outputs = [output for output, p in sorted(table) if p == power]
+        for output in sorted(outputs, key=lambda output: -_size(table[output, power].values())):
             terms = {key: value for key, value in table[output, power].items() if value}
             vector = np.zeros(len(keys))
             vector[[columns[key] for key in terms]] = list(terms.values())
             if not terms:
                 continue
-            weights = np.linalg.lstsq(np.array(vectors).T, vector)[0] if vectors else np.zeros(0)
-            remainder = vector - (weights @ np.array(vectors) if vectors else 0.0)
-            if np.abs(remainder).max() <= 1e-13 * np.abs(vector).max():
-                for number, weight in zip(independent, weights, strict=True):
-                    if abs(weight) > 1e-13:
-                        into = (*rows[number].into, (output, power, float(weight)))
-                        rows[number] = Row(rows[number].terms, into)
-            else:
+            weights = _combination(vector, vectors)
+            if weights is None:
                 independent.append(len(rows))
                 vectors.append(vector)
                 rows.append(Row(terms, ((output, power, 1.0),)))
+                continue
+            for number, weight in zip(independent, weights, strict=True):
+                if abs(weight) > 1e-13:
+                    into = (*rows[number].into, (output, power, float(weight)))
+                    rows[number] = Row(rows[number].terms, into)
     return rows
+
+
+def _dependent(table: Mapping[tuple[int, int], Coefficients]) -> dict[int, dict[int, float]]:
+    """Sources that act as combinations of others with larger coefficients, with the weights of these."""
+    places = sorted({(row, kernel) for row, terms in table.items() for kernel, _ in terms})
+    numbers = {place: number for number, place in enumerate(places)}
+    columns: dict[int, FloatArray] = {}
+    for row, terms in table.items():
+        for (kernel, source), value in terms.items():
+            columns.setdefault(source, np.zeros(len(places)))[numbers[row, kernel]] = value
+    kept: list[int] = []
+    merged: dict[int, dict[int, float]] = {}
+    for source in sorted(columns, key=lambda source: (-_size(columns[source]), source)):
+        weights = _combination(columns[source], [columns[other] for other in kept])
+        if weights is None:
+            kept.append(source)
+        else:
+            merged[source] = {
+                other: float(weight) for other, weight in zip(kept, weights, strict=True) if abs(weight) > 1e-13
+            }
+    return merged
+
+
+def _size(values: Iterable[float]) -> float:
+    """Norm, rounded so that what is equal but for rounding stays in order."""
+    return float(np.float32(np.linalg.norm(list(values))))

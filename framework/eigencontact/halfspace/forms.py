@@ -7,12 +7,13 @@ kernels a quantity needs before any is evaluated.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from eigencontact.halfspace.potentials import Order
 
-__all__ = ["INSIDE", "Form", "Kernel", "reduced"]
+__all__ = ["INSIDE", "Form", "Kernel", "reduced", "reduced_in_plane"]
 
 #: Whose potential ("real", "image" or "inside"), which ("psi", "phi", "chi" or ""), and how often it is differentiated.
 Kernel = tuple[str, str, Order]
@@ -154,4 +155,21 @@ def reduced(kernel: Kernel) -> dict[Kernel, float] | None:
         return combine("phi", -1.0, inplane, deep)
     if nz >= 2:
         return combine("phi", -1.0, (2, 0, -2), (0, 2, -2))
+    return None
+
+
+def reduced_in_plane(kernel: Kernel) -> dict[Kernel, float] | None:
+    """Rule after `reduced` for cells without end along y: derivatives along y vanish, and Psi is biharmonic in x and z.
+
+    Stress then needs 10 kernels of the image in place of 43. Inside the source ``Psi,xxxx + 2 Psi,xxzz + Psi,zzzz`` is
+    -8 pi.
+    """
+    origin, name, (nx, ny, nz) = kernel
+    if ny:
+        return {}
+    if name == "psi" and nx >= 4:
+        rest = {(origin, name, (nx - 2, 0, nz + 2)): -2.0, (origin, name, (nx - 4, 0, nz + 4)): -1.0}
+        return rest | ({INSIDE: -8.0 * math.pi} if origin == "real" else {})
+    if name == "phi" and nx >= 2:
+        return {(origin, name, (nx - 2, 0, nz + 2)): -1.0}
     return None

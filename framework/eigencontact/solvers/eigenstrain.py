@@ -36,7 +36,7 @@ from eigencontact.solvers.potential_tables import (
     kernel_groups,
     nodes_around,
     parity_of,
-    reduced_response,
+    response_of,
     sample_tables,
     symmetry,
     unit_of_length,
@@ -101,7 +101,7 @@ class VolumeField:
         self.layout = VolumeLayout(source.shape, target.shape, offset_in_cells(source, target))
         self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
         self._threads = threads or available_threads()
-        forms = reduced_response(quantity, poisson_ratio, space)
+        forms = response_of(cell, quantity, poisson_ratio, space)
         self._local = self._scale * local_matrix(forms)
         self._kernels = self._sampled(cell, forms, precision)
         depths = target.centres(2) / self._unit

@@ -34,7 +34,7 @@ from eigencontact.solvers.potential_tables import (
     far_apart,
     kernel_groups,
     nodes_around,
-    reduced_response,
+    response_of,
     sample_tables,
     seen_from_inside,
     symmetry,
@@ -106,7 +106,7 @@ class PlaneFields:
         self._origin = tuple(snapped(value) for value in origin)
         self._layout = Layout(source.shape[1:], target, (self._origin[0], self._origin[1]))
         self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
-        forms = tuple(reduced_response(quantity, poisson_ratio, space)[k] for k in self.components)
+        forms = tuple(response_of(cell, quantity, poisson_ratio, space)[k] for k in self.components)
         self._local = self._scale * local_matrix(forms)
         self._convolver = Convolver(self._layout, precision=precision, threads=threads, applications=applications)
         self._threads, self._precision = threads or available_threads(), precision

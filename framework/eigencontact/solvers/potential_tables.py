@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import in_parallel
-from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced
+from eigencontact.halfspace.endless import EndlessCell
+from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced, reduced_in_plane
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES, response
 from eigencontact.solvers.cells import Cells
@@ -26,6 +27,7 @@ __all__ = [
     "nodes_around",
     "parity_of",
     "reduced_response",
+    "response_of",
     "sample_tables",
     "seen_from_inside",
     "symmetry",
@@ -54,9 +56,15 @@ def unit_of_length(pitch: Sequence[float]) -> float:
 
 
 @lru_cache(maxsize=64)  # a run asks for the same few in every plane, cell and estimate
-def reduced_response(quantity: str, nu: float, space: str) -> Forms:
-    """Forms of `eigencontact.halfspace.theorem.response` in the fewest kernels."""
-    return tuple(tuple(form.replaced(reduced) for form in row) for row in response(quantity, nu, space))
+def reduced_response(quantity: str, nu: float, space: str, *, in_plane: bool = False) -> Forms:
+    """Forms of `eigencontact.halfspace.theorem.response` in the fewest kernels, in a plane for cells without end."""
+    forms = tuple(tuple(form.replaced(reduced) for form in row) for row in response(quantity, nu, space))
+    return tuple(tuple(form.replaced(reduced_in_plane) for form in row) for row in forms) if in_plane else forms
+
+
+def response_of(cell: HasCornerPotentials, quantity: str, nu: float, space: str) -> Forms:
+    """Reduced response of a cell."""
+    return reduced_response(quantity, nu, space, in_plane=isinstance(cell, EndlessCell))
 
 
 def cell_kernels(forms: Forms) -> list[Kernel]:

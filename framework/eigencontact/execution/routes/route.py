@@ -256,8 +256,8 @@ def _timed_kernels(cell: Any, kernels: tuple[Any, ...]) -> float:
 
 def _kernels(cell: Any, quantity: str, nu: float, space: str) -> tuple[int, int, float]:
     """Kernels of the cells, of their images, and seconds for all at one node."""
-    from eigencontact.solvers.potential_tables import cell_kernels, reduced_response
+    from eigencontact.solvers.potential_tables import cell_kernels, response_of
 
-    kernels = cell_kernels(reduced_response(quantity, nu, space))
+    kernels = cell_kernels(response_of(cell, quantity, nu, space))
     image = sum(whose == "image" for whose, *_ in kernels)
     return len(kernels) - image, image, _timed_kernels(cell, tuple(kernels))
