@@ -117,7 +117,7 @@ def yielding_bodies(
             boxes.append(
                 YieldingBody(
                     name=name, where=where, key=law.key, body=body, shape=patch, field=field, law=law, deep=deep
-                )  # fmt: skip
+                )
             )
     return tuple(boxes)
 
