@@ -108,7 +108,20 @@ def test_resume_continues_to_the_bit(tmp_path):
     np.testing.assert_array_equal(continued["plastic_strain_1"], whole["plastic_strain_1"])
 
 
-PITCH = {"inclusion_pitch": "2 um"}  # else the height of the cells follows the depth of the box
+def test_the_room_around_a_zone_changes_neither_its_cells_nor_the_result():
+    """The truncated cells are elastic: the room may cost growth, not accuracy."""
+    near, far = (ec.run(scene(SWIFT, cells=6, numerics={"law_room": room})).dataset for room in (0.05, 0.6))
+    strain = [found["equivalent_plastic_strain_1"][-1] for found in (near, far)]
+    assert strain[0].size < 0.5 * strain[1].size
+    heights = [np.diff(values["cells_1_z"])[0] for values in strain]
+    np.testing.assert_allclose(heights[0], heights[1], rtol=1e-12)
+    np.testing.assert_allclose(near["approach"], far["approach"], rtol=1e-6)
+    np.testing.assert_allclose(near["print_depth"], far["print_depth"], rtol=1e-6)
+    assert not np.any(strain[0][:, -1])
+    assert not np.any(strain[0][..., [0, -1]])
+
+
+PITCH = {"inclusion_pitch": "2 um"}
 GROWING = {
     "steps": [{"normal_load": "0.3 N"}, {"normal_load": "0.75 N"}, UNLOAD],
     "numerics": PITCH | {"law_room": 0.0},

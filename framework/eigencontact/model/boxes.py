@@ -202,7 +202,7 @@ def _layer_height(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) ->
     """
     if scene.numerics.inclusion_pitch is not None:
         return scene.numerics.inclusion_pitch
-    spans = [(source.shape.bounds[0][2], source.shape.bounds[1][2]) for source in sources]
+    spans = [source.layered for source in sources]
     most, thinnest = min(grid.edges), min(high - low for low, high in spans)
     for source, (low, high) in zip(sources, spans, strict=True):
         width = min(hi - lo for lo, hi in zip(source.shape.bounds[0][:2], source.shape.bounds[1][:2], strict=True))

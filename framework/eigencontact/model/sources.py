@@ -184,6 +184,11 @@ class Inhomogeneity(Source):
         return self.law.key
 
     @property
+    def layered(self) -> tuple[float, float]:
+        """Depths [m] between which whole layers of cells lie."""
+        return self.shape.bounds[0][2], self.shape.bounds[1][2]
+
+    @property
     def uniform_law(self) -> LinearLaw | None:
         """Linear law with the same constants all over; None for others."""
         return self.law if isinstance(self.law, LinearLaw) and not self.law.varies else None

@@ -50,6 +50,8 @@ _BESIDE = (1.1, 1.5, 2.0, 3.0)
 _SAME = 1e-6
 #: Depths at which bulk stress alone must leave a law elastic, in sizes of the window.
 _DEPTHS = np.concatenate([[0.0], np.geomspace(1e-3, 10.0, 64)])
+#: Room below a zone, in its heights, that whole layers of cells fill together with it.
+_ROOM_OF_LAYERS = 0.25
 #: Words in the names of such limits.
 _LIMITS = ("stress", "strength", "threshold")
 #: Stress at which a law must have the constants of its body, in parts of Young's modulus: the second for a law that is
@@ -59,9 +61,21 @@ _SMALL = (1e-9, 1e-15)
 
 @dataclass(frozen=True, kw_only=True)
 class YieldingBody(Inhomogeneity):
-    """Cells of a body's own law, where it may be more than elastic."""
+    """Cells of a body's own law, where it may be more than elastic.
+
+    Attributes
+    ----------
+    deep : float
+        Depth [m] that whole layers of cells fill, whatever `numerics.law-room`; 0 where it is that of the box.
+    """
 
     guessed: ClassVar[bool] = True
+    deep: float
+
+    @property
+    def layered(self) -> tuple[float, float]:
+        """See `Inhomogeneity.layered`."""
+        return 0.0, self.deep or self.shape.bounds[1][2]
 
     @property
     def how(self) -> str:
@@ -94,14 +108,16 @@ def yielding_bodies(
         material = bodies.half_space(body)
         trial = _Trial(law, material, where, _bulk_stresses(scene, body, material, grid))
         trial.refuse_bulk(_DEPTHS * max(grid.size))
-        patch = _box_where(trial, loads, influences, shapes, scene, grid)
+        patch, deep = _box_where(trial, loads, influences, shapes, scene, grid)
         if body in initial:
             patch = _with(patch, initial[body].bounds(grid))
         if patch is not None:
             field = build_component(registry, "eigenstrain-field", {"type": "uniform", "value": 0.0}, where)
             name = f"body {body}"
             boxes.append(
-                YieldingBody(name=name, where=where, key=law.key, body=body, shape=patch, field=field, law=law)
+                YieldingBody(
+                    name=name, where=where, key=law.key, body=body, shape=patch, field=field, law=law, deep=deep
+                )
             )
     return tuple(boxes)
 
@@ -211,8 +227,10 @@ def _box_where(
     beside: Sequence[InclusionShape | Patch],
     scene: Scene,
     grid: Grid,
-) -> Patch | None:
-    """Box around all points where a load exceeds the elastic range of a law; None if there are none.
+) -> tuple[Patch | None, float]:
+    """Box around all points where a load exceeds the elastic range of a law, and the depth for its layers [m].
+
+    There is no box if there are no such points.
 
     Raises
     ------
@@ -237,7 +255,7 @@ def _box_where(
     tried = (bounds(factor, closed=True) for factor in (_BESIDE if beside else [SAFETY]))
     box = next((around for around in tried if around is not None), None)
     if box is None:
-        return None
+        return None, 0.0
     if beside:
         far = bounds(_BESIDE[-1], closed=False) or box
         box = _around([box, *(clipped for shape in beside if (clipped := _clipped_bounds(shape, far)))]) or box
@@ -252,7 +270,8 @@ def _box_where(
         got += f"the plastic zone and the room around it measure {_sizes(x1 - x0, y1 - y0, depth)}"
         advice += ", coarsen the grid or lower numerics.law-room"
         refuse_more(cells, trial.where, "cells inside a body", got, advice, BYTES_OF_LAW_CELL)
-    return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
+    deep = float(depth + (_ROOM_OF_LAYERS - scene.numerics.law_room) * (high - low)[2])
+    return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth)))), deep
 
 
 def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scene) -> tuple[str, str]:

@@ -192,7 +192,7 @@ class Numerics(Table):
     inclusion_resolution: Annotated[Literal["cells"] | Whole, BeforeValidator(uniform_or_given)] = "cells"
     inclusion_pitch: PositiveLength | None = None
     inclusion_refinement: Annotated[int, AfterValidator(in_range(1, 8, "finer cells along an edge"))] = 1
-    law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
+    law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.1
     boundary: Annotated[Literal["non-periodic", "periodic", "periodic-y"], BeforeValidator(boundary_of_axes)] = (
         "non-periodic"
     )

@@ -64,7 +64,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
     array([2.25, 6.25])
     """
     out = np.array(means, dtype=float, order="C")
-    weights = [_SHARE * linked for linked in faces]
+    weights = [_SHARE if linked.all() else _SHARE * linked for linked in faces]
 
     def centre(index: tuple[int, ...]) -> None:
         """One field: it fits a cache."""
@@ -74,7 +74,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
             before = (slice(None),) * axis
             low, high = (*before, slice(None, -1)), (*before, slice(1, None))
             step = field[high] - field[low]
-            step *= weight[place][tuple(slice(size) for size in step.shape)]
+            step *= weight[place][tuple(slice(size) for size in step.shape)] if np.ndim(weight) else weight
             into[low] -= step
             into[high] += step
 

@@ -181,20 +181,19 @@ class RadialReturn:
 
     def _stiffness(self, drive: Drive, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Stiffness w and its derivative by p, 1 - D, and the derivative of D."""
-        damage, growth = self._damage(p, drive.mean)
+        if self.damage is None:
+            none = np.zeros(p.shape)
+            w = 2.0 * self.shear_modulus / (1.0 + 2.0 * self.shear_modulus * drive.give)
+            return np.full(p.shape, w), none, np.ones(p.shape), none
+        at = p if drive.mean is None else drive.mean
+        damage, growth = self.damage.damage(at)
+        if drive.mean is not None:  # a mean decides: the plastic strain of the point does not count
+            growth = np.zeros_like(p)
         sound, double_shear = 1.0 - damage, 2.0 * self.shear_modulus
         around = 1.0 + sound * double_shear * drive.give
         if self.effective:
             return double_shear / around, growth * drive.give * (double_shear / around) ** 2, sound, growth
         return sound * double_shear / around, -growth * double_shear / around**2, sound, growth
-
-    def _damage(self, p: FloatArray, mean: FloatArray | None) -> tuple[FloatArray, FloatArray]:
-        """Damage, and its derivative by the plastic strain of the point: none where a mean decides."""
-        if self.damage is None:
-            return np.zeros_like(p), np.zeros_like(p)
-        if mean is None:
-            return self.damage.damage(p)
-        return self.damage.damage(mean)[0], np.zeros_like(p)
 
     def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual f and its slope; without back-stresses they follow from the sizes |τ|, without tensors."""
@@ -208,13 +207,13 @@ class RadialReturn:
     def _root(self, drive: Drive, flows: NDArray[np.intp]) -> FloatArray:
         """Root of f in a bracket by Newton's steps, with bisection where they do not improve."""
         low, size = np.zeros_like(drive.p), _size(drive.tau)
-        start = self.state(drive, low)
+        start, (w, dw, *_) = self._equation(drive, size, low), self._stiffness(drive, drive.p)
         # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.
-        first = start.slope - start.dw / start.w * start.residual
+        first = start[1] - dw / w * start[0]
         if not np.all(first < 0.0):
             raise _refusal(flows, ~(first < 0.0))
-        scale = _ROOT * _size(start.reached)
-        high = start.residual / (1.5 * start.w)
+        scale = start[0] + self.isotropic.flow_stress(drive.p)[0]
+        high = start[0] / (1.5 * w)
         for _ in range(_DOUBLINGS):
             residual, slope = self._equation(drive, size, high)
             above = residual > _ROUND_OFF * scale  # a point may yield by rounding alone: its bracket is empty
@@ -223,24 +222,34 @@ class RadialReturn:
             low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
         else:
             raise _refusal(flows, above)
-        # The first step begins at the upper end: what hardens much at first has a slope there that leads near the root.
-        dp, step = high, high - low
+        # Where hardening fades, tangents at both ends meet zero below the root: the first step goes to the higher one.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            dp = np.maximum(high - residual / slope, -start[0] / start[1])
+        dp = np.where((dp > low) & (dp < high), dp, high)
+        (residual, slope), step = self._equation(drive, size, dp), high - low
+        found, slopes, left = dp.copy(), slope.copy(), np.arange(dp.size)
         for _ in range(_STEPS):
+            far = ~(np.abs(residual) <= _ROUND_OFF * scale)
+            if not far.all():  # points at their root are asked no more
+                found[left], slopes[left] = dp, slope
+                if not far.any():
+                    break
+                drive, left = drive.of(np.flatnonzero(far)), left[far]
+                low, high, dp, step = low[far], high[far], dp[far], step[far]
+                residual, slope, scale, size = residual[far], slope[far], scale[far], size[far]
             low, high = np.where(residual > 0.0, dp, low), np.where(residual > 0.0, high, dp)
             with np.errstate(divide="ignore", invalid="ignore"):
                 newton = dp - residual / slope
             good = (newton > low) & (newton < high) & (np.abs(newton - dp) < 0.5 * np.abs(step))
             following = np.where(good, newton, 0.5 * (low + high))
-            close = np.abs(residual) <= _ROUND_OFF * scale
-            following = np.where(close, dp, following)
-            dp, step = following, np.where(close, step, following - dp)
-            if close.all():
-                break
+            dp, step = following, following - dp
             residual, slope = self._equation(drive, size, dp)
-        unclear = ~(slope < 0.0)
+        else:
+            found[left], slopes[left] = dp, slope
+        unclear = ~(slopes < 0.0)
         if unclear.any():
             raise _refusal(flows, unclear)
-        return dp
+        return found
 
 
 def _size(tensor: FloatArray) -> FloatArray:
