@@ -34,6 +34,13 @@ COARSER = {
         "steps.1.repeat=1",
         "steps.2.increments=2",
     ],
+    "cylinder-on-bone": [
+        "grid.cells-per-contact-radius=10",
+        "numerics.inclusion-pitch=40 um",
+        "stress.0.depth-max=880 um",
+        "steps.1.increments=4",
+        "steps.2.increments=2",
+    ],
     "fretting-fatigue": ["stress.0.depth-cells=30", "steps.1.increments=4", *turns(6, 2)],
     "fretting-fatigue-out-of-phase": [
         "stress.0.depth-cells=6",
@@ -64,9 +71,9 @@ DRAWN = "cylinder-fretting"
 def finished(finished):
     """Run a bundled scene on coarser cells, in a folder."""
 
-    def run(name, *, drawn=False):
+    def run(name, *changes, drawn=False):
         plain = [] if drawn or name == DRAWN else ["output.pictures=false"]
-        return finished(name, *COARSER[name], *plain, stored=True)
+        return finished(name, *COARSER[name], *changes, *plain, stored=True)
 
     return run
 
@@ -193,6 +200,20 @@ def test_fretting_beyond_yield(finished):
     assert np.abs(peaks) == close([0.75 * a, 0.75 * a], abs=0.15 * a)
     assert float(data.plastic_zone_volume[-1]) == close(float(data.plastic_volume[-1]), rel=1e-6)  # per metre
     assert float(data.plastic_work[-1]) > 0.0 < float(data.dissipated_energy[-1])
+
+
+def test_damage_below_a_cylinder(finished):
+    """The first step is elastic, at 49 of 49.5 N/mm; damage is that of the strain; it leaves less stress and print."""
+    a, p0 = hertz_cylinder(49.45e3, 0.01, 18.6e9 / (1 - 0.3**2))
+    assert p0 == close(1.7936 * 100e6, rel=1e-3)
+    damaged, sound = finished("cylinder-on-bone"), finished("cylinder-on-bone", "body1.law.damage.saturation=0")
+    data = damaged.dataset
+    assert float(data.max_plastic_strain[0]) == 0.0
+    assert float(data.contact_radius[0]) == close(a, rel=0.05)  # half a cell
+    assert data.damage_1.values == close(0.6 * (1 - np.exp(-data.equivalent_plastic_strain_1.values / 0.02)), abs=1e-9)
+    assert float(data.max_pressure.max()) == close(234e6, rel=0.02)  # by 12 increments, not 4
+    assert 0.8 < damaged.summary["print_depth"] / sound.summary["print_depth"] < 0.95
+    assert damaged.summary["max_von_mises"] < 0.85 * sound.summary["max_von_mises"]
 
 
 def test_criteria_below_a_rolling_cylinder(finished):
