@@ -38,30 +38,35 @@ class Rows:
         self._x, self._fft, self._dtypes = layout.x, fft, dtypes
         self._most = max(1, _TOGETHER // (16 * layout.x.half))
         self._plans: tuple[dict[int, tuple[Array, Array, Plan]], ...] = ({}, {})
-        self._stack: tuple[list[Spectrum | None], Array] = [], np.empty(0)
+        #: Kernels of the last call, targets that they reach, and these kernels as one array.
+        self._known: list[Spectrum | None] = []
+        self._reached, self._kernels = np.empty(0, np.intp), np.empty(0)
 
     @property
     def nbytes(self) -> int:
         """Memory of buffers held now."""
         plans = [plan for group in self._plans for plan in group.values()]
-        return sum(a.nbytes + b.nbytes for a, b, _ in plans) + int(self._stack[1].nbytes)
+        return sum(a.nbytes + b.nbytes for a, b, _ in plans) + int(self._kernels.nbytes)
 
     def apply(self, sources: Array, kernels: list[Spectrum | None], targets: Array) -> None:
         """Convolve ``sources (n, 1, nx)`` with kernels ``[m * n]``, row by row, into ``targets (m, 1, tx)``."""
-        if not len(sources):
+        if not same(kernels, self._known):
+            self._stack(kernels, len(sources))
+        if len(self._reached) < len(targets):
             targets[:] = 0
+        if not self._reached.size:
             return
         waves, x = self._waves(sources[:, 0]), self._x
-        stack = self._stacked(kernels).reshape(len(targets), len(sources), x.half)
-        for first in range(0, len(stack), self._most):
-            group = stack[first : first + self._most]
+        for first in range(0, len(self._reached), self._most):
+            group = self._kernels[first : first + self._most]
             sums, full, inverse = self._plan(1, len(group))
             if len(waves) == 1:
                 np.multiply(group[:, 0], waves[0], out=sums)
             else:
                 np.einsum("mnk,nk->mk", group, waves, out=sums)
             inverse()
-            targets[first : first + self._most, 0] = full[:, x.target_start : x.target_start + x.targets]
+            rows = full[:, x.target_start : x.target_start + x.targets]
+            targets[self._reached[first : first + self._most], 0] = rows
 
     def energy(self, source: Array, kernel: Spectrum) -> float:
         """See `Convolver.energy`."""
@@ -96,17 +101,17 @@ class Rows:
         plans[count] = (real, waves, plan) if forth else (waves, real, plan)
         return plans[count]
 
-    def _stacked(self, kernels: list[Spectrum | None]) -> Array:
-        """Kernels as one array ``(m * n, kx)``; the last are kept."""
-        if same(kernels, self._stack[0]):
-            return self._stack[1]
+    def _stack(self, kernels: list[Spectrum | None], count: int) -> None:
+        """Keep kernels ``[m * n]`` as one array ``(m, n, kx)``, of those targets that some kernel reaches."""
+        present = np.array([kernel is not None for kernel in kernels]).reshape(-1, max(count, 1))
+        reached = np.flatnonzero(present.any(axis=1))
         turned = any(kernel is not None and (kernel.imaginary or np.iscomplexobj(kernel.values)) for kernel in kernels)
-        stack = np.zeros((len(kernels), self._x.half), self._dtypes[1 if turned else 0])
-        for row, kernel in zip(stack, kernels, strict=True):
-            if kernel is not None:
-                (row.imag if kernel.imaginary else row)[:] = kernel.values[:, 0]
-        self._stack = kernels, stack
-        return stack
+        stack = np.zeros((reached.size, count, self._x.half), self._dtypes[1 if turned else 0])
+        for row, target in zip(stack, reached, strict=True):
+            for place, kernel in zip(row, kernels[count * target : count * (target + 1)], strict=True):
+                if kernel is not None:
+                    (place.imag if kernel.imaginary else place)[:] = kernel.values[:, 0]
+        self._known, self._reached, self._kernels = kernels, reached, stack
 
 
 def same(first: Sequence[Any], second: Sequence[Any]) -> bool:

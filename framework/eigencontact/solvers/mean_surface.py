@@ -125,12 +125,16 @@ class SurfaceAndCells:
         )
         tasks = [partial(self._fill, t, k, kernel) for t, kernel in enumerate(kernels) for k in range(cells.shape[0])]
         in_parallel(threads or available_threads(), tasks)
+        #: Components of each layer ``(6, nz)`` that move the surface.
+        self._acting = np.array([[any(s is not None for s in row) for row in layer] for layer in self._spectra[1]]).T
 
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
         (dx, dy, _), z = self.cells.pitch, float(self.cells.centres(2)[layer])
         x, y = self._down.x.lattice * dx, self._down.y.lattice * dy
         tables = kernel.table(list(COMPONENTS), x, y, z, self.grid.half_widths)
         for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
+            if not table.any():  # what a line has no part in
+                continue
             parity = kernel.parity(name)
             down = self._down.spectrum(table, parity, precision=self._precision)
             self._spectra[0][layer][row][traction] = self._spectra[1][layer][row][traction] = down
@@ -144,7 +148,7 @@ class SurfaceAndCells:
     def nbytes(self) -> int:
         """Memory of the stored spectra."""
         ways = self._spectra[:1] if self._shared else self._spectra
-        return sum(s.nbytes for way in ways for layer in way for row in layer for s in row)
+        return sum(s.nbytes for way in ways for layer in way for row in layer for s in row if s is not None)
 
     def stress(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mean Mandel stress [Pa] in the cells, ``(6, nz, ny, nx)``, by tractions on the grid, in their order."""
@@ -159,7 +163,7 @@ class SurfaceAndCells:
         expected = (6, *self.cells.shape)
         require(strain.shape == expected, "surface", "eigenstrain", strain.shape, f"of shape {expected}")
         # Layers of components that are zero everywhere, as those below a plastic zone, are not transformed.
-        present = np.argwhere(strain.any(axis=(2, 3)))
+        present = np.argwhere(strain.any(axis=(2, 3)) & self._acting)
         planes = np.array([_mirrored(COMPONENTS[row]) * strain[row, layer] for row, layer in present])
         directions = range(len(self._directions))
         rows = [[self._spectra[1][layer][row][traction] for row, layer in present] for traction in directions]
