@@ -66,6 +66,47 @@ def test_without_the_option_there_are_no_errors():
     assert "errors" not in ec.run(HERTZ | {"grid": {"cells-per-contact-radius": 6}}).summary
 
 
+def _ball(depth, place=0.0):
+    material = {"young-modulus": 420e9, "poisson-ratio": 0.3}
+    return {"type": "sphere", "center": [place, 0, depth], "radius": 1.5e-6, "material": material}
+
+
+@pytest.mark.parametrize(
+    ("balls", "varied"),
+    [
+        ([_ball(2e-6)], {"whole": 7}),  # degree 8
+        ([_ball(1.7e-6)], {"whole": 11}),  # a thin roof: errors fall by 0.60 per degree
+        ([_ball(9e-6)], {"whole": 2}),  # the least degree that "auto" takes
+        ([_ball(2e-6), _ball(4e-6, 5e-6)], None),  # degrees 8 and 5: both are lower
+    ],
+)
+def test_degrees_that_are_chosen_by_the_program_are_a_source_as_given_ones_are(balls, varied):
+    """The depth depends on the degrees alone; the whole change by a degree counts."""
+    tables = HERTZ | {"inclusions": balls, "numerics": {"inclusion-resolution": {"whole": "auto"}}}
+    planned = ec.plan(tables)
+
+    def degrees(other):
+        return [source.degree.degree for source in other.model.cells.inhomogeneities]
+
+    def depth(other):
+        return 1.0 + sum(2.0**-degree for degree in degrees(other))
+
+    (source,) = (source for source in sources.error_sources(planned) if source.name == "degree")
+    (variation,) = source.variations(planned)
+    qualities = [source.degree.quality for source in planned.model.cells.inhomogeneities]
+    assert variation.ratio == close(min(2.0, 1.0 / max(qualities)))
+    if varied is not None:
+        assert variation.changes == {"numerics": {"inclusion-resolution": varied}}
+    coarser, finer = (
+        degrees(ec.plan({**tables, **changes})) for changes in (variation.changes, source.finer(planned, 4.0))
+    )
+    assert all(low < own for low, own in zip(coarser, degrees(planned), strict=True))
+    assert all(own < high or own == 12 for own, high in zip(degrees(planned), finer, strict=True))
+    found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
+    assert found.parts["degree"] >= depth(planned) - 1.0
+    assert found.source == "degree"
+
+
 def test_every_source_counts_by_itself():
     """Cells of second order and increments of first order, each with its known error."""
     tables = HERTZ | FRICTION | {"steps": SHEARED}

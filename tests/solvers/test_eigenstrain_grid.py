@@ -136,6 +136,18 @@ def test_planes_equal_the_sum_of_cells(boxes, quantity, space):
 
 
 @pytest.mark.parametrize("quantity", ["stress", "displacement"])
+def test_planes_that_are_asked_together_equal_each_alone(quantity):
+    """Points on edges of the cells, in the surface, on two faces between layers, between faces, and far below."""
+    source, depths = box((0, 0, 0), (3, 4, 4)), [0.0, 0.3, 0.6, 0.7, 4.0, 0.9]
+    options = {"target": (3, 3), "origin": (0.5, 0.5), "poisson_ratio": 0.3, "quantity": quantity}
+    strain = random_strain(source)
+    together = PlaneFields(CELL, source, depths=depths, **options).apply(strain)
+    for number, depth in enumerate(depths):
+        alone = PlaneFields(CELL, source, depths=[depth], **options).apply(strain)
+        assert error(together[:, [number]], alone) < 1e-13
+
+
+@pytest.mark.parametrize("quantity", ["stress", "displacement"])
 def test_planes_equal_the_volume(quantity):
     source = box((0, 0, 0), (11, 6, 9))
     strain = random_strain(source)

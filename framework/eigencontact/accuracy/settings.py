@@ -8,12 +8,17 @@ from math import log2
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_grid
+from eigencontact.model.whole_degrees import LEAST_DEGREE
 from eigencontact.scene.whole import HIGHEST_DEGREE
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["FIDELITIES", "Fidelity", "degree_of", "finer_settings", "finest"]
+__all__ = ["FIDELITIES", "Fidelity", "finer_settings", "finest", "resolution_by"]
+
+
+#: Least error that a scene may allow whole inhomogeneities.
+_LEAST_ALLOWED = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -174,15 +179,25 @@ def _layer_error(plan: Plan) -> float | None:
     return plan.scene.wear.layer_error if plan.scene.wear else None
 
 
-def degree_of(plan: Plan) -> int | None:
-    """Degree that the scene gives for whole inhomogeneities; None where it gives none."""
-    degree = getattr(plan.numerics.inclusion_resolution, "whole", None)
-    return degree if isinstance(degree, int) else None
+def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
+    """Resolution of whole inhomogeneities by a degree so much higher; None where all are in cells.
+
+    Where ``"auto"`` gives several degrees, the allowed error changes by the factor per degree of the inhomogeneity that
+    converges fastest: all change by `more` degrees, or by more, but those that stay at the least degree.
+    """
+    wholes = [s.degree for s in plan.model.cells.inhomogeneities if s.degree is not None]
+    resolution = plan.numerics.inclusion_resolution
+    if not wholes or resolution == "cells":
+        return None
+    degrees = {one.degree for one in wholes}
+    if len(degrees) == 1:
+        return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + more))}
+    allowed = resolution.allowed * min(one.quality for one in wholes if one.degree > LEAST_DEGREE) ** more
+    return {"whole": "auto", "error": min(max(allowed, _LEAST_ALLOWED), 0.5)}
 
 
-def _higher_degree(plan: Plan, factor: float) -> dict[str, int] | None:
-    degree = degree_of(plan)
-    return None if degree is None else {"whole": min(HIGHEST_DEGREE, degree + max(1, round(log2(factor))))}
+def _higher_degree(plan: Plan, factor: float) -> dict[str, Any] | None:
+    return resolution_by(plan, max(1, round(log2(factor))))
 
 
 def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:

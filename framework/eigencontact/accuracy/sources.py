@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
 from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
-from eigencontact.accuracy.settings import FIDELITIES, degree_of
+from eigencontact.accuracy.settings import FIDELITIES, resolution_by
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -18,6 +18,8 @@ __all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
 #: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
 _COARSER = (2.0, 2.5)
+#: Least factor by which a degree more is taken to lower an error.
+_SLOWEST = 1.1
 #: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
 _ADAPTIVE = 0.5
 #: Tolerance of the solvers up to which its error is no part of the bars: ten times 1e-6 changed the numbers of random
@@ -134,13 +136,16 @@ def _own_pitch(plan: Plan) -> bool:
     return plan.numerics.inclusion_pitch is not None and _SETTINGS["inclusion-pitch"].has(plan)
 
 
-def _degree(plan: Plan) -> int:
-    """Degree that the scene gives for whole inhomogeneities; 0 where it gives none."""
-    return degree_of(plan) or 0
-
-
 def _lower_degree(plan: Plan) -> list[Variation]:
-    return [Variation(changes={"numerics": {"inclusion-resolution": {"whole": _degree(plan) - 1}}}, ratio=2.0)]
+    """One degree less; the ratio is the factor per degree of what lies closest to the surface or to a neighbour."""
+    slowest = max(s.degree.quality for s in plan.model.cells.inhomogeneities if s.degree is not None)
+    ratio = min(2.0, max(_SLOWEST, 1.0 / slowest)) if slowest > 0.0 else 2.0
+    return [Variation(changes={"numerics": {"inclusion-resolution": resolution_by(plan, -1)}}, ratio=ratio)]
+
+
+def _has_degree(plan: Plan) -> bool:
+    """Whether some whole inhomogeneity has a degree that can be lower."""
+    return any(source.degree is not None and source.degree.degree > 0 for source in plan.model.cells.inhomogeneities)
 
 
 def _fewer_jumps(plan: Plan, factor: float) -> Changes:
@@ -201,7 +206,7 @@ SOURCES: tuple[ErrorSource, ...] = (
     ),
     ErrorSource(
         name="degree",
-        applies=lambda plan: _degree(plan) > 0,
+        applies=_has_degree,
         variations=_lower_degree,
         **_finer("inclusion-resolution"),
     ),

@@ -9,7 +9,7 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution.spectrum import Spectrum, transform_table
+from eigencontact.convolution.spectrum import Spectrum, parity_transform, transform_table
 from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
@@ -170,6 +170,27 @@ class Layout:
         expected = (self.y.lattice.size, self.x.lattice.size)
         require(table.shape == expected, "convolution", "table", table.shape, f"of shape {expected}")
         return transform_table(self.y, self.x, table, parity, precision, scale)
+
+    def spectra(self, tables: FloatArray, parity: tuple[int, int], *, precision: str = "double") -> list[Spectrum]:
+        """Spectra of tables ``(n, len(lattice_y), len(lattice_x))`` of one parity, transformed together.
+
+        See `spectrum`. Small tables take a fraction of the time that each of them takes alone.
+        """
+        values: NDArray[np.generic] = tables.transpose(0, 2, 1)
+        turns = 0  # powers of -1j: the transform of an odd sequence is -1j times its sine transform
+        for axis, plan, sign in ((1, self.x, parity[1]), (2, self.y, parity[0])):
+            if plan.symmetric:
+                values, turns = parity_transform(values, axis, sign, 1), turns + (sign < 0)
+            else:
+                transform = np.fft.fft if np.iscomplexobj(values) or axis == 2 else np.fft.rfft
+                values = transform(plan.scatter(values, axis), axis=axis)
+        imaginary = turns == 1 and not np.iscomplexobj(values)
+        factor = {0: 1.0, 1: -1.0 if imaginary else -1j, 2: -1.0}[turns]
+        sign_y = parity[0] if self.y.symmetric else 0
+        packed = Spectrum.pack(
+            factor * values, self.y.length * self.x.length, sign_y, imaginary=imaginary, precision=precision
+        )
+        return [Spectrum(row, sign_y, imaginary) for row in packed.values]
 
     def wavenumbers(self, dy: float, dx: float) -> tuple[FloatArray, FloatArray]:
         """Wavenumbers (ky of shape (F_y//2+1,), kx of shape (F_x//2+1,)) of a periodic layout [1/m]."""

@@ -14,10 +14,10 @@ from eigencontact.model.sources import Inhomogeneity
 from eigencontact.scene.whole import HIGHEST_DEGREE, Whole
 from eigencontact.solvers.inclusion_reach import contrast_of, degree_for, reflection, stated_error
 
-__all__ = ["WholeDegree", "degrees_of", "functions_up_to"]
+__all__ = ["LEAST_DEGREE", "WholeDegree", "degrees_of", "functions_up_to"]
 
 #: Least degree that ``"auto"`` takes: differences of lower ones foretell nothing.
-_LEAST = 3
+LEAST_DEGREE = 3
 #: Radii between which neighbours count as near.
 _NEAR = 6.0
 
@@ -63,7 +63,7 @@ def degrees_of(
     for number, source in enumerate(sources):
         quality, beside = _closest(number, centers, halves, radii, surface=surface)
         needed = degree_for(contrasts[number], quality, whole.allowed)
-        degree = max(_LEAST, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
+        degree = max(LEAST_DEGREE, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
         if degree < needed and whole.is_asked:
             neighbour = "the surface" if beside is None else repr(sources[beside].name)

@@ -11,7 +11,7 @@ R. D. Mindlin and D. H. Cheng 1950, J. Appl. Phys. 21, 926; Y. P. Chiu 1978, J. 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -45,6 +45,8 @@ __all__ = ["PlaneFields"]
 
 # Layers sampled together, which share their corners.
 _LAYERS = 8
+# Nodes of several planes that are sampled together: calls cost more than few numbers.
+_TOGETHER = 100_000
 
 
 class PlaneFields:
@@ -115,47 +117,79 @@ class PlaneFields:
         self._spectra: list[list[list[list[Spectrum | None]]]] = [
             [[[None] * 6 for _ in range(source.shape[0])] for _ in forms] for _ in self.depths
         ]
-        in_parallel(
-            self._threads,
-            [partial(self._fill, cell, forms, plane, first) for plane in range(self.depths.size) for first in layers],
-        )
+        tasks = [
+            partial(self._fill, cell, forms, planes, first, far=far)
+            for first in layers
+            for planes, far in self._batches(first)
+        ]
+        in_parallel(self._threads, tasks)
 
-    def _fill(self, cell: HasCornerPotentials, forms: Forms, plane: int, first: int) -> None:
-        """Spectra of some layers for one plane."""
+    def _batches(self, first: int) -> Iterator[tuple[list[int], bool]]:
+        """Planes that are sampled together for some layers, and whether all of these are far from them."""
+        dz, alike = self.source.pitch[2], dict[tuple[bool, bool], list[int]]()
+        layers = snapped(self.source.first[2] / dz) + np.arange(first, self._stop(first), dtype=np.float64)
+        for plane, depth in enumerate(snapped(float(depth) / dz) for depth in self.depths):
+            alike.setdefault((depth == 0, self._far(layers * dz, depth * dz)), []).append(plane)
+        size = self._layout.x.lattice.size * self._layout.y.lattice.size * (_LAYERS + 1)
+        most = max(1, _TOGETHER // size)
+        for (_, far), planes in alike.items():
+            for begin in range(0, len(planes), most):
+                yield planes[begin : begin + most], far
+
+    def _stop(self, first: int) -> int:
+        return min(first + _LAYERS, self.source.shape[0])
+
+    def _fill(self, cell: HasCornerPotentials, forms: Forms, planes: list[int], first: int, *, far: bool) -> None:
+        """Spectra of some layers for some planes, which all lie in the surface or all below it."""
         dx, dy, dz = self.source.pitch
-        stop = min(first + _LAYERS, self.source.shape[0])
-        depth = snapped(float(self.depths[plane]) / dz)
-        layers = snapped(self.source.first[2] / dz) + np.arange(first, stop, dtype=np.float64)
-        if depth == 0 and self.quantity == "displacement" and self.space == "half":  # continuous: half of the kernels
+        layers = snapped(self.source.first[2] / dz) + np.arange(first, self._stop(first), dtype=np.float64)
+        depths = [snapped(float(self.depths[plane]) / dz) for plane in planes]
+        flush = depths[0] == 0 and self.space == "half"
+        if flush and self.quantity == "displacement":  # continuous: half of the kernels
             forms = tuple(tuple(form.on_surface().replaced(reduced) for form in row) for row in forms)
         x, y = (
             nodes_around(lattice, pitch, self._unit)
             for lattice, pitch in ((self._layout.x.lattice, dx), (self._layout.y.lattice, dy))
         )
         # Offsets of the real cells descend with the layer: sampled in reverse.
-        offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}
-        kernels, far = cell_kernels(forms), self._far(layers * dz, depth * dz)
-        tables = np.empty((len(kernels), stop - first, x.size - 1, y.size - 1))
-        for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1)):
+        offsets = {
+            "image": [depth + layers for depth in depths],
+            "real": [(depth - layers)[::-1] for depth in depths],
+        }
+        kernels = cell_kernels(forms)
+        shape = (len(planes), layers.size, x.size - 1, y.size - 1)
+        tables = np.empty((len(kernels), *shape))
+        inside = np.arange(len(planes) * (layers.size + 1) - 1) % (layers.size + 1) != layers.size
+        for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1) * len(planes)):
             origin = group[0][0]
-            z = nodes_around(offsets[origin], dz, self._unit)
-            if depth == 0 and self.space == "half":
+            z = np.concatenate([nodes_around(offset, dz, self._unit) for offset in offsets[origin]])
+            if flush:
                 z = seen_from_inside(z)
             singular = self.quantity != "displacement"
             table = sample_tables(cell, group, (x, y, z), threads=1, extended=far, singular=singular)
-            values = np.moveaxis(table, 3, 1)
-            tables[[kernels.index(kernel) for kernel in group]] = values if origin == "image" else values[:, ::-1]
-        weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
-        for place, layer in enumerate(range(first, stop)):
-            combined = np.einsum("osk,kxy->osxy", weights, tables[:, place])
-            for row, component in enumerate(self.components):
-                for strain in range(6):
-                    if weights[row, strain].any():
-                        self._spectra[plane][row][layer][strain] = self._layout.spectrum(
-                            combined[row, strain].T,
-                            _parity(self.quantity, component, strain),
-                            precision=self._precision,
-                        )
+            for kernel, values in zip(group, table, strict=True):
+                by_plane = np.moveaxis(values[..., inside].reshape(*shape[2:], *shape[:2]), (2, 3), (0, 1))
+                tables[kernels.index(kernel)] = by_plane if origin == "image" else by_plane[:, ::-1]
+        weights = self._scale * np.array(
+            [_weights(forms, kernels, float(self.depths[plane]) / self._unit) for plane in planes]
+        )
+        for row, component in enumerate(self.components):
+            for strain in range(6):
+                self._keep(planes, first, (row, strain), component, _combined(weights[:, row, strain], tables))
+
+    def _keep(
+        self, planes: list[int], first: int, place: tuple[int, int], component: int, tables: FloatArray | None
+    ) -> None:
+        """Spectra of one component by one component of the eigenstrain, ``(planes, layers, nx, ny)``."""
+        if tables is None:
+            return
+        (row, strain), count = place, tables.shape[1]
+        parity = _parity(self.quantity, component, strain)
+        spectra = self._layout.spectra(
+            tables.reshape(-1, *tables.shape[2:]).transpose(0, 2, 1), parity, precision=self._precision
+        )
+        for number, spectrum in enumerate(spectra):
+            self._spectra[planes[number // count]][row][first + number % count][strain] = spectrum
 
     def _far(self, layers: FloatArray, depth: float) -> bool:
         """Whether all cells of some layers are far from all points of a plane."""
@@ -224,6 +258,18 @@ def _weights(forms: Forms, kernels: Sequence[Kernel], depth: float) -> FloatArra
                 if kernel in numbers:
                     out[row, column, numbers[kernel]] += value * depth**power
     return out
+
+
+def _combined(weights: FloatArray, tables: FloatArray) -> FloatArray | None:
+    """Sum of tables ``(kernels, planes, ...)`` with weights ``(planes, kernels)``; None where all are zero."""
+    used = np.flatnonzero(weights.any(axis=0))
+    if not used.size:
+        return None
+    factors = weights.T.reshape(*weights.T.shape, *[1] * (tables.ndim - 2))
+    total = factors[used[0]] * tables[used[0]]
+    for kernel in used[1:]:
+        total += factors[kernel] * tables[kernel]
+    return np.asarray(total)
 
 
 def _parity(quantity: str, component: int, strain: int) -> tuple[int, int]:

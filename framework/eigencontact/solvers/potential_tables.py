@@ -116,8 +116,9 @@ def sample_tables(
     group : sequence of Kernel
         Kernels of one potential.
     nodes : three arrays
-        Offsets of field point from corner along x, y, z, ascending, in a unit of the order of the cell; one more than
-        the tables have along each axis.
+        Offsets of field point from corner along x, y, z, each a pitch above the last, in a unit of the order of the
+        cell; one more than the tables have along each axis. Along z several such rows may follow each other: what lies
+        between two of them means nothing.
     threads : int
         Slabs are sampled in parallel.
     extended : bool
@@ -137,7 +138,7 @@ def sample_tables(
     name, orders = group[0][1], [kernel[2] for kernel in group]
     out = np.empty((len(group), x.size - 1, y.size - 1, z.size - 1))
     planes = max(1, _CHUNK_NODES // (y.size * z.size))
-    around = _AROUND * min(float(np.diff(axis).min()) for axis in (x, y, z))
+    around = _AROUND * min(float(axis[1] - axis[0]) for axis in (x, y, z))
 
     def slab(first: int, stop: int) -> None:
         """Tables between the nodes `first` and `stop` along x; a few planes at a time, so that they stay in cache."""
@@ -176,10 +177,10 @@ def _around_edges(
     for first, second in ((0, 1), (0, 2), (1, 2)):
         if not (zeros[first].size and zeros[second].size):
             continue
-        line, place = list(axes), [slice(None)] * 3
+        line, place = list(axes), list[Any]([slice(None)] * 3)
         for axis in (first, second):
             line[axis] = np.zeros_like(axes[axis][:1])
-            place[axis] = slice(zeros[axis][0], zeros[axis][0] + 1)
+            place[axis] = zeros[axis] if axis == 2 else slice(zeros[axis][0], zeros[axis][0] + 1)
         mean = np.zeros(1)
         for moved in (first, second):
             for way in (-distance, distance):
