@@ -34,7 +34,7 @@ def test_expansions_converge_at_their_rate_through_the_whole_tree():
         values = np.zeros((at.shape[1], 2, at.shape[2]))
         values[0] = _biharmonic(at[:, 0])
         out = np.zeros((2, 4000))
-        tree.add(inside, values, out)
+        tree.add(inside, values, out, 1)
         errors.append(np.abs(out - _biharmonic(inside)).max())
     assert (tree.nodes[:, 4] > 0).sum() > 4  # expansions were passed down, and to points
     rates = np.diff(np.log(errors)) / 2.0

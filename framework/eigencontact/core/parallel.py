@@ -9,7 +9,10 @@ from os import cpu_count, sched_getaffinity
 from threading import current_thread
 from typing import Any
 
-__all__ = ["available_threads", "in_parallel", "working_threads"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["available_threads", "in_parallel", "parts", "working_threads"]
 
 _THREADS = "eigencontact-worker"
 
@@ -31,6 +34,11 @@ def working_threads(threads: int, gain: float = 0.5) -> float:
         What each further thread adds, in threads.
     """
     return 1.0 + gain * (threads - 1)
+
+
+def parts(rows: NDArray[Any], threads: int) -> list[NDArray[Any]]:
+    """Rows of an array in one part for each thread; fewer where there are fewer rows."""
+    return np.array_split(rows, min(threads, len(rows))) if len(rows) else []
 
 
 @cache

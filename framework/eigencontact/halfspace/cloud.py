@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray, IntArray
-from eigencontact.core.parallel import available_threads
+from eigencontact.core.parallel import available_threads, in_parallel, parts
 from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import require
@@ -185,28 +186,31 @@ def _sum_of_sources(
 
     With a tree over the points, in its order, what is far from many of them reaches them by an expansion.
     """
-    import numba
-
     from eigencontact.halfspace.cloud_kernels import sum_sources
 
     nu = float(poisson_ratio)
     rows, *tables = sources.tables
     rows = rows.copy()
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
-    half = True if space == "half" else None
-    numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
-    count = points[0].size
+    threads = threads or available_threads()
+
+    def summed(
+        points: Sequence[FloatArray] | FloatArray, blocks: IntArray, nodes: tuple[FloatArray, IntArray, float]
+    ) -> FloatArray:
+        out = np.zeros((QUANTITIES[quantity], points[0].size))
+        options = (nodes, (rows, *tables), nu, space == "half", out)
+        in_parallel(threads, [partial(sum_sources, *points, part, *options) for part in parts(blocks, threads)])
+        return out
+
     if tree is None:
-        out = np.zeros((QUANTITIES[quantity], count))
-        sum_sources(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
+        out = summed(points, _blocks(points[0].size), _NO_TREE)
     else:
+        count = points[0].size
         everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
-        summed = np.zeros((QUANTITIES[quantity], everywhere.shape[1]))
-        nodes = (tree.nodes, tree.parents, APART)
-        sum_sources(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
-        out = np.ascontiguousarray(summed[:, :count])
-        values = summed[:, count:].reshape(len(summed), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
-        tree.add(np.array(points), np.ascontiguousarray(values), out)
+        found = summed(everywhere, tree.blocks, (tree.nodes, tree.parents, APART))
+        out = np.ascontiguousarray(found[:, :count])
+        values = found[:, count:].reshape(len(found), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
+        tree.add(np.array(points), np.ascontiguousarray(values), out, threads)
     if quantity == "displacement":
         return out
     if quantity == "strain":

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from eigencontact.core.numba_cache import compiled
@@ -33,7 +32,7 @@ from eigencontact.core.numba_cache import compiled
 __all__ = ["sum_sources"]
 
 _inner: Any = compiled(fastmath=True, error_model="numpy")
-_compiled: Any = compiled(parallel=True, fastmath=True, error_model="numpy")
+_compiled: Any = compiled(nogil=True, fastmath=True, error_model="numpy")
 
 
 @_inner
@@ -92,7 +91,8 @@ def _clear(x: Any, y: Any, z: Any, center: Any, side: float, near_sum: Any) -> N
     for i in range(x.size):
         dx, dy, dz = x[i] - center[0], y[i] - center[1], z[i] - side * center[2]
         if dx * dx + dy * dy + dz * dz < least:
-            near_sum[:, i] = 0.0
+            for c in range(len(near_sum)):
+                near_sum[c, i] = 0.0
 
 
 @_inner
@@ -285,7 +285,9 @@ def _add(side: int, x: Any, y: Any, z: Any, source: Any, nu: float, total: Any) 
 
 @_compiled
 def sum_sources(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any) -> None:
-    """Sum the fields of all sources into `out`, in units of `scale`.
+    """Sum the fields of all sources at the points of some blocks into `out`, in units of `scale`.
+
+    Threads may do so at once for different blocks.
 
     Parameters
     ----------
@@ -299,23 +301,25 @@ def sum_sources(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu
         Regions are rows of center, reach of the sources, least distance.
     nu : float
         Poisson's ratio.
-    half : bool or None
-        True, or None for full space.
+    half : bool
+        Half-space; full space otherwise.
     out : (6, n) or (3, n)
         Stress components xx, yy, zz, yz, xz, xy (plain tensor), or displacement components x, y, z.
     """
     rows, regions, starts, levels = sources
     nodes, parents, apart = tree
-    for number in numba.prange(blocks.shape[0]):
-        block = blocks[number]
+    components = len(out)
+    box = np.empty((2, 3))
+    for block in blocks:
         first, stop = block[0], block[1]
         px, py, pz = x[first:stop], y[first:stop], z[first:stop]
-        box = np.array([[px.min(), py.min(), pz.min()], [px.max(), py.max(), pz.max()]])
-        total, near_sum = np.zeros((len(out), stop - first)), np.zeros((len(out), stop - first))
+        for axis, points in enumerate((px, py, pz)):
+            box[0, axis], box[1, axis] = points.min(), points.max()
+        total, near_sum = np.zeros((components, stop - first)), np.zeros((components, stop - first))
         for region in range(regions.shape[0]):
             if not _is_taken(block, region, nodes, parents, regions, apart):
                 continue
-            for side in range(1 if half is None else 2):
+            for side in range(2 if half else 1):
                 sign = 1.0 - 2.0 * side
                 square = _gap(box, regions[region], sign)
                 level = starts[region]
@@ -325,10 +329,14 @@ def sum_sources(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu
                 if near:
                     if _all_near(box, regions[region], sign):
                         continue
-                    near_sum[:] = 0.0
+                    near_sum.fill(0.0)
                 for s in range(int(levels[level, 1]), int(levels[level, 2])):
                     _add(side, px, py, pz, rows[s], nu, near_sum if near else total)
                 if near:
                     _clear(px, py, pz, regions[region], sign, near_sum)
-                    total += near_sum
-        out[:, first:stop] = total
+                    for c in range(components):
+                        for i in range(stop - first):
+                            total[c, i] += near_sum[c, i]
+        for c in range(components):
+            for i in range(stop - first):
+                out[c, first + i] = total[c, i]

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from eigencontact.core.numba_cache import compiled
@@ -22,7 +21,7 @@ __all__ = ["grow", "moments", "pass_down", "polynomials"]
 _PART = 64
 
 _inner: Any = compiled(fastmath=True, error_model="numpy")
-_compiled: Any = compiled(parallel=True, fastmath=True, error_model="numpy")
+_compiled: Any = compiled(nogil=True, fastmath=True, error_model="numpy")
 
 
 @_inner
@@ -109,6 +108,8 @@ def pass_down(
 ) -> None:  # fmt: skip
     """Pass expansions of one depth of a tree on: to those below them, and to points that have none closer.
 
+    Threads may do so at once for different expansions.
+
     Parameters
     ----------
     x, y, z : (n,)
@@ -118,7 +119,7 @@ def pass_down(
     children : (k, 2) of int
         Nodes below a node; -1 for none.
     numbers : (h,) of int
-        Nodes of the depth that have an expansion.
+        Nodes of the depth, those whose expansions are given.
     place : (k,) of int
         Number of each node among those that have one.
     nodes : (k, 5)
@@ -134,7 +135,7 @@ def pass_down(
     out : (c, n)
         Values at the points, added to.
     """
-    for number in numba.prange(coefficients.shape[0]):
+    for number in range(coefficients.shape[0]):
         node = numbers[number]
         center, expansion = nodes[node], coefficients[number]
         for side in range(2):
@@ -164,17 +165,22 @@ def grow(points: Any, least: int, block: int) -> Any:
     order, upper = np.arange(count), np.empty(count, np.int64)
     ranges, nodes = [(0, count)], [(0.0, 0.0, 0.0, 0.0, 0.0)]
     parents, children, depths = [-1], [(-1, -1)], [0]
+    low, high, center = np.empty(3), np.empty(3), np.empty(3)
     grown = 0
     while grown < len(ranges):
         stop = len(ranges)
         for node in range(grown, stop):
             a, b = ranges[node]
-            low, high = points[:, order[a]].copy(), points[:, order[a]].copy()
-            for i in range(a, b):
-                for axis in range(3):
+            longest = 0
+            for axis in range(3):
+                low[axis] = high[axis] = points[axis, order[a]]
+                for i in range(a, b):
                     value = points[axis, order[i]]
                     low[axis], high[axis] = min(low[axis], value), max(high[axis], value)
-            center, square = 0.5 * (low + high), 0.0
+                center[axis] = 0.5 * (low[axis] + high[axis])
+                if high[axis] - low[axis] > high[longest] - low[longest]:
+                    longest = axis
+            square = 0.0
             for i in range(a, b):
                 square_distance = 0.0
                 for axis in range(3):
@@ -184,16 +190,16 @@ def grow(points: Any, least: int, block: int) -> Any:
             nodes[node] = (center[0], center[1], center[2], np.sqrt(square), apart)
             if b - a <= block or square == 0.0:
                 continue
-            axis = int(np.argmax(high - low))
             middle, above = a, 0
             for i in range(a, b):
-                if points[axis, order[i]] <= center[axis]:
+                if points[longest, order[i]] <= center[longest]:
                     order[middle] = order[i]
                     middle += 1
                 else:
                     upper[above] = order[i]
                     above += 1
-            order[middle:b] = upper[:above]
+            for i in range(above):
+                order[middle + i] = upper[i]
             children[node] = (len(ranges), len(ranges) + 1)
             for first, last in ((a, middle), (middle, b)):
                 ranges.append((first, last))

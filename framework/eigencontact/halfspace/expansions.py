@@ -9,12 +9,13 @@ the nodes above, and passes its expansion down.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from math import comb
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray, IntArray
+from eigencontact.core.parallel import in_parallel, parts
 from eigencontact.halfspace.potentials import PointSources
 
 __all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of", "expansion_size"]
@@ -161,7 +162,7 @@ class Tree:
         # Shuffled, so that every thread gets some of the dear ones.
         return np.random.default_rng(0).permutation(np.concatenate(point_and_node_blocks))
 
-    def add(self, points: FloatArray, values: FloatArray, out: FloatArray) -> None:
+    def add(self, points: FloatArray, values: FloatArray, out: FloatArray, threads: int) -> None:
         """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what the expansions say.
 
         `values` of the expansions at their points, ``(expansions, c, m)``, are overwritten.
@@ -176,7 +177,12 @@ class Tree:
                 continue
             depth = values[place[large]]
             coefficients = (depth.reshape(-1, depth.shape[2]) @ fit.T).reshape(*depth.shape[:2], -1)
-            pass_down(
-                *points, self.ranges, self.children, large, place, self.nodes, unit, self.degree, coefficients, values,
-                out,
-            )  # fmt: skip
+            shared = (*points, self.ranges, self.children)
+            tables = (place, self.nodes, unit, self.degree)
+            in_parallel(
+                threads,
+                [
+                    partial(pass_down, *shared, large[part], *tables, coefficients[part], values, out)
+                    for part in parts(np.arange(large.size), threads)
+                ],
+            )

@@ -54,7 +54,9 @@ def open_results(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    return opened_whole(path, lambda file: xr.open_dataset(file, engine="h5netcdf"))
+    from eigencontact.results.engine import ResultsEngine
+
+    return opened_whole(path, lambda file: xr.open_dataset(file, engine=ResultsEngine, cache=True))
 
 
 def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:

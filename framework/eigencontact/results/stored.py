@@ -116,6 +116,7 @@ class _Variable:
         self._stored = array
         self.shape: tuple[int, ...] = array.shape
         self.ndim: int = array.ndim
+        self.dtype = array.dtype
 
     def __getitem__(self, index: Any) -> Held:
         values = np.asarray(self._array[index])
@@ -140,7 +141,8 @@ class _Variable:
     @cached_property
     def attrs(self) -> dict[str, Any]:
         """Attributes: units, long name, role."""
-        return {name: _plain(value) for name, value in self._stored.attrs.items() if name not in _INNER}
+        stored = self._stored.attrs
+        return {name: _plain(stored[name]) for name in stored if name not in _INNER}
 
     @property
     def coordinates(self) -> str:
