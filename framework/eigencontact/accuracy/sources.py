@@ -1,4 +1,4 @@
-"""Sources of numerical error: what a run discretises, and coarser discretisations of each part alone."""
+"""Sources of numerical error of a run, and coarser discretisations of each source."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SETTINGS = {setting.key: setting for setting in FIDELITIES}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variation:
-    """One discretisation beside that of the scene."""
+    """One coarser discretisation."""
 
     changes: Changes  #: changes of the scene's tables
     ratio: float  #: its step size in step sizes of the scene (cell edge, increment, tolerance); below 1 it is finer
@@ -36,7 +36,7 @@ class Variation:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ErrorSource:
-    """One part of the discretisation.
+    """Source of discretisation error.
 
     Attributes
     ----------
@@ -73,12 +73,12 @@ class ErrorSource:
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
-    """Sources of error in the run of a plan, in the order in which they are varied."""
+    """Sources of error in the run of a plan, in the order of their variation."""
     return [source for source in SOURCES if source.applies(plan)]
 
 
 def _cells(plan: Plan) -> list[Variation]:
-    """Cells 2 and 2.5 times larger in the same window, which need not be searched. Coarse cells are accepted here."""
+    """Cells 2 and 2.5 times larger in the same window; coarse cells are accepted."""
     numerics = {"allow-coarse": True}
     return [
         Variation(changes={"grid": refined_window(plan, 1.0 / ratio, alike=True)[0], "numerics": numerics}, ratio=ratio)
@@ -135,7 +135,7 @@ def _own_pitch(plan: Plan) -> bool:
 
 
 def _degree(plan: Plan) -> int:
-    """Degree that the scene gives for whole inhomogeneities; 0 where it gives none."""
+    """Degree of whole inhomogeneities in the scene; 0 if the scene has none."""
     return degree_of(plan) or 0
 
 
@@ -144,7 +144,7 @@ def _lower_degree(plan: Plan) -> list[Variation]:
 
 
 def _fewer_jumps(plan: Plan, factor: float) -> Changes:
-    """Less of whichever setting of the jumps over cycles the scene gives."""
+    """Setting of the jumps over cycles with fewer skipped cycles."""
     changes = _SETTINGS["jump-error"].divided(plan, factor)
     return changes or _SETTINGS["cycles-per-update"].divided(plan, factor)
 

@@ -19,7 +19,7 @@ Coefficients = Mapping[tuple[int, int], float]
 
 @dataclass(frozen=True)
 class Row:
-    """One transformed sum and where it goes: ``(output, power of the depth, factor)``."""
+    """One transformed sum and its destination: ``(output, power of the depth, factor)``."""
 
     terms: Coefficients
     into: tuple[tuple[int, int, float], ...]
@@ -83,7 +83,7 @@ class WeightedSums:
         return self.kernels.layout.folded and parity[0] * parity[1] < 0
 
     def matrices(self, active: Sequence[int]) -> list[tuple[int, int, FloatArray]]:
-        """For each row the range of columns it uses, and the coefficients ``(columns, kernels)``.
+        """Column range and coefficients ``(columns, kernels)`` of each row.
 
         The columns are the active sources' spectra, then these at -kz.
         """
@@ -106,7 +106,7 @@ class WeightedSums:
 
 
 def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
-    """Rows of the table, those left out that are combinations of others of the same power."""
+    """Rows of the table without rows that are combinations of others of the same power."""
     keys = sorted({term for terms in table.values() for term in terms})
     columns = {key: k for k, key in enumerate(keys)}
     rows: list[Row] = []

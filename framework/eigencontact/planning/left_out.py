@@ -28,7 +28,7 @@ _PRICE = {
 
 
 def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
-    """Effects that are not modelled, each with the reason."""
+    """Omitted effects, each with the reason."""
     scene, contact = model.scene, model.interface
     out = _of_the_contact(contact) if contact else [LeftOut("contact", "the scene has no [geometry]")]
     if not scene.stress:
@@ -121,7 +121,7 @@ def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
 
 
 def _layer_that_fills(model: Model) -> Inhomogeneity | None:
-    """Uniform flat layer of one material, from the surface and over the whole window, if there is one."""
+    """Uniform flat layer of one material from the surface over the whole window, if there is one."""
     grid = model.grid
     x0, y0 = (center - 0.5 * size for center, size in zip(grid.center, grid.size, strict=True))
     x1, y1 = x0 + grid.size[0], y0 + grid.size[1]

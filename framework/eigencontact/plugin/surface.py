@@ -96,7 +96,7 @@ class SurfaceInfluence(Component, ABC):
 
 
 class CornerInfluence(SurfaceInfluence):
-    """Surface influence given by a corner function: the field is its alternating sum over the four corners.
+    """Surface influence with a corner function: the field is its alternating sum over the four corners.
 
     ``field(x, y) = C(x+a, y+b) - C(x-a, y+b) - C(x+a, y-b) + C(x-a, y-b)``. The author writes the two corner
     functions; they must be finite at z = 0 and on the lines x = 0 and y = 0.
@@ -170,7 +170,7 @@ class CornerInfluence(SurfaceInfluence):
         half_widths: tuple[float, float],
         material: Material,
     ) -> FloatArray:
-        """Evaluate the corner function once per lattice node and difference it; see `SurfaceInfluence.sample`."""
+        """Evaluate the corner function once per lattice node and form differences; see `SurfaceInfluence.sample`."""
         (a, b), corner = half_widths, self._corner(quantity)
         nodes_x = np.append(x - a, x[-1] + a)
         nodes_y = np.append(y - b, y[-1] + b)

@@ -41,7 +41,7 @@ _SHORTEST = 0.01
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Crack(Answer):
-    """Ranges of stress intensity of a crack over its length, and whether it stops.
+    """Ranges of the stress intensity factors of a crack over its length, with growth or arrest.
 
     Attributes
     ----------
@@ -280,7 +280,7 @@ def _summary(path: CrackPath, stress: PathStress, limits: CrackThreshold, stop: 
 def _cautions(
     dataset: Results, path: CrackPath, stress: PathStress, ranges: FactorRanges, stop: float, mode: str
 ) -> list[Caution]:
-    """What the plane-strain crack in one elastic material leaves out."""
+    """Warnings about effects that the plane-strain crack in one elastic material omits."""
     out = []
     reach = stop if 0 < stop < np.inf else path.length
     if dataset.sizes.get("y", 1) > 1 and "pressure" in dataset:

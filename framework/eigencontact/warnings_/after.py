@@ -42,7 +42,7 @@ Row = Mapping[str, float]
 
 
 def noticed(model: Model, blocks: Sequence[Block], last: StepRecord, history: Sequence[Row]) -> tuple[Caution, ...]:
-    """Warnings of a finished run: those of its results, and those foreseen that the results do not replace.
+    """Warnings of a finished run: those of its results, and predicted ones that the results do not replace.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def _contact(model: Model, last: StepRecord) -> Iterator[Caution]:
 
 
 def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
-    """Load steps that are too large for the way, and rings of slip that the cells do not see."""
+    """Warn about load steps that are too large for the motion, and slip annuli narrower than a cell."""
     if model.friction is None:
         return
     for before, after in pairwise(history):
@@ -159,7 +159,7 @@ def _plastic_steps(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
 
 
 def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """Whether the largest von Mises stress lies where it converges slowly, or not at all."""
+    """Warn if the largest von Mises stress lies at a place where it converges slowly or not at all."""
     regions = [region for region in last.regions.values() if "von_mises" in region.fields]
     if not regions:
         return
@@ -211,7 +211,7 @@ def _at_the_edge(model: Model, last: StepRecord, place: tuple[float, float, floa
 
 
 def _on_a_rim(shape: object, place: tuple[float, float, float], edge: float) -> bool:
-    """Whether a place is on two faces of the bounds of a region at once, which bodies without edges never are."""
+    """Whether a place is on two faces of the bounds of a region at once (never for bodies without edges)."""
     low, high = shape.bounds  # type: ignore[attr-defined]
     near = [min(abs(at - lo), abs(at - hi)) < _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True)]
     within = all(lo - _NEAR * edge < at < hi + _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True))

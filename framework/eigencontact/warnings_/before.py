@@ -54,7 +54,7 @@ _FLUSH = 1e-3
 
 
 def foreseen(model: Model, blocks: Iterable[Block]) -> tuple[Caution, ...]:
-    """Warnings that follow from a scene alone; each is one sentence with a code."""
+    """Warnings that follow from a scene before the run; each is one sentence with a code."""
     return (
         *_of_the_contact(model),
         *_of_the_surfaces(model),
@@ -145,7 +145,7 @@ class Above:
 
 
 def worst_above(model: Model, body: int) -> Above | None:
-    """The inhomogeneity of a body whose cells cause the largest error of the pressure above it.
+    """Inhomogeneity of a body whose cells cause the largest error of the pressure above it.
 
     None without a contact, and where every inhomogeneity touches the surface, has no cells, or has no linear law.
     """
@@ -210,7 +210,7 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
 
 
 def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
-    """Warn about yielding regions in a yielding body, whose part of the residual print converges slowly."""
+    """Warn about yielding regions in a yielding body, whose residual imprint converges slowly."""
     contact = model.window.expected
     sources = [
         source

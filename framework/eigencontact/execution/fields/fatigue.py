@@ -1,4 +1,4 @@
-"""Fatigue criteria in regions: damage parameter, hot spot, value near it, life; the conclusion of a run with them."""
+"""Evaluation of fatigue criteria in regions: damage parameter, hot spot, critical distance, life."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Damage:
 def damage_of(
     dataset: Results, criterion: FatigueCriterion, region: CycleOfRegion, settings: CriticalDistance, threads: int = 1
 ) -> Damage:
-    """Evaluate a criterion over a cycle in a region, parts of its points in threads.
+    """Evaluate a criterion over a cycle in a region, with blocks of points in threads.
 
     Raises
     ------
@@ -221,7 +221,7 @@ class EvaluateFatigue(Conclusion):
         )
 
     def _renamed(self, warnings: Iterable[dict[str, Any]]) -> Iterator[Caution]:
-        """Warnings with the names of the numbers of this run; a life at the hot spot converges no better than it."""
+        """Warnings with the names of the numbers of this run; a life at the hot spot has the warnings of its value."""
         request = self._model.request
         of_hot_spot = ["utilisation"] + ["cycles"] * (request.life is not None and request.distance is None)
         for table in warnings:

@@ -32,7 +32,7 @@ _STAYS = 0.05
 
 
 def shift_by_radius(model: Model) -> float:
-    """Largest shift of the surfaces, by the expected radius of the contact along it; 0 without any.
+    """Largest shift divided by the expected contact radius along it; 0 without a shift.
 
     Infinite where no contact is expected.
     """
@@ -47,7 +47,7 @@ def shift_by_radius(model: Model) -> float:
 
 
 def shift_that_wears(model: Model) -> Iterator[Caution]:
-    """Warning of a shift of worn surfaces, which should move the contact."""
+    """Warning about a shift of wearing surfaces that should move the contact."""
     ratio = shift_by_radius(model)
     if _SHORT < ratio < np.inf and model.interface is not None and not model.interface.measured:
         error = ratio / (1.0 + ratio)
@@ -62,7 +62,7 @@ def shift_that_wears(model: Model) -> Iterator[Caution]:
 def wear_cautions(
     table: Wear, model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]
 ) -> Iterator[Caution]:
-    """Warnings of worn slopes, of jumps over cycles that are too large, and of a contact near the window's edge."""
+    """Warnings of worn slopes, of too large jumps over cycles, and of a contact near the window's edge."""
     for row in history:
         radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
         if row["max_worn_depth"] > _DEEP * radius > 0:
@@ -99,7 +99,7 @@ def wear_cautions(
 
 
 def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]) -> Iterator[Caution]:
-    """Warnings of layers that have worn unevenly, and of regions that do not rise with what wears off above them."""
+    """Warnings of unevenly worn layers, and of regions that do not move with the worn surface."""
     error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
     if error >= _UNEVEN:
         words = (
@@ -118,7 +118,7 @@ def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, f
 
 
 def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """The first region that stays where it was: all but those of linear laws in cells do."""
+    """First region that does not move with the surface: only regions of linear laws in cells move."""
     for source in model.sources:
         worn = last.fields.get(f"worn_depth_{source.body}")
         rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear

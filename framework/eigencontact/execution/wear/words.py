@@ -1,4 +1,4 @@
-"""Wear in the words of a plan: law, motion of the surfaces, cycles, and the effects that it leaves out."""
+"""Text of a plan about wear: law, motion of the surfaces, cycles, and omitted effects."""
 
 from __future__ import annotations
 
