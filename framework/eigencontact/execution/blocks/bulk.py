@@ -52,8 +52,8 @@ class BulkStress(Stateless):
             largest = float(np.abs(strains).max())
             if largest > _LARGE:
                 words = (
-                    f"bulk stress strains body {body} by {100 * largest:.3g} %: strains are not small, as this theory "
-                    "takes them to be; look at the units of bulk stress and modulus"
+                    f"bulk stress strains body {body} by {100 * largest:.3g} %: strains are not small, as the theory "
+                    "assumes; check the units of bulk stress and modulus"
                 )
                 yield Caution("small-strain", words)
 

@@ -135,20 +135,20 @@ def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> lis
     place = ", ".join(readable(at, "m") for at in (x, y, z))
     out = []
     if len(region.steps) == 1:
-        words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
+        words = "the cycle has one step, so that stress amplitudes are zero; store the steps of loading and unloading"
         out.append(Caution("fatigue-cycle", words))
     sizes = np.atleast_1d(dataset.attrs["cell_size"])
     edge = float(np.max(sizes[:1] if dataset.attrs.get("line") else sizes))  # the cell of a line has no end along y
     if z < edge and _near_edge(dataset, region, x, y):
         words = (
-            f"the largest value, at ({place}), lies at the edge of the contact, where stress grows as cells and points "
-            "come closer: compare values at a critical distance, not this one"
+            f"the largest value, at ({place}), lies at the edge of the contact, where stress grows with finer cells "
+            "and closer points: compare values at a critical distance instead"
         )
         out.append(Caution("fatigue-edge", words, number="utilisation"))
     index = np.unravel_index(hot, region.shape) if region.shape else ()
     for dim, row, size in zip(region.dims, index, region.shape, strict=True):
         if size > 2 and (row == size - 1 or (row == 0 and not dim.endswith("_z"))):
-            words = f"the largest value, at ({place}), lies at the border of the region; enlarge it"
+            words = f"the largest value, at ({place}), lies at the border of the region; enlarge the region"
             out.append(Caution("fatigue-border", words))
             break
     return out

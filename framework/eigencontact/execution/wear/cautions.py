@@ -52,9 +52,9 @@ def shift_that_wears(model: Model) -> Iterator[Caution]:
     if _SHORT < ratio < np.inf and model.interface is not None and not model.interface.measured:
         error = ratio / (1.0 + ratio)
         words = (
-            f"the shift reaches {percent(ratio)} of the radius of the contact, more than {percent(_SHORT)}, and a "
-            f"shift keeps the contact where it is: the scar is {percent(error)} shorter along the shift than that of a "
-            "moving contact, and too deep in its middle; let travel-x or travel-y move the contact"
+            f"the shift reaches {percent(ratio)} of the contact radius, more than {percent(_SHORT)}, but a shift does "
+            f"not move the contact: the scar is {percent(error)} shorter along the shift than that of a "
+            "moving contact, and too deep in its middle; use travel-x or travel-y to move the contact"
         )
         yield Caution("shift", words, error)
 
@@ -68,21 +68,21 @@ def wear_cautions(
         if row["max_worn_depth"] > _DEEP * radius > 0:
             deepest = readable(max(later["max_worn_depth"] for later in history), "m")
             words = (
-                f"the worn depth reaches {deepest}: from {readable(_DEEP * radius, 'm')} on, in load step "
-                f"{row['step']:.0f}, it is more than {percent(_DEEP)} of the contact's radius {readable(radius, 'm')}, "
-                "and slopes are not small, as half-spaces suppose"
+                f"the worn depth reaches {deepest}: from load step {row['step']:.0f} on it exceeds "
+                f"{readable(_DEEP * radius, 'm')}, {percent(_DEEP)} of the contact radius {readable(radius, 'm')}, "
+                "so that slopes are not small, as half-spaces assume"
             )
             yield Caution("worn-slopes", words)
             break
     error, allowed = last.scalars["wear_error"], table.error or _JUMPS
     if error > allowed:
-        remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
+        remedy = "a smaller wear.jump-error" if table.error else "a smaller wear.cycles-per-update, or wear.jump-error"
         late = abs(last.scalars["update_error"])
         if late > 0.5 * error:
-            remedy = "wear.update = 'increment', or let a cycle wear less"
+            remedy = "wear.update = 'increment', or reduce the wear of a cycle"
         words = (
-            f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
-            f"estimate, more than {percent(allowed)}, {percent(late)} of it by moving once a cycle; set {remedy}"
+            f"the estimated error of the worn volume is {percent(error)}, more than {percent(allowed)}, by skipped "
+            f"cycles and by surfaces that move once per cycle ({percent(late)}); set {remedy}"
         )
         yield Caution("wear-jumps", words, error)
     box = Box.around(last.fields["pressure"] > 0)
@@ -92,8 +92,8 @@ def wear_cautions(
         near = min(min(sides[axis]) for axis in model.grid.ended_axes)
         if 0 < near <= max(1.0, _GROWN * max(box.shape)):
             words = (
-                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
-                "ends with an error: more wear needs a larger grid.size"
+                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the edge of the window; a run "
+                "whose contact reaches the edge fails: more wear needs a larger grid.size"
             )
             yield Caution("worn-window", words)
 
@@ -103,15 +103,15 @@ def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, f
     error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
     if error >= _UNEVEN:
         words = (
-            "layers that wear are taken as thick as their mean in the contact: the answer of the most and of the least "
-            f"worn column differs from that by {percent(error)}; describe them by cells to see it"
+            "the kernels use the mean thickness of worn layers in the contact: the responses of the most and the least "
+            f"worn column differ from it by {percent(error)}; describe the layers by cells to resolve this"
         )
         yield Caution("worn-layers", words, error)
     lag = last.scalars.get("wear_lag", 0.0)
     if lag >= _LAGS:
         words = (
-            f"what lies in the bodies answers when a slide is done: the pressure that wore in the last step differs by "
-            f"{percent(lag)} from that found then; give more increments"
+            f"the interiors of the bodies are updated only after the wear of a slide: the pressure of this wear in the "
+            f"last step differs by {percent(lag)} from the final pressure; increase the increments"
         )
         yield Caution("worn-increments", words, lag)
     yield from _left_behind(model, last)
@@ -127,9 +127,9 @@ def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
         lost, depth = float(worn.max()), source.shape.bounds[1][2]
         if lost > _STAYS * depth:
             words = (
-                f"body {source.body} has lost up to {readable(lost, 'm')}, and {source.name!r}, which reaches down to "
-                f"{readable(depth, 'm')}, stays where it was: eigenstrain, whole inclusions and what laws remember do "
-                "not rise with what wears off above them"
+                f"body {source.body} has a worn depth of up to {readable(lost, 'm')}, but {source.name!r}, which "
+                f"extends to {readable(depth, 'm')}, keeps its depth: eigenstrain, whole inclusions and the state of "
+                "laws do not move with the worn surface"
             )
             yield Caution("worn-regions", words, lost / depth)
             return
