@@ -1,4 +1,4 @@
-"""The public calls: load a scene, plan it, run it; components and point kernels by themselves."""
+"""Public functions that load, plan and run a scene, and make components and point kernels."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable
 
 
 def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | None = None) -> Plan:
-    """Decide what a scene needs, before anything is computed.
+    """Plan the blocks of a scene, before any solution.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
 def explain(
     scene: Scene | str | Path | Mapping[str, Any], *, accuracy: str | float | Mapping[str, Any] | None = None
 ) -> str:
-    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
+    """Describe a scene before the run: model, kernels, memory, time, and omitted effects with reasons.
 
     With an accuracy, as `run` takes it or in the scene, it also foretells the runs that lead there.
 
@@ -114,7 +114,7 @@ def explain(
 
 
 def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None) -> dict[str, Any] | None:
-    """Runs that lead to an accuracy, as `run` takes it or as the scene asks for it; None where nobody asks."""
+    """Predicted runs to an accuracy, from the argument of `run` or the scene; None without a prescribed accuracy."""
     if accuracy is None and planned.scene.accuracy is None:
         return None
     from eigencontact.accuracy.forecast import forecast
@@ -310,7 +310,7 @@ def _solve(
     stopwatch: Stopwatch,
     accepted: Mapping[int, Callable[[], StepRecord]],
 ) -> _Solved:
-    """Solve and store all steps that are not done."""
+    """Solve and store all steps that are not stored yet."""
     from eigencontact.execution.run.driver import drive
 
     last = accepted[max(accepted)]() if accepted else None
@@ -346,14 +346,14 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
 
 
 class _Kept(NamedTuple):
-    """What a run in memory leaves for its storing."""
+    """Results of a run in memory, for storage."""
 
     store: MemoryStore
     solved: _Solved
 
 
 def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
-    """Solve a plan without a folder; what its storing needs, and its summary."""
+    """Solve a plan without a folder; return the data for storage, and the summary."""
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
     from eigencontact.results.summary import summary_of
@@ -365,7 +365,7 @@ def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
 
 
 def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
-    """Runs in memory that the watcher is told of."""
+    """Solver of runs in memory that reports to the watcher."""
     from eigencontact.accuracy.bars import Run
 
     announced = getattr(watcher, "announced", None)
@@ -380,7 +380,7 @@ def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
 
 
 def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:
-    """Add a warning where a target does not hold."""
+    """Add a warning for each target that is not met."""
     if noted["accuracy"]["reached"]:
         return
     from eigencontact.accuracy.words import missed

@@ -1,4 +1,4 @@
-"""The command line: run, explain, plugins, gallery, plot, cache, new-plugin; other packages add commands of their own.
+"""Command line: run, explain, plugins, gallery, plot, cache, new-plugin, and commands of installed packages.
 
 A package adds one with an entry point of the group ``eigencontact.commands``: its name is that of the command, its
 value a function that Typer reads, in a module that imports little, because ``--help`` loads it. See `_Commands`.
@@ -37,7 +37,7 @@ COMMANDS = "eigencontact.commands"
 
 
 class _Commands(HelpfulGroup):
-    """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
+    """Own commands and those of installed packages; a command is loaded when it runs or shows its help."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         built_in = super().list_commands(ctx)
@@ -55,7 +55,7 @@ class _Commands(HelpfulGroup):
 
 
 def _loaded(point: EntryPoint) -> Any:
-    """Command of another package; if it cannot be imported, one that says so."""
+    """Command of another package; if its import fails, a command that reports the failure."""
     package = f"{point.dist.name} {point.dist.version}" if point.dist else point.value
     group = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
     try:
@@ -170,7 +170,7 @@ def run(
 
 
 def _report(name: str, result: Any) -> None:
-    """Say what was found, what was written, and how long it took."""
+    """Print the results, the written files and the times."""
     from rich.console import Console
     from rich.table import Table
 
@@ -212,7 +212,7 @@ def _report(name: str, result: Any) -> None:
 
 
 def _spent(seconds: dict[str, float]) -> str:
-    """Where the time went; what took less than a part of it together, at the end."""
+    """Times by block; blocks below a fraction of the total time are summed at the end."""
     from eigencontact.core.units import time_in_words
 
     least = 0.01 * sum(seconds.values())
@@ -225,7 +225,7 @@ def _spent(seconds: dict[str, float]) -> str:
 def explain(
     scene: SceneArgument, *, changes: SetOption = None, accuracy: AccuracyOption = None, as_json: JsonOption = False
 ) -> None:
-    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
+    """Describe a scene before the run: model, kernels, memory, time, and omitted effects with reasons.
 
     Example: `eigencontact explain hertz --accuracy 1%` foretells the runs that lead to an error of 1 %.
     """
@@ -346,7 +346,7 @@ def _cache(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Show, clear or limit the tables on disk that runs share. Runs compute missing tables again.
+    """Show, clear or limit the stored tables of influence coefficients. Runs compute missing tables again.
 
     The variable EIGENCONTACT_CACHE selects another folder, or switches the tables off (`EIGENCONTACT_CACHE=off`).
     """

@@ -1,4 +1,4 @@
-"""Common parts of commands: help by purpose, flags without a value, options of several commands, refusals."""
+"""Common parts of commands: groups in the help, flags without a value, shared options, error messages."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _OTHERS = "Commands of other packages"
 
 
 def panel_of(command: str) -> str:
-    """Heading under which the help lists a command.
+    """Heading of a command in the help.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def panel_of(command: str) -> str:
 
 
 class _Helpful:
-    """Parameters without a value type behind flags; an unknown option names those that exist."""
+    """Command whose flags have no value type in the help, and whose unknown options list the existing ones."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Parameters of the command; a flag takes no value, so that its help shows none."""
@@ -59,7 +59,7 @@ class _Helpful:
         return params
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the arguments; where an option is unknown and no other resembles it, name all of them."""
+        """Read the arguments; an unknown option without a similar name lists all options."""
         try:
             remaining_args: list[str] = super().parse_args(ctx, args)  # type: ignore[misc]
         except Exception as problem:
@@ -72,7 +72,7 @@ class _Helpful:
 
 
 def _resembling(unknown: str, options: list[str]) -> list[str]:
-    """Options that are a slip of the one given; names alone are compared, for all begin with two hyphens."""
+    """Options with a name similar to an unknown option, without the leading hyphens."""
     from difflib import get_close_matches
 
     names = get_close_matches(unknown.lstrip("-"), [option.lstrip("-") for option in options], cutoff=0.6)
@@ -89,7 +89,7 @@ class HelpfulGroup(_Helpful, TyperGroup):
 
 @contextmanager
 def refusals(joint: str = "; ", interrupted: str = "") -> Iterator[None]:
-    """Print an error of the package as one line, its own lines joined, and leave with its exit code.
+    """Print an error of the package as one line and exit with its exit code.
 
     With a sentence for it an interrupt is reported too.
     """

@@ -1,4 +1,4 @@
-"""What a shell completes: scenes, plugins, tables, kinds. Nothing is imported for it: a key press waits for the answer.
+"""Shell completion of scenes, plugins, tables and kinds, without slow imports.
 
 Keys of plugins and tables of a scene are read from the text of their modules; a test compares both with what is
 installed.
@@ -59,7 +59,7 @@ def tables(incomplete: str) -> list[str]:
 def _tables_of(
     name: str, place: str, classes: Mapping[str, list[tuple[str, str]]], above: frozenset[str]
 ) -> Iterator[str]:
-    """Places of the tables in a table: fields that hold one of the classes, or a plugin (`OfKind`)."""
+    """Keys of the tables in a table: fields that hold one of the classes, or a plugin (`OfKind`)."""
     for field, annotation in classes[name]:
         inner = f"{place}.{field.replace('_', '-')}".strip(".")
         table = next((word for word in re.findall(r"\w+", annotation) if word in classes and word != "OfKind"), None)
@@ -76,7 +76,7 @@ def kinds(incomplete: str) -> list[str]:
 
 
 def plugin_keys(incomplete: str) -> list[str]:
-    """Keys of installed plugins that begin so, as far as their modules give them as plain text."""
+    """Keys of installed plugins with a prefix, if their modules define them as plain text."""
     keys = set[str]()
     for point in entry_points(group="eigencontact"):
         keys.update(_KEY.findall(_text(point)))
@@ -84,7 +84,7 @@ def plugin_keys(incomplete: str) -> list[str]:
 
 
 def _text(point: EntryPoint) -> str:
-    """Source of the module of an entry point; nothing where it cannot be found, which other commands report."""
+    """Source of the module of an entry point; empty if it cannot be found (other commands report this)."""
     try:
         spec = find_spec(point.module)
         if spec is None or spec.origin is None:
@@ -99,7 +99,7 @@ def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
 
 
 def _paths(incomplete: str, ending: str) -> list[str]:
-    """Folders, and files of an ending, as they are typed."""
+    """Folders, and files with an extension, that match typed text."""
     folder, _, begin = incomplete.rpartition("/")
     place = Path(f"{folder}/" if folder or incomplete.startswith("/") else ".").expanduser()
     prefix = incomplete[: len(incomplete) - len(begin)]

@@ -1,4 +1,4 @@
-"""The one tree of exceptions, and the one way to word a refused value.
+"""Exceptions of the package, and the text of messages about refused values.
 
 Every message follows the pattern ``<where> must be <rule> (got <value>); <what to do>``.
 """
@@ -26,7 +26,7 @@ __all__ = [
 
 
 class EigencontactError(Exception):
-    """Anything this package refuses or fails to do; ``exit_code`` is what the command line returns.
+    """Base of all errors of this package; ``exit_code`` is the exit code of the command line.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class SceneError(EigencontactError):
 
 
 class PluginError(EigencontactError):
-    """A plugin that is missing, broken or registered wrongly."""
+    """Plugin that is missing, defective or registered incorrectly."""
 
     exit_code = 2
 
@@ -85,13 +85,13 @@ class ResultsError(EigencontactError):
 
 
 class ClusterError(EigencontactError):
-    """A cluster that is not reachable, that is lost, or whose workers cannot do what is asked."""
+    """Cluster without connection, or whose workers cannot perform the tasks."""
 
     exit_code = 6
 
 
 class NotConverged(EigencontactError):
-    """A solver that stopped before its certificate held.
+    """Solver that did not reach its tolerance.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class NotConverged(EigencontactError):
 
 
 class NotUnique(NotConverged):
-    """A material that softens so fast that some points have several answers, or none.
+    """Softening material without a unique solution at some points.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ _LONGEST = 160
 
 
 def shown(value: object) -> str:
-    """Value as a message shows it: numpy scalars as numbers, what is long cut off.
+    """Value as text for a message: numpy scalars as numbers, long values shortened.
 
     Examples
     --------

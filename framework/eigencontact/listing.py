@@ -56,7 +56,7 @@ def cache_data(*, clear: bool = False, limit: str | None = None) -> dict[str, An
 
 
 def cache_text(data: dict[str, Any]) -> str:
-    """The answer of `cache_data` in one line."""
+    """Text of `cache_data` in one line."""
     from eigencontact.core.units import readable
 
     if data["folder"] is None:
@@ -66,7 +66,7 @@ def cache_text(data: dict[str, Any]) -> str:
 
 
 def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
-    """Installed plugins (all, or those of one key) and broken ones, as plain data; ``type`` is what a scene writes.
+    """Installed plugins (all, or those of one key) and broken ones, as plain data; ``type`` is the value in a scene.
 
     Raises
     ------

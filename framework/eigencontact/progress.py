@@ -40,7 +40,7 @@ _NOTHING = 1e-12
 
 @contextmanager
 def progress(*, enabled: bool, verbose: bool = False, unit: Callable[[str], str] = str) -> Iterator[Watcher | None]:
-    """Watcher of a run that shows its course on the standard error stream; None where not enabled.
+    """Watcher of a run that shows its progress on the standard error stream; None if not enabled.
 
     If `verbose`, each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`. `unit`
     gives the unit of a force, which is per length in a line contact: see `Grid.unit`.
@@ -63,7 +63,7 @@ def progress(*, enabled: bool, verbose: bool = False, unit: Callable[[str], str]
 
 
 def draws_in_place(stream: TextIO) -> bool:
-    """Whether a bar can be drawn over itself: on a terminal with a cursor, which a cell of a notebook has not.
+    """Whether a bar can be redrawn in place: on a terminal with a cursor, not in a notebook cell.
 
     Jupyter runs the commands of a cell on a terminal, and shows every state of a bar below the one before.
 
@@ -78,7 +78,7 @@ def draws_in_place(stream: TextIO) -> bool:
 
 
 class _ProgressBars:
-    """Draws two bars: one for the load steps, one for the residual of the solve under way."""
+    """Two progress bars: load steps, and residual of the current solution."""
 
     def __init__(self, bars: Any) -> None:
         self._bars = bars
@@ -86,7 +86,7 @@ class _ProgressBars:
         self._solve: Any = None
 
     def step_started(self, point: LoadPoint, total: int) -> None:
-        """Show the load step that begins."""
+        """Show the current load step."""
         if self._steps is None:
             self._steps = self._bars.add_task("load steps", total=total, completed=point.index - 1)
             self._solve = self._bars.add_task("residual", total=60)
@@ -97,7 +97,7 @@ class _ProgressBars:
         self._bars.console.print(text, highlight=False)
 
     def iterated(self, text: str, residual: float, tolerance: float) -> None:
-        """Show the decades of the residual that are behind us."""
+        """Show the decades of the residual that are reached."""
         if not 0 < residual < float("inf"):
             return
         decades = max(0.0, min(1.0, log10(residual) / log10(tolerance)))
@@ -109,7 +109,7 @@ class _ProgressBars:
 
 
 class ProgressLines:
-    """Watcher that writes lines to a stream, at most one a second and one for the last load step; none within a second.
+    """Watcher that writes at most one line a second, and one for the last load step, to a stream.
 
     The clock gives the time [s] from any moment on.
     """
@@ -121,7 +121,7 @@ class ProgressLines:
         self._now = ""
 
     def step_started(self, point: LoadPoint, total: int) -> None:
-        """Note which load step begins."""
+        """Store the number of the current load step."""
         self._ends = self._ends or [self._clock()]
         self._now = f"load step {point.index} of {total}"
 
@@ -130,7 +130,7 @@ class ProgressLines:
         self._say(text)
 
     def iterated(self, text: str, residual: float, tolerance: float) -> None:
-        """Say how far a load step is that takes long."""
+        """Report the progress of a load step that takes long."""
         if self._clock() - self._said >= _SILENCE:
             self._say(f"{self._now}: {text}, residual {residual:.1e}, to fall to {tolerance:.1e}")
 
@@ -153,7 +153,7 @@ class ProgressLines:
 
 
 class VerboseLines(ProgressLines):
-    """Watcher that writes a line for every load step: what was reached, iterations, residuals, time of each block."""
+    """Watcher that writes a line for every load step: results, iterations, residuals, time of each block."""
 
     def __init__(
         self, stream: TextIO, clock: Callable[[], float] = monotonic, *, unit: Callable[[str], str] = str

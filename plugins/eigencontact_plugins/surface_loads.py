@@ -1,4 +1,4 @@
-"""Pressure and shear, uniform on a rectangle, on a homogeneous half-space: exact at every depth, z = 0 included.
+"""Uniform pressure and shear on a rectangle of a homogeneous half-space: exact at every depth, including z = 0.
 
 A rectangle with an infinite half width along y is a strip in plane strain (`surface_loads_strip`).
 
@@ -38,7 +38,7 @@ HalfWidths = tuple[float, float]
 
 
 def _unit_of_length(half_widths: HalfWidths) -> float:
-    """Power of two next to the longest half width: dividing by it is exact, so cells of 1 nm and of 1 m look alike."""
+    """Power of two nearest to the longest half width, an exact scale from cells of 1 nm to cells of 1 m."""
     return float(2.0 ** (np.frexp(max(half_widths))[1] - 1))
 
 

@@ -75,7 +75,7 @@ class Corner:
 
     @cached_property
     def log(self) -> FloatArray:
-        """Logarithm of R + z; finite at the corner itself, where it is multiplied by 0 or truly singular."""
+        """Logarithm of R + z; finite at the corner, where it is multiplied by 0 or singular."""
         return np.log(np.maximum(self.R + self.z, FLOOR))
 
     @cached_property
@@ -110,7 +110,7 @@ class Corner:
 
 
 def _arsinh(t: FloatArray, distance2: FloatArray, R: FloatArray) -> FloatArray:
-    """Inverse hyperbolic sine of t / sqrt(distance2), given R = sqrt(t² + distance2); np.log is the faster function."""
+    """Inverse hyperbolic sine of t / sqrt(distance2), with R = sqrt(t² + distance2), by the faster np.log."""
     quotient = np.maximum(np.abs(t) + R, FLOOR) / np.maximum(np.sqrt(distance2), FLOOR)
     return np.sign(t) * np.log(quotient)
 
@@ -169,7 +169,7 @@ def corner_field(
 
 
 def per_traction(quantity: str, components: Sequence[str], values: FloatArray, material: Material) -> FloatArray:
-    """Displacement or Mandel stress, in place, from 4πG times the one or 2π times the plain components of the other."""
+    """Displacement or Mandel stress, in place, from 4πG times the displacement or 2π times the stress components."""
     if quantity == "displacement":
         values /= 4 * np.pi * material.shear_modulus
         return values

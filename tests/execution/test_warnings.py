@@ -37,7 +37,7 @@ def test_a_ring_of_slip_narrower_than_a_cell_is_told():
     slight, plain = ([{"tangential-load-x": share * CARRIED, "increments": 2}] for share in (0.05, 0.6))
     (warning,) = rubbed(slight)
     assert warning["code"] == "slip-cells"
-    assert "cells wide at most" in warning["words"]
+    assert "the slip annulus is at most" in warning["words"]
     assert rubbed(plain) == []
 
 
@@ -45,7 +45,7 @@ def test_a_jump_from_stick_to_gross_slip_is_told():
     jump, path = ([{"shift-x": 2e-6, "increments": count}] for count in (1, 12))
     (warning,) = rubbed(jump)
     assert warning["code"] == "load-steps"
-    assert "in load step 2 the contact goes from 0 % of it slipping to all of it at once" in warning["words"]
+    assert "in load step 2 the slipping part of the contact rises from 0 % to all of it" in warning["words"]
     assert rubbed(path) == []
 
 

@@ -70,7 +70,7 @@ def test_explain_says_how_each_field_is_found():
     full = ec.plan(SCENE | {"numerics": {"half-space": "full-space"}}).explain()
     assert "full space (the free surface is left out)" in full
     both = ec.plan(SCENE | CONTACT).explain()
-    assert "eigenstrain that follows from the contact: it is prescribed" in both
+    assert "eigenstrain that follows from the contact: the eigenstrain is prescribed" in both
 
 
 def test_many_inclusions_take_one_line():

@@ -29,7 +29,7 @@ def test_a_frictionless_scene_without_stress_has_one_kernel():
     text = planned.explain()
     assert "kernels, 1 in all" in text
     left_out = {item.what: item.why for item in planned.left_out}
-    assert left_out["sub-surface stress"] == "no [[stress]] region asks for it"
+    assert left_out["sub-surface stress"] == "the scene has no [[stress]] region"
     assert left_out["deflection and stress of body 2"] == "it is rigid"
     assert left_out["displacement along x and y"] == "output.tangential-displacement is false"
     assert "no friction" in left_out["shear tractions q_x, q_y and their kernels"]

@@ -1,4 +1,4 @@
-"""Error bars of all numbers of a run: coarser runs of the same scene, one part of the discretisation at a time."""
+"""Error bars of all numbers of a run, from coarser runs that vary one source of discretisation at a time."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ def _edge(plan: Plan) -> float:
 
 
 def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """Name and value of the results in a summary, without those that another one replaces."""
+    """Names and values of the results in a summary, without results that another result replaces."""
     declared = summary["numbers"]
     values = {name: summary.get(name, summary["observed"].get(name)) for name in declared}
     replaced = {number.get("replaces") for name, number in declared.items() if values[name]}
@@ -226,7 +226,7 @@ def _estimates(
     comparison: Comparison,
     orders: Mapping[str, float],
 ) -> Iterator[tuple[str, Estimate]]:
-    """Estimates of one source, by name of the number; a number that a coarser run lacks has none.
+    """Error estimates of one source, by name of the number; numbers that a coarser run lacks have none.
 
     `orders` are those of numbers that converge more slowly than the source tells.
     """
@@ -242,7 +242,7 @@ def _estimates(
 
 
 def _joined(value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> dict[str, ErrorBar]:
-    """Bar of each number from its parts."""
+    """Error bar of each number, combined from the sources."""
     bars = {}
     for name, value in value_of.items():
         own = {source: estimates[name] for source, estimates in parts.items() if name in estimates}

@@ -1,4 +1,4 @@
-"""Fields carried from the points of one discretisation to those of another."""
+"""Interpolation of fields from the points of one discretisation to the points of another."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def axes_of(results: Any, name: str) -> Axes:
 
 
 def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) -> NDArray[Any]:
-    """Interpolate a field, given at the places `start`, at the places `target`; the axes are its last dimensions.
+    """Interpolate a field from the coordinates `start` to the coordinates `target`; its last dimensions are these axes.
 
     Beyond the first and last place it is constant. `smooth` takes a polynomial through four places, which a field needs
     whose own small error is compared; without it the field is linear between places, and exceeds none of its values.
@@ -71,12 +71,12 @@ def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) ->
 
 
 def without_gaps(values: NDArray[Any]) -> NDArray[Any]:
-    """Values with zero in place of NaN; a copy only where there is one."""
+    """Values with NaN replaced by zero; a copy only if there is a NaN."""
     return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
 def alike(places: FloatArray, others: FloatArray) -> bool:
-    """Whether points lie at the same places."""
+    """Whether the coordinates of two sets of points are equal."""
     return places.size == others.size and bool(np.abs(places - others).max(initial=0.0) <= _SAME * np.ptp(places))
 
 

@@ -1,4 +1,4 @@
-"""Changes of the tables of a scene that make its discretisation coarser or finer."""
+"""Changes of the tables of a scene for a coarser or finer discretisation."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _rounded(wanted: float, _: int) -> int:
 
 
 def _alike(wanted: float, count: int) -> int:
-    """Whole number nearest to one wanted that is odd where `count` is.
+    """Whole number nearest to `wanted` with the parity of `count`.
 
     Examples
     --------

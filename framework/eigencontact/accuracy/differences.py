@@ -35,11 +35,11 @@ class Results(Protocol):
 
     @property
     def variables(self) -> Mapping[str, Any]:
-        """All of them."""
+        """Names of all variables."""
 
 
 def time_of(time: float) -> float:
-    """Place in the load history without its rounding: increments of different runs meet there."""
+    """Time in the load history, rounded, so that increments of different runs have equal times."""
     return round(float(time), 9)
 
 
@@ -63,7 +63,7 @@ class Sampled:
         self.positions = {time: at for at, time in enumerate(times)}
 
     def at(self, time: float) -> NDArray[Any] | None:
-        """Values at a time; None where they do not lie at these places: in cells of a box that has grown since."""
+        """Values at a time; None if the points differ, as in a box of cells that has grown."""
         values = np.asarray(self._variable[self.positions[time]].values, dtype=float)
         return values if values.shape[values.ndim - len(self.axes) :] == tuple(map(len, self.axes)) else None
 
@@ -83,7 +83,7 @@ class Share:
 def differences(
     base: Sampled, varied: Sequence[tuple[float, Sampled]], source: ErrorSource, *, last: bool = False
 ) -> Iterator[tuple[float, Share]]:
-    """Times of steps that all runs have, and the errors of a field there.
+    """Common times of the steps of all runs, and the errors of a field at these times.
 
     `varied` has the step size of each coarser run, and the field there; `last` takes the last of the steps alone.
     """
@@ -133,7 +133,7 @@ def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSourc
 
 
 def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
-    """Return the time itself, or those before and after it, of a sorted sequence.
+    """Return the time, or its two neighbours in a sorted sequence of times.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
 
 
 def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -> NDArray[Any]:
-    """Largest of the value at each point and a share of those next to it, along some dimensions, counted from the last.
+    """Largest of the value at each point and a fraction of its neighbours, along the last dimensions.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -
 
 
 def _within(places: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
-    """Positions of places between the first and the last of others; the nearest position where there is none."""
+    """Indices of coordinates between the first and last of others; the nearest index if there is none."""
     room = 1e-9 * (np.ptp(others) + np.ptp(places))
     inside = np.flatnonzero((places >= others[0] - room) & (places <= others[-1] + room))
     return inside if inside.size else np.array([int(np.abs(places - others.mean()).argmin())])

@@ -20,7 +20,7 @@ _HIGHEST_ORDER = 8.0
 
 
 class Estimate(NamedTuple):
-    """Error of a number, and the order with which it fell; None where no order was observed."""
+    """Error of a number, and the observed order of its decrease; None without an observed order."""
 
     error: float
     order: float | None
@@ -84,7 +84,7 @@ def estimate(
 
 
 def _observed(near: float, near_difference: float, far: float, far_difference: float) -> float | None:
-    """Order from two differences; None where they do not fall alike."""
+    """Order from two differences; None if the differences have different signs or do not decrease."""
     if near_difference == 0.0 or not isfinite(far_difference / near_difference):
         return None
     quotient = far_difference / near_difference

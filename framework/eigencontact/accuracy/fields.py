@@ -1,4 +1,4 @@
-"""Errors of the fields of a run at every point, and of its numbers in every step, from the runs that give the bars."""
+"""Errors of the fields of a run at every point, and of its numbers in every step, from the coarser runs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _OF_NEIGHBOUR = 0.5
 
 
 class _Varied(NamedTuple):
-    """Coarser runs of one source, with their step sizes, and the run that they are compared with."""
+    """Coarser runs of one source of error, with their step sizes, and the compared run."""
 
     source: ErrorSource
     summary: Mapping[str, Any]
@@ -83,7 +83,7 @@ class FieldErrors:
         self._varied: list[_Varied] = []
 
     def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]]) -> None:
-        """Take one source of error: coarser runs, with their step sizes in those of `base`.
+        """Add the coarser runs of one source of error, with step sizes relative to those of `base`.
 
         They are compared with `base`: the run itself, or that with the coarsest cells.
         """
@@ -91,7 +91,7 @@ class FieldErrors:
         self._varied.append(_Varied(source, base.summary, results, others))
 
     def bar(self, name: str) -> ErrorBar | None:
-        """Error of a field after the last step as that of a number, its largest value; None where it has no errors."""
+        """Error of the largest value of a field after the last step; None without errors."""
         if name not in self._run.variables or not (shares := self._shares_of(name, last=True)):
             return None
         values = (field := Sampled(self._run, name)).at(max(field.positions))
@@ -122,7 +122,7 @@ class FieldErrors:
         return {source: by_time for source, by_time in estimates.items() if by_time}
 
     def variables(self, bars: Mapping[str, ErrorBar]) -> Iterator[Variable]:
-        """Errors of each field and of each number, in all steps; none where the cells could not be varied.
+        """Errors of each field and each number in all steps; empty if the cells could not be varied.
 
         In the last step a number has the error of its bar, and without a bar it has no errors.
         """
@@ -139,11 +139,11 @@ class FieldErrors:
                 yield self._number(name, estimates, times, bars[name].error)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data for ``summary.json``, when all `variables` have been taken."""
+        """Plain data for ``summary.json``, after all `variables` are computed."""
         return {"field_errors": {name: error.to_dict() for name, error in self.fields.items()}}
 
     def _field(self, name: str, shares: Mapping[str, Mapping[float, Share]]) -> Variable:
-        """Error of a field at all points in all steps; that of the last step in one number is kept."""
+        """Error of a field at all points in all steps; stores the error of the last step as one number."""
         variable, field = self._run.variables[name], Sampled(self._run, name)
         total = np.full(variable.shape, np.nan, dtype=np.float32)
         source = ""
@@ -222,7 +222,7 @@ def _histories(
     others: Sequence[tuple[float, Run]],
     source: ErrorSource,
 ) -> Iterator[tuple[float, Estimate]]:
-    """Times, and the estimated error of a number there; nothing for one that does not converge."""
+    """Times and estimated errors of a number; empty for a number that does not converge."""
     slow = [warning["order"] for warning in summary.get("warnings", ()) if warning.get("number") == name]
     if 0.0 in slow:
         return
@@ -238,7 +238,7 @@ def _histories(
 
 
 def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, follow: Sequence[int]) -> NDArray[Any]:
-    """Errors that are at edges and peaks no less than the steps to the neighbours let expect; NaN where a field is.
+    """Errors with a lower bound by the steps between neighbours, at edges and peaks; NaN where the field is NaN.
 
     A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
     """

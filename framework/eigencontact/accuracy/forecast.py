@@ -1,4 +1,4 @@
-"""What a run to an accuracy will take, from prices and known orders; nothing is solved."""
+"""Predicted cost of a run to an accuracy, from the cost of each source and known orders, without a solution."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ORDERS = (2.0, 1.0)
 
 
 def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
-    """First run, the sources of its error with their prices, and finer runs by how far its error is from the target.
+    """Cost of the first run, of each source of error, and of finer runs by the ratio of its error to the target.
 
     Parameters
     ----------

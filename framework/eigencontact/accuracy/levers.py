@@ -1,4 +1,4 @@
-"""Which source of error to refine, and by how much: the one whose error falls most for its time."""
+"""Selection of the source of error to refine: the largest decrease of the error per increase of time."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Lever:
 
 @dataclass(frozen=True, kw_only=True)
 class Way:
-    """Factors by which the sources are refined, with what they are predicted to lead to.
+    """Refinement factors of the sources of error, with the predicted errors, time and memory.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Way:
 
 
 def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lever]:
-    """Sources of error of a plan that can be finer, with what this costs by the prediction of time and memory."""
+    """Refinable sources of error of a plan, with the predicted time and memory of their refinement."""
     found = []
     for source in error_sources(plan):
         lever = next(filter(None, (_lever(plan, source, factor, make) for factor in (source.stride, _LITTLE))), None)
@@ -104,7 +104,7 @@ def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lev
 
 
 def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mapping[str, Any]], Plan]) -> Lever | None:
-    """Lever by the plan of the scene with this source finer; None where it cannot be, or the plan is refused."""
+    """Refinement of one source by the plan of the finer scene; None if it is not possible or the plan is refused."""
     if source.finer is None:
         return None
     try:
@@ -131,7 +131,7 @@ def cheapest(
     memory: float = inf,
     far: bool = False,
 ) -> Way:
-    """Refine the source with the largest fall of errors per rise of time, again and again, until all targets hold.
+    """Refine the source with the largest decrease of errors per increase of time, until all targets hold.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def cheapest(
 
 
 def _order(source: ErrorSource, bar: ErrorBar, known: float | None) -> float:
-    """Order with which the share of a source falls."""
+    """Order of convergence of the contribution of a source."""
     if source.name == "cells" and known is not None:
         return known
     if source.name == bar.source and bar.order is not None:

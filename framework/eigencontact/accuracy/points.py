@@ -55,7 +55,7 @@ def _declared(summary: Mapping[str, Any], flag: str) -> Iterator[tuple[str, floa
 
 
 def _gap(depth: float, depths: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    """Larger distance from a depth to its neighbours; 0 where it is none of the depths."""
+    """Larger distance from a depth to its neighbours; 0 for a depth that is not in the list."""
     nearest = int(np.argmin(abs(depths - depth)))
     if abs(depths[nearest] - depth) > 1e-6 * float(np.ptp(depths)):
         return 0.0

@@ -1,4 +1,4 @@
-"""From a pilot on few cells to an answer whose error bars hold the targets."""
+"""Sequence of runs from a pilot run on few cells to a run whose error bars meet the targets."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _APART, _ORDERS = 1.2, (1.0, 2.0)
 
 @dataclass(frozen=True, kw_only=True)
 class Rung:
-    """One run on the way, with its targets, and the error bars of numbers and of fields with a target."""
+    """One run of the sequence, with its targets and the error bars of numbers and fields with a target."""
 
     run: Run
     tables: Mapping[str, Any]
@@ -57,7 +57,7 @@ class Rung:
 
     @property
     def holds(self) -> bool:
-        """Whether all targets hold by the bars."""
+        """Whether the error bars meet all targets."""
         return self.targets.hold(self.bars)
 
     @property
@@ -81,7 +81,7 @@ class Rung:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """The finest run, and how it was reached.
+    """Finest run of the sequence, and the runs before it.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Answer:
 
     @property
     def last(self) -> Rung:
-        """The answer."""
+        """The finest run."""
         return self.rungs[-1]
 
     def to_dict(self) -> dict[str, Any]:
@@ -132,7 +132,7 @@ class Answer:
 
 
 def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
-    """Tables of the first run: the scene on few cells, which need not show what the scene's own would.
+    """Tables of the first run: the scene with few cells, which may be coarser than `allow-coarse` permits.
 
     The window is that of the plan, so that finer runs need not search it.
     """
@@ -150,7 +150,7 @@ def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
 
 @dataclass
 class _Course:
-    """A pursuit under way."""
+    """State of a sequence of runs."""
 
     table: Table
     runs: Runs
@@ -158,7 +158,7 @@ class _Course:
 
     @property
     def left(self) -> float:
-        """Time that is left [s]."""
+        """Remaining time [s]."""
         return (self.table.time or DEFAULT_TIME) - (perf_counter() - self.began)
 
     @property
@@ -177,7 +177,7 @@ class _Course:
         return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets, bars=bars, fields=fields)
 
     def pilot(self, plan: Plan) -> Rung:
-        """First run; a finer one where it is refused, as cells that show nothing are."""
+        """First run; a finer run if the cells of the first are refused as too coarse."""
         for attempt in range(_TRIES):
             tables = pilot_tables(plan, _PILOT * 2.0**attempt)
             try:
@@ -200,7 +200,7 @@ class _Course:
                 raise SceneError(f'accuracy.{key} must be at least "{texts[0]}" for the first run (got "{texts[1]}")')
 
     def way(self, rungs: Sequence[Rung]) -> tuple[Way, Way | None]:
-        """Next refinement, and what all targets would need where that is beyond the budget.
+        """Next refinement, and the cost of all targets if it exceeds the budget.
 
         Numbers that need more than the budget, by the orders that two rungs show, do not take part in the next one.
         """
@@ -224,7 +224,7 @@ class _Course:
 
 
 def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
-    """Orders with the cells of numbers that show none in one rung: from a warning, or from the bars of two rungs."""
+    """Orders of convergence with the cells, for numbers without one in a run: from a warning, or from two runs."""
     last = rungs[-1]
     slow = {w["number"]: float(w["order"]) for w in last.run.summary["warnings"] if w.get("number")}
     if len(rungs) < 2:
@@ -240,7 +240,7 @@ def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
 
 
 def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
-    """Refine a scene from a pilot on until its numbers have the accuracy that is asked for.
+    """Refine a scene, from a pilot run on, until its numbers have the prescribed accuracy.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Runs of one scene on several discretisations: each is solved once, and coarser ones serve the finer."""
+"""Runs of one scene on several discretisations: each is solved once, and serves as a coarser run of finer ones."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Runs:
     _grids: list[tuple[float, Mapping[str, Any]]] = field(default_factory=list)
 
     def rung(self, plan: Plan, words: str) -> tuple[Run, float, Accuracy, FieldErrors | None]:
-        """Run of a plan, its time without the bars [s], its error bars, and the errors of its fields if it has any."""
+        """Run of a plan, its time without the error bars [s], its error bars, and the errors of its fields, if any."""
         began = perf_counter()
         run = self._solve(plan, words)
         seconds = perf_counter() - began
@@ -80,7 +80,7 @@ class Runs:
         return run
 
     def _cells(self, usual: Callable[[Plan], Sequence[Variation]]) -> Callable[[Plan], list[Variation]]:
-        """Variations of the cells on grids that were solved before, where their ratios fit; else the usual ones."""
+        """Variations of the cells on grids solved before, if their ratios fit; else the default variations."""
 
         def variations(plan: Plan) -> list[Variation]:
             edge = edge_of(plan)

@@ -47,12 +47,12 @@ class Fidelity:
         return {self.table: {self.key: value}} if self.changes is None else self.changes(plan, value)
 
     def divided(self, plan: Plan, factor: float) -> Changes:
-        """Changes that divide the step size by about a factor; none where the scene states no step size."""
+        """Changes that divide the step size by about a factor; empty if the scene has no step size."""
         value = None if self.finer is None else self.finer(plan, factor)
         return {} if value is None else self.of(plan, value)
 
     def reference(self, plan: Plan) -> Any:
-        """Value of the reference; None where the scene has it, or states no step size."""
+        """Value of the reference; None if the scene has this value, or no step size."""
         if self.finest is not None:
             return self.finest(plan)
         return None if self.finer is None else self.finer(plan, self.stride)
@@ -72,12 +72,12 @@ def _but(setting: str, choices: Sequence[str]) -> Callable[[Plan], list[str]]:
 
 
 def _above(value: float | None, *others: float) -> list[float]:
-    """Others that are coarser."""
+    """Other values that are coarser."""
     return [other for other in others if value is None or other > value]
 
 
 def _divided(value: Callable[[Plan], float | None], least: float) -> Callable[[Plan, float], float | None]:
-    """Value over a factor, down to the least that is of use; None where the scene gives no value."""
+    """Value divided by a factor, down to the smallest useful value; None if the scene has no value."""
 
     def finer(plan: Plan, factor: float) -> float | None:
         at = value(plan)
@@ -91,7 +91,7 @@ def _foreign(plan: Plan) -> bool:
 
 
 def _flows(plan: Plan) -> bool:
-    """Whether a law remembers what it went through."""
+    """Whether a law has internal variables."""
     return any(law.variables for law in plan.model.laws)
 
 
@@ -105,14 +105,14 @@ def _lattices(plan: Plan) -> list[Any]:
 
 
 def _cut_apart(plan: Plan) -> bool:
-    """Whether a region has cells of its own: a patch has layers, inhomogeneities share the columns of the grid."""
+    """Whether a region has its own cells: a patch has layers, inhomogeneities share the columns of the grid."""
     from eigencontact.model.sources import Patch
 
     return any(not isinstance(source.shape, Patch) and source.material is None for source in _cut(plan))
 
 
 def _resolutions(plan: Plan) -> list[Any]:
-    """Cells, one eigenstrain, and polynomials of two degrees where every shape has the potentials for these."""
+    """Cells, one eigenstrain, and polynomials of two degrees if every shape has the potentials for them."""
     from eigencontact.halfspace.potentials import HasMomentPotentials
 
     own = getattr(plan.numerics.inclusion_resolution, "whole", None)
@@ -122,7 +122,7 @@ def _resolutions(plan: Plan) -> list[Any]:
 
 
 def _precisions(plan: Plan) -> object:
-    """Precisions that operators take."""
+    """Precisions of the operators."""
     if plan.numerics.precision != "auto":
         return {plan.numerics.precision}
     return {one.chosen for one in plan.precisions} or {"double"}
@@ -134,14 +134,14 @@ def _height(plan: Plan) -> float:
 
 
 def _treated(plan: Plan) -> bool:
-    """Whether the treatment of the half-space can be chosen: an inhomogeneity and a periodic contact take one alone."""
+    """Whether the treatment of the half-space is free: an inhomogeneity and a periodic contact permit only one."""
     model = plan.model
     free = bool(model.sources) and not _foreign(plan) and not model.periodic
     return free and model.numerics.half_space in _SPACES
 
 
 def _repeats(plan: Plan) -> bool:
-    """Whether cycles that wear are left out."""
+    """Whether the run skips wear cycles."""
     return plan.model.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
 
 
@@ -201,7 +201,7 @@ def _higher_degree(plan: Plan, factor: float) -> dict[str, Any] | None:
 
 
 def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
-    """Layered bodies, with their numbers, whose constants are those of uniform layers."""
+    """Layered bodies with uniform layers, and their numbers."""
     from eigencontact.plugin import LayeredMedium
 
     found = []
@@ -347,12 +347,12 @@ FIDELITIES: tuple[Fidelity, ...] = (
 
 
 def finer_settings(plan: Plan) -> dict[str, Any]:
-    """Changes that divide every step size but those of grid and load steps by the stride of its setting."""
+    """Changes that divide every step size except those of grid and load steps by the stride of its setting."""
     return _joined([one.divided(plan, one.stride) for one in FIDELITIES if one.has(plan)])
 
 
 def finest(plan: Plan, factor: float) -> tuple[dict[str, Any], list[str]]:
-    """Changes that give a scene the finest of every setting and `factor` times the cells each way, and their words."""
+    """Changes to the finest of every setting and `factor` times the cells in each direction, with a description."""
     grid, resolution = refined_grid(plan, factor)
     values = [(one, one.reference(plan)) for one in FIDELITIES if one.has(plan)]
     used = [(one, value) for one, value in values if value is not None]

@@ -1,4 +1,4 @@
-"""Sources of numerical error: what a run discretises, and coarser discretisations of each part alone."""
+"""Sources of numerical error of a run, and coarser discretisations of each source."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SETTINGS = {setting.key: setting for setting in FIDELITIES}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variation:
-    """One discretisation beside that of the scene."""
+    """One coarser discretisation."""
 
     changes: Changes  #: changes of the scene's tables
     ratio: float  #: its step size in step sizes of the scene (cell edge, increment, tolerance); below 1 it is finer
@@ -38,7 +38,7 @@ class Variation:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ErrorSource:
-    """One part of the discretisation.
+    """Source of discretisation error.
 
     Attributes
     ----------
@@ -75,12 +75,12 @@ class ErrorSource:
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
-    """Sources of error in the run of a plan, in the order in which they are varied."""
+    """Sources of error in the run of a plan, in the order of their variation."""
     return [source for source in SOURCES if source.applies(plan)]
 
 
 def _cells(plan: Plan) -> list[Variation]:
-    """Cells 2 and 2.5 times larger in the same window, which need not be searched. Coarse cells are accepted here."""
+    """Cells 2 and 2.5 times larger in the same window; coarse cells are accepted."""
     numerics = {"allow-coarse": True}
     return [
         Variation(changes={"grid": refined_window(plan, 1.0 / ratio, alike=True)[0], "numerics": numerics}, ratio=ratio)
@@ -149,7 +149,7 @@ def _has_degree(plan: Plan) -> bool:
 
 
 def _fewer_jumps(plan: Plan, factor: float) -> Changes:
-    """Less of whichever setting of the jumps over cycles the scene gives."""
+    """Setting of the jumps over cycles with fewer skipped cycles."""
     changes = _SETTINGS["jump-error"].divided(plan, factor)
     return changes or _SETTINGS["cycles-per-update"].divided(plan, factor)
 

@@ -26,7 +26,7 @@ def stored_errors(
     make: Callable[[Mapping[str, Any]], Plan],
     solve: Callable[[Plan, str], Run],
 ) -> dict[str, Any]:
-    """Estimate the errors of all numbers and fields of a finished run, and store those of the fields.
+    """Estimate the errors of all numbers and fields of a finished run, and store the errors of the fields.
 
     Parameters
     ----------

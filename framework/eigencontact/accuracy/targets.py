@@ -45,7 +45,7 @@ class Targets:
     left_out: dict[str, str] = field(default_factory=dict)
 
     def excess(self, errors: Mapping[str, float], share: float = 1.0) -> float:
-        """Sum over all targets of the error beyond a share of what is allowed, in parts of what is allowed.
+        """Sum over all targets of the error beyond a share of the target, relative to the target.
 
         Examples
         --------
@@ -59,11 +59,11 @@ class Targets:
         return replace(self, allowed={name: self.allowed[name] for name in names})
 
     def hold(self, bars: Mapping[str, ErrorBar]) -> bool:
-        """Whether every bar is within its target."""
+        """Whether every error bar is within its target."""
         return all(bars[name].error <= limit for name, limit in self.allowed.items())
 
     def to_dict(self, bars: Mapping[str, ErrorBar]) -> dict[str, Any]:
-        """Plain data: each target beside the error that was reached."""
+        """Plain data: each target with the error that was reached."""
         return {
             name: {
                 "target": self.texts[name],
@@ -94,7 +94,7 @@ def variable_of(name: str) -> str:
 
 
 def _key(name: str) -> str:
-    """Name of a number or field as a scene writes it.
+    """Name of a number or field in a scene.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def check_names(table: Table, plan: Plan) -> None:
 
 
 def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: Mapping[str, ErrorBar]) -> Targets:
-    """Allowed errors of a run with its error bars; `bars` has those of fields with a target, too.
+    """Allowed errors of a run with its error bars; `bars` also has the fields with a target.
 
     Raises
     ------
@@ -187,7 +187,7 @@ _AT_ZERO = "zero by symmetry, and a part of zero is nothing"
 
 
 def _reason(number: Number, found: Accuracy, bars: Mapping[str, ErrorBar], scales: Mapping[str, float]) -> str:
-    """Why a number can have no target; empty where it can."""
+    """Reason why a number can have no target; empty if it can."""
     if number.role != "result":
         return f"it is {_KINDS[number.role]}"
     if number.name in found.left_out:
@@ -224,7 +224,7 @@ def _in_unit(target: float | str, number: Number) -> float:
 
 
 def _declared(plan: Plan) -> dict[str, Number]:
-    """Every number that a run may have, those of its observers too, and the fields of its regions."""
+    """All numbers that a run may have, with those of its observers, and the fields of its regions."""
     fields = [
         f"{quantity}.{request.label}"
         for request in plan.scene.stress
@@ -240,7 +240,7 @@ def _of_field(name: str) -> Number:
 
 
 def scales_of(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Largest of the numbers of each unit, so that numbers that are zero by symmetry are known."""
+    """Largest number of each unit, as a scale for numbers that are zero by symmetry."""
     scales: dict[str, float] = {}
     for name, number in summary["numbers"].items():
         value = summary.get(name, summary["observed"].get(name))

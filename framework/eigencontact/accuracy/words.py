@@ -1,4 +1,4 @@
-"""What a run to an accuracy has reached, in words."""
+"""Text about the accuracy that a run has reached."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def accuracy_lines(summary: Mapping[str, Any]) -> list[str]:
 
 
 def missed(summary: Mapping[str, Any]) -> str:
-    """Targets that do not hold, why the run stopped, and what more would cost."""
+    """Missed targets, the reason of the end of the run, and the predicted cost of the targets."""
     found = summary["accuracy"]
     declared = {name: Number(**table) for name, table in summary["numbers"].items()}
     texts = [
@@ -42,7 +42,7 @@ def missed(summary: Mapping[str, Any]) -> str:
 
 
 def _error(number: Number | None, row: Mapping[str, Any]) -> str:
-    """Error of a number, or of a field, which is never zero, in parts of it."""
+    """Error of a number, or relative error of a field."""
     if row["value"] or number is None:
         return f"{100 * row['error'] / abs(row['value']):.2g} %"
     return number.text(row["error"])

@@ -1,4 +1,4 @@
-"""FFT convolution of fields on surfaces and in volumes with kernels. It knows no physics and works by itself.
+"""FFT convolution of fields on surfaces and in volumes with kernels, without physics.
 
 >>> import numpy as np
 >>> from eigencontact.convolution import Convolver, Layout

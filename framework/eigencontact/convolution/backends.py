@@ -30,7 +30,7 @@ class Backend(Protocol):
     name: str
 
     def forward(self, source: Array, target: Array) -> Plan:
-        """Plan of a forward transform, complex, or real ``(n, F)`` to ``(n, F//2 + 1)``; the source is kept."""
+        """Plan of a forward transform, complex, or real ``(n, F)`` to ``(n, F//2 + 1)``; it keeps the source."""
 
     def inverse(self, source: Array, target: Array) -> Plan:
         """Plan of an inverse transform, complex, or ``(n, F//2 + 1)`` to real ``(n, F)``; destroys the source maybe."""
@@ -70,7 +70,7 @@ class _FFTW:
 
 
 def _pyfftw() -> Any:
-    """Import pyFFTW; its interfaces, of which nothing is used here, wait until somebody asks for them.
+    """Import pyFFTW without its interfaces module.
 
     They stand for the FFTs of SciPy and dask, and import both: a tenth of a second, and most of a second where dask is
     installed. Other users of pyFFTW find them as ever.

@@ -119,7 +119,7 @@ def collect(
     back: Any, starts: Any, rows: Any, weights: Any, flips: Any, first: int, piece: int, size: int,
     depth: Any, out: Any,
 ) -> None:  # fmt: skip
-    """Crop along z, combine the powers of the depth, and put the wavenumbers of a piece into their rows along y.
+    """Crop along z, combine the powers of the depth, and write the wavenumbers of a piece to their rows along y.
 
     Parameters
     ----------

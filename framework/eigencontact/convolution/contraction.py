@@ -1,4 +1,4 @@
-"""Kernels times sources at every wavenumber, and the powers of depth: by blocks in numpy, or in compiled loops."""
+"""Products of kernels and sources at every wavenumber, and powers of depth: in numpy or in compiled loops."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class BlockContraction(_Contraction):
 
 
 class CompiledContraction(_Contraction):
-    """The same in loops over blocks that stay in the first-level cache."""
+    """Contraction in compiled loops over blocks that fit into the first-level cache."""
 
     def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
         super().__init__(sums, active, depths, size, dtype)

@@ -1,4 +1,4 @@
-"""The convolution itself: real transforms of the rows that hold something, then cache-sized batches of columns.
+"""FFT convolution on a plane: real transforms of the nonzero rows, then batches of columns that fit into the cache.
 
 Of the zero-padded (F_y, F_x) domain only the source's rows are transformed along x, and only the target's rows are
 transformed back. Rows and columns are gathered in batches small enough to stay in cache; each batch of columns is
@@ -110,7 +110,7 @@ class Convolver:
 
     @property
     def nbytes(self) -> int:
-        """Memory of buffers held now."""
+        """Memory of the current buffers."""
         rows = 0 if self._rows is None else self._rows.nbytes
         return rows + sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
 
@@ -134,7 +134,7 @@ class Convolver:
         return self._apply(np.asarray(sources), kernels)
 
     def energy(self, source: Array, kernel: Spectrum) -> float:
-        """Sum of a source times its own convolution, at half the price of one.
+        """Sum of a source times its own convolution, at half the cost of a convolution.
 
         Parameters
         ----------
@@ -202,7 +202,7 @@ class Convolver:
                 worker.add_packed = add_packed
 
     def _sum_planes(self, sources: Array, kernels: Kernels, targets: Array) -> Array:
-        """Many sources on a small plane, where the sums of all targets stay in cache: each thread adds up its share."""
+        """Convolution of many sources on a small plane, with target sums in the cache: each thread sums its share."""
         workers = self._workers[: len(sources)]
         self._all([partial(worker.add_up, sources, kernels) for worker in workers])
         totals = workers[0].totals[: len(kernels)]
@@ -225,7 +225,7 @@ class Convolver:
 
 
 class _Worker:
-    """Buffers and plans with which one thread transforms its share of rows and columns."""
+    """Buffers and plans of one thread for its share of rows and columns."""
 
     def __init__(
         self,
@@ -361,7 +361,7 @@ class _Worker:
             self._add(field, [row[number] for row in kernels], columns, [total[:n] for total in self._sums])
 
     def _add(self, field: Array, kernels: Sequence[Spectrum | None], columns: slice, totals: Iterable[Array]) -> None:
-        """Transform some columns of one source along y, and add them times a kernel to the sum of each target."""
+        """Transform some columns of one source along y, and add their products with a kernel to each target sum."""
         n, y = columns.stop - columns.start, self._layout.y
         padded, spectrum, forward = self._sources[0]
         _turn(field[: y.sources, columns], padded[:n, y.source_start : y.source_start + y.sources])
@@ -409,7 +409,7 @@ class _Worker:
             self._sources.append((padded, spectrum, self._fft.forward(padded, spectrum)))
 
     def rows_inverse(self, count: int, half: Sequence[Array], targets: Array) -> None:
-        """Transform this thread's rows back and keep the target's columns."""
+        """Transform the rows of this thread back and crop them to the target's columns."""
         start = self._layout.x.target_start
         inner = slice(start, start + self._layout.target[1])
         for index in range(count):
@@ -427,6 +427,6 @@ def _blocks(total: int, size: int) -> list[slice]:
 
 
 def _turn(rows: Array, columns: Array) -> None:
-    """Write rows as columns, in groups of rows that stay in cache."""
+    """Transpose rows to columns, in groups of rows that fit into the cache."""
     for first in range(0, len(rows), _TURNED):
         columns[:, first : first + _TURNED] = rows[first : first + _TURNED].T

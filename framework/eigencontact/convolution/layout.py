@@ -61,17 +61,17 @@ class Axis:
 
     @cached_property
     def source_start(self) -> int:
-        """Row of the transform at which the source begins."""
+        """Row of the transform with the start of the source."""
         return max(0, -floor(self.origin)) if self.symmetric and not self.periodic else 0
 
     @cached_property
     def target_start(self) -> int:
-        """Row of the transform at which the target begins."""
+        """Row of the transform with the start of the target."""
         return max(0, floor(self.origin)) if self.symmetric and not self.periodic else 0
 
     @cached_property
     def lattice(self) -> FloatArray:
-        """Offsets (target minus source, in cells, ascending) at which a kernel table is sampled."""
+        """Offsets (target minus source, in cells, ascending) of the samples of a kernel table."""
         if self.symmetric:
             return np.arange(self.half, dtype=float)
         return self.origin + np.arange(-(self.sources - 1), self.targets, dtype=float)
@@ -91,7 +91,7 @@ class Axis:
 
 @cache
 def fast_even(n: int) -> int:
-    """Even length >= n, at most 8 % longer, that FFTW transforms fastest (1 stays 1: one cell needs no padding).
+    """Even length >= n, at most 8 % longer, with the fastest transform in FFTW (1 stays 1: no padding).
 
     Factors 2, 5 and 7 are cheapest; each 3, 11 or 13 costs about 8 % (measured on lengths from 520 to 2260).
     """

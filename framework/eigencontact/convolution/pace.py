@@ -1,4 +1,4 @@
-"""Speed of convolutions on this machine: two measured times, from which prices follow by counting."""
+"""Speed of convolutions on this machine: two measured times, which determine the predicted times."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Speed:
 
 @cache
 def speed(precision: str, threads: int | None) -> Speed:
-    """Measure two convolutions, a small and a middling one; takes about 20 ms."""
+    """Measure a small and a medium convolution; takes about 20 ms."""
     times = []
     for n in (16, 256):
         layout = Layout((n, n), (n, n))
@@ -50,7 +50,7 @@ def speed(precision: str, threads: int | None) -> Speed:
 
 
 def timed(call: Callable[[], object], laps: int = 3) -> float:
-    """Shortest of a few times that a call takes [s]."""
+    """Shortest measured time of a few calls [s]."""
     times = []
     for _ in range(laps):
         began = perf_counter()

@@ -1,4 +1,4 @@
-"""Packed spectra of influence coefficients: what parity makes redundant is neither stored nor computed."""
+"""Packed spectra of influence coefficients without the parts that are redundant by parity."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Spectrum:
 
     @classmethod
     def pack(cls, values: NDArray[Any], points: int, sign_y: int, *, imaginary: bool, precision: str) -> Spectrum:
-        """Normalise by the number of points of the transform, cast to the precision asked for, make contiguous."""
+        """Normalise by the number of points of the transform, convert to a precision, make contiguous."""
         values = values * (1.0 / points)
         single = np.complex64 if np.iscomplexobj(values) else np.float32
         dtype = single if precision == "single" else values.dtype
@@ -75,7 +75,7 @@ class Spectrum:
 def transform_table(
     y: Axis, x: Axis, table: FloatArray, parity: tuple[int, int], precision: str, scale: float
 ) -> Spectrum:
-    """Spectrum of a table of coefficients: cosine and sine transforms along axes with parity, full ones elsewhere."""
+    """Spectrum of a coefficient table: cosine and sine transforms along axes with parity, else full transforms."""
     workers = available_threads()
     values: NDArray[Any] = table.T
     imaginary = False

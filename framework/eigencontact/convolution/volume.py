@@ -87,7 +87,7 @@ class VolumeConvolver:
 
     @property
     def nbytes(self) -> int:
-        """Memory of buffers held now, without that of the kernels."""
+        """Memory of the current buffers, without that of the kernels."""
         return int(self._half.nbytes) + sum(worker.nbytes for group in self._workers.values() for worker in group)
 
     def apply(self, sources: ArrayLike) -> Array:
@@ -127,7 +127,7 @@ class VolumeConvolver:
         return targets
 
     def _share(self, workers: Sequence[_Worker], count: int, task: Callable[[_Worker, int], None]) -> None:
-        """Do `task` for the numbers below `count`; every worker takes the next one that is left."""
+        """Perform `task` for the numbers below `count`; every worker performs the next open number."""
         numbers = iter(range(count))
 
         def work(worker: _Worker) -> None:

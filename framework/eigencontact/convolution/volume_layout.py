@@ -87,7 +87,7 @@ class VolumeLayout:
 
     @property
     def spectrum_shape(self) -> tuple[int, int, int]:
-        """Wavenumbers kept of each spectrum, along (kx, ky, kz); in a section kx takes the place of ky."""
+        """Number of stored wavenumbers of each spectrum, along (kx, ky, kz); in a section kx takes the place of ky."""
         if self.section:
             return 1, self.x.half, self.z.half
         if self.folded:
@@ -141,7 +141,7 @@ class VolumeKernels:
         return int(self.values.nbytes)
 
     def fill(self, number: int, table: FloatArray, scale: float = 1.0) -> None:
-        """Transform the table ``[x, y, z]`` of one kernel, sampled on the layout's lattice, and keep the spectrum."""
+        """Transform the table ``[x, y, z]`` of one kernel, sampled on the layout's lattice, and store the spectrum."""
         layout, parity, correlation = self.layout, self.parities[number], self.correlations[number]
         along_z = layout.lattice_sum if correlation else layout.z.lattice
         expected = (layout.x.lattice.size, layout.y.lattice.size, along_z.size)
@@ -161,12 +161,12 @@ class VolumeKernels:
         np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")
 
     def turn(self, number: int, twin: int) -> None:
-        """Keep the spectrum of one kernel with x and y exchanged as that of another; both axes must be alike."""
+        """Store the spectrum of one kernel with x and y exchanged as that of another; the axes must be equal."""
         self.values[:, number] = self.values[:, twin].transpose(2, 1, 0, 3)
 
 
 def _along_z(layout: VolumeLayout, values: FloatArray, parity: int, *, correlation: bool) -> NDArray[Any]:
-    """Transform along z a table that is real in kx and ky; kz >= 0."""
+    """Transform a table that is real in kx and ky along z; kz >= 0."""
     from scipy import fft
 
     if layout.z.symmetric and not correlation:

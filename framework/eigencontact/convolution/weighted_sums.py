@@ -19,7 +19,7 @@ Coefficients = Mapping[tuple[int, int], float]
 
 @dataclass(frozen=True)
 class Row:
-    """One transformed sum and where it goes: ``(output, power of the depth, factor)``."""
+    """One transformed sum and its destination: ``(output, power of the depth, factor)``."""
 
     terms: Coefficients
     into: tuple[tuple[int, int, float], ...]
@@ -99,7 +99,7 @@ class WeightedSums:
         return self.kernels.layout.folded and parity[0] * parity[1] < 0
 
     def matrices(self, active: Sequence[int]) -> list[tuple[int, int, FloatArray]]:
-        """For each row of `rows_of` the range of columns it uses, and the coefficients ``(columns, kernels)``.
+        """Column range and coefficients ``(columns, kernels)`` of each row of `rows_of`.
 
         The columns are the active sources' spectra, then these at -kz.
         """
@@ -131,7 +131,7 @@ def _combination(vector: FloatArray, others: Sequence[FloatArray]) -> FloatArray
 
 
 def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
-    """Rows of the table, those left out that are combinations of larger ones of the same power."""
+    """Rows of the table without rows that are combinations of larger rows of the same power."""
     keys = sorted({term for terms in table.values() for term in terms})
     columns = {key: k for k, key in enumerate(keys)}
     rows: list[Row] = []

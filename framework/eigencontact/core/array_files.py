@@ -1,4 +1,4 @@
-"""Arrays of ``.npy``, ``.npz`` and NetCDF files: names, shapes and types first, numbers when they are asked for.
+"""Arrays of ``.npy``, ``.npz`` and NetCDF files: names, shapes and types first; the numbers are read on demand.
 
 Compressed files may be a thousand times as large in memory. No array is unpacked before its size is known.
 """
@@ -26,7 +26,7 @@ _SHARE = 0.25
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StoredArray:
-    """Array of a file that is not read yet, with its attributes.
+    """Unread array of a file, with its attributes.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class StoredArray:
 
     @property
     def too_large(self) -> str:
-        """Why the array does not fit into memory, as numbers of float64; empty if it does."""
+        """Reason why the array does not fit into memory as float64; empty if it does."""
         size, room = 8.0 * prod(self.shape), _SHARE * machine_bytes()
         return f"{size / 2**30:.3g} GiB, of {room / 2**30:.3g} GiB that one array may fill" if size > room else ""
 
@@ -63,7 +63,7 @@ class StoredArray:
 
 
 def held_array(values: NDArray[Any]) -> StoredArray:
-    """Array that is in memory already."""
+    """Array in memory."""
     return StoredArray(values.shape, values.dtype, lambda: values)
 
 

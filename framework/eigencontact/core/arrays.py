@@ -16,7 +16,7 @@ __all__ = ["FloatArray", "is_real", "is_whole", "real_answer", "real_array", "re
 
 
 def is_real(value: object) -> bool:
-    """Whether something is one real number; booleans, texts, complex numbers and arrays are none.
+    """Whether a value is a real number; booleans, texts, complex numbers and arrays are not.
 
     Examples
     --------
@@ -27,7 +27,7 @@ def is_real(value: object) -> bool:
 
 
 def is_whole(value: object) -> bool:
-    """Whether something is one whole number; booleans are none."""
+    """Whether a value is a whole number; booleans are not."""
     return isinstance(value, Integral) and is_real(value)
 
 
@@ -60,7 +60,7 @@ def real_array(value: Any, where: str, field: str, rule: str, unit: str = "") ->
 
 
 def real_answer(value: Any, quantity: str, shape: tuple[int, ...] | None = None) -> FloatArray:
-    """Array of real numbers that a plugin answers with.
+    """Array of real numbers returned by a plugin.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def real_answer(value: Any, quantity: str, shape: tuple[int, ...] | None = None)
 
 
 def whole_array(value: Any, where: str, field: str, rule: str) -> NDArray[np.int32]:
-    """Array of whole numbers, also of booleans; anything else is refused as by `real_array`."""
+    """Array of whole numbers, also of booleans; refuses all other values like `real_array`."""
     try:
         array = _array(value, "")
     except ValueError as problem:
@@ -120,7 +120,7 @@ def _array(value: Any, unit: str) -> NDArray[Any]:
 
 
 def _bare(value: Any, unit: str) -> Any:
-    """Numbers without masks and units, which NumPy would drop silently, also of items of a list."""
+    """Numbers without masks and units, which NumPy would drop silently, also in items of a list."""
     if isinstance(value, float | int):
         return value
     if isinstance(value, list | tuple):

@@ -20,7 +20,7 @@ _HALVINGS = 24
 
 
 def border(inside: Inside, low: tuple[float, float], high: tuple[float, float], nodes: int = _NODES) -> FloatArray:
-    """Border of a plane region as segments: marching squares, with crossings of the mesh found by halving.
+    """Border of a plane region as segments: marching squares, with mesh crossings located by bisection.
 
     Parameters
     ----------

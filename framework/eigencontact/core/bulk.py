@@ -1,4 +1,4 @@
-"""Bulk stress of a body: uniform stress in the plane of the surface, of a load that grips the body far away.
+"""Bulk stress of a body: uniform stress in the plane of the surface, caused by a distant load.
 
 The surface z = 0 is free, so that zz, xz and yz are zero everywhere. Layers that are bonded to a substrate share its
 strain in the plane, and each is in plane stress. Axes are those of the window for both bodies.
@@ -58,7 +58,7 @@ def recorded_bulk(scalars: Mapping[str, float]) -> dict[str, float]:
 
 
 def bulk_of(values: Mapping[str, float], body: int) -> FloatArray:
-    """Bulk stress (xx, yy, xy) [Pa] of a body; what has no value is zero."""
+    """Bulk stress (xx, yy, xy) [Pa] of a body; missing values are zero."""
     return np.array([values.get(name, 0.0) for name in BULK_NAMES[body]])
 
 
@@ -100,7 +100,7 @@ def plane_stress(strain: FloatArray, material: Material) -> FloatArray:
 
 
 def strain_across(strain: FloatArray, material: Material) -> float:
-    """Strain zz that goes with a strain (xx, yy, xy) under a free surface."""
+    """Strain zz under a free surface for a strain (xx, yy, xy)."""
     nu = material.poisson_ratio
     return float(-nu / (1.0 - nu) * (strain[0] + strain[1]))
 
@@ -118,7 +118,7 @@ def dragged(strain: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
 def relative_strain(
     values: Mapping[str, float], substrates: Iterable[Material | None], grid: Grid | None = None
 ) -> FloatArray:
-    """Strain (xx, yy, xy) of the surface of body 1 less that of body 2; None is rigid and has none."""
+    """Strain (xx, yy, xy) of the surface of body 1 minus that of body 2; None is rigid, with zero strain."""
     total = np.zeros(3)
     for body, material in enumerate(substrates, start=1):
         if material is not None:

@@ -59,7 +59,7 @@ def factor_ranges(factors: FloatArray) -> FactorRanges:
 
 
 def short_crack_length(long_crack_threshold: float, limit_amplitude: float, shape: float) -> float:
-    """Length ``a_0 = (dK_th / (F sigma_0))^2 / pi`` [m] below which the fatigue limit counts.
+    """Length ``a_0 = (dK_th / (F sigma_0))^2 / pi`` [m] of short cracks, for which the fatigue limit governs.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def kitagawa_takahashi(lengths: FloatArray, long_crack_threshold: float, short_l
 
 
 def arrest_length(lengths: FloatArray, effective: FloatArray, threshold: FloatArray) -> float:
-    """Length at which a growing crack stops [m]: 0 if the shortest does not grow, infinity if none stops.
+    """Length at which a growing crack stops [m]: 0 if the shortest crack does not grow, infinity if no crack stops.
 
     Between two lengths the logarithm of range over threshold is linear in the logarithm of the length.
 

@@ -45,7 +45,7 @@ _ROUNDING = 1e-9
 
 @runtime_checkable
 class Elasticity(Protocol):
-    """Elastic constants as a solver asks for them."""
+    """Elastic constants in the form that the solvers use."""
 
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
         """``soft`` [1/Pa] and ``stiff`` [-], ``(6, 6)``, for the shear modulus [Pa] of the material around."""
@@ -191,7 +191,7 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
 
 
 def unit_vector(where: str, name: str, direction: Sequence[float]) -> FloatArray:
-    """Direction of any length as a unit vector ``(3,)``, refused unless it is one.
+    """Unit vector ``(3,)`` along a direction of any length; refuses vectors without a direction.
 
     Examples
     --------
@@ -206,7 +206,7 @@ def unit_vector(where: str, name: str, direction: Sequence[float]) -> FloatArray
 
 
 def frame_of(where: str, x_axis: Sequence[float], y_axis: Sequence[float]) -> FloatArray:
-    """Rotation ``(3, 3)`` whose columns are the axes of a crystal; the two given must be at right angles to 1e-6.
+    """Rotation ``(3, 3)`` whose columns are the axes of a crystal; two axes must be perpendicular to within 1e-6.
 
     Examples
     --------

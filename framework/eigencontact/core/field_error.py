@@ -1,4 +1,4 @@
-"""Error of a field: how far its values may be off, at each point and in one number."""
+"""Error of a field, at each point and as one number."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _FEW = 1.5
 
 
 def error_name(name: str) -> str:
-    """Variable of the errors of a field or of a number of each step, beside that variable.
+    """Name of the variable with the errors of a field or of a number of each step.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class FieldError:
 
     @classmethod
     def of(cls, values: NDArray[Any], errors: NDArray[Any], edged: int, **more: Any) -> FieldError:
-        """Error of a field from its values and the errors of these; it has edges along its last `edged` dimensions.
+        """Error of a field from its values and their errors; the field has edges along its last `edged` dimensions.
 
         Examples
         --------
@@ -83,11 +83,11 @@ class FieldError:
 
     @property
     def relative(self) -> float | None:
-        """Error in parts of the largest value; None for a field of zeros."""
+        """Error relative to the largest value; None for a field of zeros."""
         return self.error / self.largest if self.largest else None
 
     def words(self) -> str:
-        """Error in parts of the largest value, for captions; empty for a field of zeros."""
+        """Error relative to the largest value, as text for captions; empty for a field of zeros."""
         if not self.largest:
             return ""
         text = f"± {100 * self.error / self.largest:.2g} % of the largest value"
@@ -105,7 +105,7 @@ class FieldError:
 
 
 def beside_edges(values: NDArray[Any], edged: int) -> NDArray[np.bool_]:
-    """Points with a neighbour of which one is zero and the other is not: edges of a contact, or of what has yielded.
+    """Points where the value or a neighbour is zero, but not both: edges of a contact or of a yielded zone.
 
     Examples
     --------

@@ -51,7 +51,7 @@ class Box:
         return self.y0 <= box.y0 and box.y1 <= self.y1 and self.x0 <= box.x0 and box.x1 <= self.x1
 
     def union(self, box: Box) -> Box:
-        """Smallest box that holds both."""
+        """Smallest box that contains both boxes."""
         return Box(min(self.y0, box.y0), max(self.y1, box.y1), min(self.x0, box.x0), max(self.x1, box.x1))
 
     def grown(self, margin_y: int, margin_x: int, shape: tuple[int, int]) -> Box:
@@ -144,12 +144,12 @@ class Grid:
 
     @property
     def edges(self) -> tuple[float, ...]:
-        """Edges of a cell along x and y, of a strip that along x alone [m]."""
+        """Edges of a cell along x and y; for a strip only along x [m]."""
         return self._bounded((self.dx, self.dy))
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """Number of cells along x and y, of strips that along x alone."""
+        """Number of cells along x and y; for strips only along x."""
         return self._bounded((self.nx, self.ny))
 
     @property
@@ -164,25 +164,25 @@ class Grid:
 
     @property
     def sides(self) -> tuple[float, ...]:
-        """Extents of the window along the axes on which it ends [m]."""
+        """Extents of the window along its bounded axes [m]."""
         return self._bounded(self.size)
 
     @property
     def bounded_axes(self) -> tuple[int, ...]:
-        """Axes, of x, y and z, along which a region below the window ends: not y in a line contact."""
+        """Axes, of x, y and z, along which a region below the window is bounded: not y in a line contact."""
         return (0, 2) if self.line else (0, 1, 2)
 
     @property
     def ended_axes(self) -> tuple[int, ...]:
-        """Axes, of x and y, on which the window ends: a contact there lacks the cells beyond."""
+        """Axes, of x and y, along which the window is bounded: a contact at this edge lacks the cells outside."""
         return (0,) if self.repeats_y or self.line else (0, 1)
 
     def _bounded(self, pair: tuple[Number, Number]) -> tuple[Number, ...]:
-        """Return the values of a pair along x and y that belong to axes on which the window ends."""
+        """Return the values of a pair along x and y for the bounded axes of the window."""
         return tuple(pair[axis] for axis in self.bounded_axes if axis < 2)
 
     def unit(self, unit: str) -> str:
-        """Unit of a force, a work or an area on these cells: per length for strips; other units stay.
+        """Unit of a force, a work or an area on this grid: per length for strips; other units do not change.
 
         Examples
         --------
@@ -196,7 +196,7 @@ class Grid:
         return self.y[:, None], self.x[None, :]
 
     def coarsened(self, factor_y: int, factor_x: int) -> Grid:
-        """Return the grid of cells merged ``factor_y`` by ``factor_x``; left-over rows and columns are dropped."""
+        """Return the grid of cells merged ``factor_y`` by ``factor_x``; drops remaining rows and columns."""
         nx, ny = self.nx // factor_x, self.ny // factor_y
         lost_x, lost_y = self.nx - nx * factor_x, self.ny - ny * factor_y
         center = (self.center[0] - 0.5 * lost_x * self.dx, self.center[1] - 0.5 * lost_y * self.dy)
@@ -204,7 +204,7 @@ class Grid:
 
     @classmethod
     def of(cls, nx: int, ny: int, dx: float, dy: float, center: Pair = (0.0, 0.0), *, line: bool = False) -> Grid:
-        """Return rectangles, or one row of strips at y = 0, for which `ny`, `dy` and the place along y do not count.
+        """Return a grid of rectangles, or of a row of strips at y = 0, which ignores `ny`, `dy` and the y centre.
 
         Examples
         --------
@@ -217,5 +217,5 @@ class Grid:
         return cls(nx=nx, ny=ny, dx=dx, dy=dy, center=center, line=line)
 
     def with_cells(self, nx: int, ny: int, dx: float, dy: float, center: Pair) -> Grid:
-        """Return other cells of the same kind: see `Grid.of`."""
+        """Return a grid of other cells of the same kind: see `Grid.of`."""
         return replace(Grid.of(nx, ny, dx, dy, center, line=self.line), repeats_y=self.repeats_y)

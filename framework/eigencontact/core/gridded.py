@@ -1,4 +1,4 @@
-"""Files of numbers on a lattice: NumPy archives, NetCDF, columns of text; read once, with one line for what is wrong.
+"""Files of numbers on a lattice: NumPy archives, NetCDF, columns of text, with error messages of one line.
 
 Arrays that are held in memory (`core.held_arrays`) are read as those of an archive.
 
@@ -165,7 +165,7 @@ def read_gridded(
 
 
 class FileArrays(Mapping[str, FloatArray]):
-    """Arrays of a file by name, each read when it is asked for.
+    """Arrays of a file by name, read on demand.
 
     One that is no array of real numbers, or that does not fit into memory, is refused with `SceneError`.
     """
@@ -195,7 +195,7 @@ def read_arrays(where: str, file: str) -> FileArrays:
 
 
 def read_columns(where: str, file: str, names: Sequence[str]) -> list[FloatArray]:
-    """Columns of a text file, one for each name; ``#`` begins a remark, blanks, commas or semicolons part numbers.
+    """Columns of a text file, one for each name; ``#`` begins a comment; blanks, commas or semicolons separate numbers.
 
     Raises
     ------
@@ -259,7 +259,7 @@ def _lattice_of_columns(
 
 
 def _in_si(where: str, file: str, name: str, array: StoredArray, symbol: str, factor: float) -> FloatArray:
-    """Real numbers in SI units: by the unit that the file tells, else times `factor`."""
+    """Real numbers in SI units, by the unit in the file, or else multiplied by `factor`."""
     if array.unit and not (symbol == "1" and array.unit in ("1", "-", "dimensionless")):
         try:
             factor = float(parse_quantity(f"1 {array.unit}", symbol, f"{name} in units"))

@@ -22,7 +22,7 @@ PREFIX = "memory:"
 
 
 class HeldArrays(Mapping[str, "NDArray[Any]"]):
-    """Copies of arrays by name, which nobody changes.
+    """Read-only copies of arrays by name.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ _HELD: WeakValueDictionary[str, HeldArrays] = WeakValueDictionary()
 
 
 def hold(**arrays: ArrayLike) -> HeldArrays:
-    """Hold copies of arrays as long as what is returned is kept; the same arrays are held once.
+    """Store copies of arrays while the returned object exists; equal arrays are stored once.
 
     Examples
     --------
@@ -72,5 +72,5 @@ def hold(**arrays: ArrayLike) -> HeldArrays:
 
 
 def held(name: str) -> HeldArrays | None:
-    """Arrays that are held under a name, or None."""
+    """Arrays stored under a name, or None."""
     return _HELD.get(name)

@@ -11,7 +11,7 @@ _CELL = "text-align:left;padding:0.1em 1em 0.1em 0"
 
 
 def html_table(heading: str, rows: Iterable[tuple[str, str]], note: str = "") -> str:
-    """HTML of a heading, rows and a note below them.
+    """HTML text of a heading, table rows and a note.
 
     Examples
     --------

@@ -51,7 +51,7 @@ def _places(order: int) -> dict[Order, int]:
 
 @cache
 def _product_table(order: int) -> tuple[NDArray[np.intp], ...]:
-    """Positions of the products of each monomial with all monomials that stay within the order."""
+    """Positions of the products of each monomial with all monomials up to the order."""
     exponents, places = monomials(order), _places(order)
     return tuple(
         np.array([places[i + l, j + m, k + n] for l, m, n in exponents if i + j + k + l + m + n <= order])
@@ -66,7 +66,7 @@ def _degree(size: int) -> int:
 
 
 def _multiply(a: FloatArray, b: FloatArray, order: int) -> FloatArray:
-    """Product cut at `order`; its length, like that of the factors, tells its degree."""
+    """Product up to `order`; its length, like that of the factors, determines its degree."""
     if len(a) > len(b):
         a, b = b, a
     table = _product_table(order)
@@ -202,7 +202,7 @@ class Jet:
         return _power(self, -1.0).__mul__(other)
 
     def __pow__(self, exponent: float) -> Jet:
-        """Any real power; whole powers from 1 on are products and hold at a value of zero too."""
+        """Real power; whole powers from 1 on are products, which also hold at a value of zero."""
         if not (float(exponent).is_integer() and exponent >= 1):
             return _power(self, float(exponent))
         if exponent == 1:
@@ -252,7 +252,7 @@ def _arcsinh(jet: Jet) -> Jet:
 
 
 def _arctan2(y: Any, x: Any) -> Jet:
-    """Angle of (x, y), turned onto the value's own direction first, where the arctangent is regular."""
+    """Angle of (x, y), by a rotation to the direction of the value, where the arctangent is regular."""
     a, b = (
         coordinate.value if isinstance(coordinate, Jet) else np.asarray(coordinate, dtype=float)
         for coordinate in (x, y)

@@ -1,4 +1,4 @@
-"""Cache of costly objects that successive runs of one process share, such as the variants of a sweep.
+"""Cache of expensive objects that successive runs of one process share, such as the variants of a sweep.
 
 Outside of `Kept.offered` nothing is kept: a run by itself gives up its memory.
 """
@@ -15,7 +15,7 @@ __all__ = ["Kept", "kept_or_made"]
 
 
 class Sized(Protocol):
-    """Object with a known memory."""
+    """Object with a memory size."""
 
     @property
     def nbytes(self) -> int:
@@ -42,7 +42,7 @@ class Kept:
 
     @property
     def nbytes(self) -> int:
-        """Memory of all that is held [bytes]."""
+        """Memory of all stored objects [bytes]."""
         return sum(item.nbytes for item in self._held.values())
 
     @contextmanager
@@ -55,7 +55,7 @@ class Kept:
             _OFFERED.reset(token)
 
     def get(self, key: Hashable) -> Sized | None:
-        """Return the object of a key, if it is held."""
+        """Return the stored object of a key, or None."""
         item = self._held.get(key)
         if item is not None:
             self._held.move_to_end(key)
@@ -63,7 +63,7 @@ class Kept:
         return item
 
     def put(self, key: Hashable, item: Sized) -> None:
-        """Store an object unless it alone exceeds the limit."""
+        """Store an object unless its size exceeds the limit."""
         if item.nbytes > self.limit:
             return
         self._held[key] = item

@@ -23,7 +23,7 @@ def resident_bytes() -> float:
 
 
 def peak_bytes() -> int:
-    """Largest memory that this process has had so far."""
+    """Largest memory of this process so far [bytes]."""
     try:
         lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
         return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
@@ -37,7 +37,7 @@ def largest_child_bytes() -> int:
 
 
 def machine_bytes() -> float:
-    """Memory of this machine; a tebibyte where the system gives none, as a bound on absurd sizes."""
+    """Memory of this machine [bytes]; a tebibyte if the system does not report it."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):

@@ -70,7 +70,7 @@ _DEVICE = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNOR
 
 
 def is_folder_name(name: str) -> bool:
-    """Whether a name stands for a folder of its own on every system: ``FOLDER_RULE``.
+    """Whether a name is a valid folder name on every system: ``FOLDER_RULE``.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def to_folder_name(text: str) -> str:
 
 
 def clashes(region: str) -> bool:
-    """Whether files or variables of a region would take the place of those of the surface; case is no difference.
+    """Whether files or variables of a region have the names of those of the surface, in any case of letters.
 
     Examples
     --------

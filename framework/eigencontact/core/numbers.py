@@ -1,4 +1,4 @@
-"""Declarations of the scalars of a run, each beside the block, law or observer that computes it."""
+"""Declarations of the scalars of a run, in the file of the block, law or observer that computes them."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Number:
         return Number(name=name, unit=self.unit, meaning=meaning, role="error", estimates=self.name)
 
     def of_run(self, values: Iterable[float | None]) -> float | None:
-        """Value for a run from the values of its steps; None where no step has one."""
+        """Value of a run from the values of its steps; None without any value."""
         listed = list(values)
         if self.over == "last":
             return listed[-1] if listed else None
@@ -150,7 +150,7 @@ class ErrorBar:
 
     @property
     def relative(self) -> float | None:
-        """Error in parts of the value; None for a value of zero."""
+        """Error relative to the value; None for a value of zero."""
         return self.error / abs(self.value) if self.value else None
 
     def to_dict(self) -> dict[str, Any]:
@@ -163,7 +163,7 @@ class ErrorBar:
         return cls(**{name: value for name, value in table.items() if name != "relative"})
 
     def words(self, number: Number) -> str:
-        """Error in the unit in which the value is shown, and its main source.
+        """Error in the unit of the value, with its main source.
 
         Examples
         --------
@@ -187,7 +187,7 @@ def by_name(numbers: Iterable[Number]) -> dict[str, Number]:
 
 
 def headline_numbers(numbers: Iterable[Number], values: Mapping[str, float | None]) -> list[Number]:
-    """Headline numbers that have a value, without those that a number other than zero replaces.
+    """Main results of a run, without results that another nonzero number replaces.
 
     Examples
     --------
@@ -206,7 +206,7 @@ def headline_numbers(numbers: Iterable[Number], values: Mapping[str, float | Non
 
 
 def accumulate(numbers: Mapping[str, Number], total: dict[str, float], values: Mapping[str, float]) -> None:
-    """Add the values of one of several solves of a step: efforts are summed, the largest of all else counts."""
+    """Combine the values of several solutions of a step: iterations are summed, other numbers have their maximum."""
     for name, value in values.items():
         if name not in total:
             total[name] = value

@@ -24,7 +24,7 @@ _PARALLEL = 1e-20
 
 @_compiled
 def _circle_of_three(ux: float, uy: float, vx: float, vy: float) -> Any:
-    """Centre of the circle through 0, u and v, and its squared radius; of the longest pair where they are on a line."""
+    """Centre and squared radius of the circle through 0, u and v; for collinear points of the longest pair."""
     cross = ux * vy - uy * vx
     uu, vv = ux * ux + uy * uy, vx * vx + vy * vy
     if cross * cross > _PARALLEL * uu * vv:
@@ -64,7 +64,7 @@ def _squared_radius(u: Any, v: Any, size: float) -> float:
 
 @_compiled
 def _distant_pair_first(u: Any, v: Any) -> None:
-    """Exchange points so that the first two lie far apart: few others are outside the circle of their middle."""
+    """Exchange points so that the first two are distant: few other points are outside their circle."""
     for place in range(2):
         far, distance = 0, -1.0
         for i in range(place, u.size):

@@ -214,5 +214,5 @@ def _of_points(normals: FloatArray) -> FloatArray:
 
 
 def _scattered(steps: int) -> IntArray:
-    """Order of steps with neighbours far apart: by the golden section."""
+    """Order of steps with distant neighbours, by the golden section."""
     return np.argsort(np.arange(steps) * 0.6180339887498949 % 1.0)

@@ -1,4 +1,4 @@
-"""Largest value of a surface that is known by its means over cells."""
+"""Largest value of a surface from its cell means."""
 
 from __future__ import annotations
 

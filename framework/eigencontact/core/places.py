@@ -12,7 +12,7 @@ __all__ = ["place_field"]
 
 
 def place_field(cls: type) -> str | None:
-    """Name of the field of a dataclass that is annotated `Place`; None without one."""
+    """Name of the dataclass field with the annotation `Place`; None without one."""
     return _marked_field(cls)
 
 

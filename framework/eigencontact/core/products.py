@@ -1,4 +1,4 @@
-"""Products of matrices and sizes of vectors that keep to the calling thread."""
+"""Matrix products and vector norms in the calling thread only."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def norm_of(values: FloatArray) -> float:
 
 
 def distance_of(left: FloatArray, right: FloatArray) -> float:
-    """`norm_of` the difference of two arrays of one shape, which is never stored whole.
+    """`norm_of` the difference of two arrays of one shape, without an array of the difference.
 
     Examples
     --------

@@ -51,7 +51,7 @@ class Unit:
     name: str
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Tell pydantic to convert text with units before it checks the number."""
+        """Pydantic schema that converts text with units before it checks the number."""
         from pydantic_core import core_schema
 
         read = core_schema.no_info_before_validator_function(self._read, handler(source))
@@ -103,10 +103,10 @@ Angle = Annotated[float, Unit("rad", "an angle")]
 
 
 class AlikeMark:
-    """Mark of an annotated pair along x and y: a scene may give one value for two equal ones."""
+    """Mark of an annotated pair along x and y: a scene may have one value for both."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Tell pydantic to double a single value."""
+        """Pydantic schema that doubles a single value."""
         from pydantic_core import core_schema
 
         return core_schema.no_info_before_validator_function(self._pair, handler(source))
@@ -131,7 +131,7 @@ Place = Annotated[tuple[Length, Length, Length], PlaceMark()]
 
 @dataclass(frozen=True, slots=True)
 class DirectionMark:
-    """Mark of an annotated field that holds a direction in scene axes."""
+    """Mark of an annotated field with a direction in scene axes."""
 
 
 #: Direction (x, y, z) in scene axes, of any length. A thing whose directions are all turned is the same thing, turned.
@@ -140,7 +140,7 @@ Direction = Annotated[tuple[float, float, float], DirectionMark()]
 
 @dataclass(frozen=True, slots=True)
 class FileMark:
-    """Mark of an annotated field that holds the path of a data file."""
+    """Mark of an annotated field with the path of a data file."""
 
 
 #: Annotation for the path of a data file, ``map: DataFile``, by any name, also ``DataFile | None``, in a tuple, or in a
@@ -151,7 +151,7 @@ DataFile = Annotated[str, FileMark()]
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A named result with its unit and meaning; the name is what blocks require and provide."""
+    """Named result with its unit and meaning; blocks require and provide quantities by name."""
 
     unit: str
     long_name: str
@@ -212,7 +212,7 @@ QUANTITIES: dict[str, Quantity] = {
 
 
 def unit_of(quantity: str) -> str:
-    """SI unit of a result; ``"unknown"`` of a name that the vocabulary does not hold.
+    """SI unit of a result; ``"unknown"`` for a name outside the vocabulary.
 
     Examples
     --------

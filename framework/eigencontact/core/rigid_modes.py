@@ -1,4 +1,4 @@
-"""Rigid modes of two bodies in contact: how each moves, and the force that works on it."""
+"""Rigid modes of two bodies in contact: displacement and work-conjugate force of each."""
 
 from __future__ import annotations
 

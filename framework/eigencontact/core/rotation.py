@@ -29,7 +29,7 @@ _RULE = (
 
 
 def as_tuple(value: Any) -> Any:
-    """Nested tuples of floats from arrays and lists, so that a component stays hashable; anything else as it is.
+    """Nested tuples of floats from arrays and lists, so that a component is hashable; other values unchanged.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def as_tuple(value: Any) -> Any:
 
 
 def rotation_matrix(where: str, rotation: Any) -> FloatArray:
-    """Matrix whose columns are the turned axes, from a matrix, three angles or None.
+    """Matrix whose columns are the rotated axes, from a matrix, three angles or None.
 
     Angles yaw, pitch, roll [rad] turn by ``Rz(yaw) Ry(pitch) Rx(roll)``: about z, then the turned y, then the twice
     turned x; positive from x to y, z to x, y to z.
@@ -102,7 +102,7 @@ def _turn(rotation: tuple[float, ...], orders: tuple[_Order, ...]) -> tuple[tupl
 
 
 def turned_derivatives(rotation: FloatArray, orders: Sequence[_Order]) -> tuple[tuple[_Order, ...], FloatArray]:
-    """Derivatives of a scalar along turned axes, for those along the axes of the scene.
+    """Derivatives of a scalar along rotated axes from those along the axes of the scene.
 
     Parameters
     ----------

@@ -40,5 +40,5 @@ class Stopwatch:
             self.add(name, perf_counter() - began)
 
     def add(self, name: str, seconds: float) -> None:
-        """Count a time [s] that was taken elsewhere."""
+        """Add a time [s] measured elsewhere."""
         self.seconds[name] = self.seconds.get(name, 0.0) + seconds

@@ -1,4 +1,4 @@
-"""Parity of influence coefficients, from mirror symmetry alone.
+"""Parity of influence coefficients by mirror symmetry.
 
 A body that is its own mirror image in x answers a mirrored load with the mirrored field. A vector component flips
 under the mirror in its own direction, so the coefficient that links load j to component i (or to stress ik) is even

@@ -51,7 +51,7 @@ _CHECKSUM = "sha256"
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Entry:
-    """A file of the folder: its size [bytes] and when it was last used [s since 1970]."""
+    """File of the folder: its size [bytes] and time of last use [s since 1970]."""
 
     path: Path
     size: int
@@ -72,7 +72,7 @@ class TableCache:
         self._size: int | None = None
 
     def find(self, key: str, *names: str) -> dict[str, FloatArray] | None:
-        """Arrays kept under a key, these names among them; None where the file is absent, damaged or altered.
+        """Arrays stored under a key, with these names; None if the file is absent, damaged or altered.
 
         Warns
         -----
@@ -116,14 +116,14 @@ class TableCache:
 
     @property
     def limit(self) -> int:
-        """Bytes that the tables may take together."""
+        """Largest total size of the tables [bytes]."""
         try:
             return int((self.folder / _LIMIT).read_text(encoding="ascii"))
         except (OSError, ValueError):
             return DEFAULT_LIMIT
 
     def set_limit(self, limit: int) -> None:
-        """Bound the size from now on, for every process [bytes].
+        """Set the largest total size for every process [bytes].
 
         Raises
         ------
@@ -140,7 +140,7 @@ class TableCache:
         self._evict(limit, limit)
 
     def entries(self) -> list[Entry]:
-        """All tables, those used longest ago first."""
+        """All tables, least recently used first."""
         return sorted((entry for entry in self._files() if entry.path.suffix == _TABLE), key=lambda entry: entry.used)
 
     def clear(self) -> None:
@@ -154,7 +154,7 @@ class TableCache:
         return self.folder / f"{key}{_TABLE}"
 
     def _files(self) -> Iterator[Entry]:
-        """Tables and unfinished files; those that another process removes meanwhile are left out."""
+        """Tables and unfinished files, without those that another process removes meanwhile."""
         with contextlib.suppress(OSError), os.scandir(self.folder) as entries:
             for file in entries:
                 if file.name.endswith((_TABLE, _UNFINISHED)):
@@ -186,7 +186,7 @@ class TableCache:
 
 
 def table_cache() -> TableCache | None:
-    """Cache of this user in the platform's folder; None if the user turned it off."""
+    """Cache of this user in the platform's folder; None if the user switched it off."""
     setting = os.environ.get(VARIABLE)
     if setting is not None:
         return None if setting.strip().lower() in ("", "off") else _of_folder(Path(setting).expanduser())
@@ -206,12 +206,12 @@ def _usual_folder() -> Path:
 
 @cache
 def _of_folder(folder: Path) -> TableCache:
-    """One object of a folder: it remembers what the folder holds."""
+    """Cache object of a folder, one per folder, which stores its contents."""
     return TableCache(folder)
 
 
 def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
-    """Key of a table: a hash of all its inputs, or None where an input has no hash.
+    """Key of a table: a hash of all its inputs, or None if an input has no hash.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ def _encoded(value: Any) -> bytes:
 
 @cache
 def _source(name: str) -> bytes:
-    """Hash of the source of a module, and of those beside it in its package."""
+    """Hash of the source of a module, and of the other modules of its package."""
     module = import_module(name)
     file = getattr(module, "__file__", None)
     if not file or not Path(file).suffix == ".py":

@@ -1,4 +1,4 @@
-"""Symmetric tensors as Mandel 6-vectors, and the scalars read off them.
+"""Symmetric tensors as Mandel 6-vectors, and their scalars.
 
 Conventions of the whole package, said once: SI units; the surface is z = 0 and z points **into** the body;
 pressure is positive in compression, stress is positive in tension. A symmetric tensor is the Mandel vector

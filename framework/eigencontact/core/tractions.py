@@ -1,4 +1,4 @@
-"""The tractions of a contact: the one table of names, directions and fields, and whose sign turns with the body."""
+"""Table of the tractions of a contact: names, directions, fields, and signs on each body."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def _registry() -> Any:
 
 
 def parse_quantity(value: Any, symbol: str, name: str) -> Any:
-    """Return `value` in SI units; numbers are taken to be SI already.
+    """Return `value` in SI units; plain numbers are in SI.
 
     Text is a number and a unit, ``"105 um"``, and nothing else: no arithmetic, no decimal commas, no separators
     between digits, no leading zeros, no uncertainties. An angle may be a number alone, in radians.
@@ -85,7 +85,7 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
 
 
 def number_and_unit(value: Any) -> tuple[Any, str] | None:
-    """Number, or array, and the unit of an object that carries one; None of plain numbers.
+    """Number or array, and unit, of an object with a unit; unit None for plain numbers.
 
     Quantities of pint, astropy and unyt carry a unit, and so does a DataArray with the attribute ``units``. A quantity
     without dimension has the unit ``""``.
@@ -111,11 +111,11 @@ def number_and_unit(value: Any) -> tuple[Any, str] | None:
 
 
 class _Dimensionless(float):
-    """Number that somebody gave as a quantity without dimension: it is no length, force or stress."""
+    """Number of a dimensionless quantity: no length, force or stress."""
 
 
 def quantity_text(number: float, unit: str) -> float | str:
-    """Number with its unit as a scene writes it."""
+    """Number with its unit as in a scene."""
     return f"{float(number)!r} {unit}" if unit else _Dimensionless(number)
 
 
@@ -129,7 +129,7 @@ def _magnitude(number: Any, unit: str, symbol: str, name: str) -> Any:
 
 
 def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> float:
-    """Convert by pint, which sees the unit alone; it takes a third of a second to import."""
+    """Convert by pint, which receives only the unit; the import of pint takes a third of a second."""
     import pint
 
     try:
@@ -203,7 +203,7 @@ _PER_LENGTH = {
 
 
 def per_length(unit: str, *, line: bool = True) -> str:
-    """Unit in a line contact of what has this unit in three dimensions; a pressure or a length keeps its own.
+    """Unit in a line contact of a quantity with this unit in three dimensions; pressures and lengths do not change.
 
     Where `line` is false nothing is counted per length, and every unit is kept.
 

@@ -46,7 +46,7 @@ class WoehlerCurve:
     scatter: float = 1.0
 
     def cycles(self, ratio: float, failure_probability: float = 0.5) -> float:
-        """Cycles after which a part of all have failed, under an amplitude in units of the median limit amplitude."""
+        """Cycles until a fraction of the components fails, for an amplitude relative to the median limit amplitude."""
         endured = self.limit_ratio(failure_probability)
         return float(self.knee_cycles * (ratio / endured) ** -self.slope) if ratio > endured else inf
 
@@ -55,7 +55,7 @@ class WoehlerCurve:
         return float(self.scatter ** (NormalDist().inv_cdf(failure_probability) / _TEN_TO_NINETY))
 
     def failure_probability(self, ratio: float) -> float:
-        """Part of all that ever fails under an amplitude in units of the median limit amplitude."""
+        """Fraction of the components that eventually fails, for an amplitude relative to the median limit amplitude."""
         if ratio <= 0.0 or self.scatter == 1.0:
             return float(ratio > 1.0)
         return NormalDist().cdf(log10(ratio) / log10(self.scatter) * _TEN_TO_NINETY)

@@ -1,4 +1,4 @@
-"""Perform tasks on the workers of a cluster that dask.distributed knows (extra ``cluster``), or on one of this machine.
+"""Execution of tasks on the workers of a dask.distributed cluster (extra ``cluster``), remote or local.
 
 A worker performs one task at a time, with all its threads and memory. Dask gives the tasks of a worker that dies to
 others. Few tasks wait at the scheduler at a time, so that their number costs it nothing.
@@ -46,7 +46,7 @@ _LOCAL = {
 
 
 class Cluster:
-    """Engine of dask.distributed; opened by ``with``, and again while it is open at no cost.
+    """Engine of dask.distributed; opened by ``with``; opening it twice costs nothing.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ class Cluster:
     def _answers(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], name: str, *, workers: int
     ) -> Iterator[tuple[Task, Answer | Lost]]:
-        """Answers of tasks, of which twice as many as there are workers wait; `workers` 0 counts them."""
+        """Results of tasks; twice as many tasks as workers are submitted; `workers` 0 counts the workers."""
         from distributed import as_completed
         from distributed.protocol.pickle import dumps
 

@@ -51,11 +51,11 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         await worker.set_resources(**{ONE: 1, MEMORY: memory, THREADS: threads})
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as dask calls it
-        """Give up what was shared."""
+        """Release the shared resources."""
         self.held = None
 
 
 def perform(question: bytes, name: str) -> Any:
-    """Perform a task in this worker: a function and its task, pickled, as a scheduler lacks what workers have."""
+    """Perform a task in this worker: a pickled function and its task (a scheduler lacks the packages of workers)."""
     function, task = loads(question)
     return function(task, get_worker().plugins[name].held)

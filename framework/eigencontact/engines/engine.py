@@ -42,24 +42,24 @@ class Share:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Instead of an answer: the process that performed the task died, more than once; `reason` is one line."""
+    """Marker in place of a result: the process of the task died more than once; `reason` is one line."""
 
     reason: str
 
 
 class Engine(Protocol):
-    """Performs tasks while it is open (``with``)."""
+    """Executor of tasks while it is open (``with``)."""
 
     def __enter__(self) -> Self:
-        """Take what is needed."""
+        """Acquire the resources."""
 
     def __exit__(self, *_: object) -> None:
-        """Give everything back."""
+        """Release the resources."""
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
     ) -> Iterator[tuple[Task, Answer | Lost]]:
-        """Yield tasks and their answers as they are finished.
+        """Yield tasks and their results in the order of completion.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Engine(Protocol):
 
 
 class _Local:
-    """Engine that holds nothing between its tasks."""
+    """Engine without resources between its tasks."""
 
     def __enter__(self) -> Self:
         return self
@@ -95,7 +95,7 @@ class ThisProcess(_Local):
 
 
 class Processes(_Local):
-    """Performs tasks in processes of this machine, which share its threads and memory evenly.
+    """Engine with processes of this machine, which share its threads and memory evenly.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class Processes(_Local):
         begin: Callable[[Share], Held],
         count: int,
     ) -> Generator[tuple[Task, Answer | Lost], None, list[Task]]:
-        """Answers of tasks; returns the tasks whose process died."""
+        """Yield results of tasks; return the tasks whose process died."""
         lost, count = list[Task](), min(count, len(tasks))
         share = Share(max(1, available_threads() // self._workers), machine_bytes() / self._workers)
         with ProcessPoolExecutor(max(1, count), get_context("spawn"), _begin, (begin, share)) as pool:

@@ -19,7 +19,7 @@ GUARD = 'its script starts it without `if __name__ == "__main__":`'
 
 
 def refuse_unguarded(call: str) -> None:
-    """Refuse a call that the script of this process makes outside of every ``if``.
+    """Refuse a call at the top level of the script of this process, outside of every ``if``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Options of commands whose tasks a cluster may perform; imports little, because the help of commands loads it."""
+"""Options of commands that can use a cluster, with few imports because the help loads this module."""
 
 from __future__ import annotations
 

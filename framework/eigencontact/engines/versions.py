@@ -1,4 +1,4 @@
-"""Versions of what is installed here and must be the same on every worker: this package, and packages of plugins."""
+"""Versions of installed packages that must be equal on every worker: this package and packages of plugins."""
 
 from __future__ import annotations
 

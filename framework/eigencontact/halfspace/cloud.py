@@ -1,4 +1,4 @@
-"""Fields of many regions: point sources at a distance, the shapes' own potentials near by.
+"""Fields of many regions: point sources for distant regions, potentials of the shapes for near regions.
 
 Beyond a distance a shape is replaced by a few points (a sphere by one, everywhere outside), further away by fewer. All
 of them are summed over all field points in one compiled loop. The pairs of a region and a point close to it remain:
@@ -58,7 +58,7 @@ _NO_TREE = (np.zeros((0, 5)), np.zeros(0, dtype=np.intp), 0.0)
 
 
 def cloud_sources(shape: HasPotentials) -> PointSources | None:
-    """Point sources that replace a distant shape in a cloud; None where the formulas of the shape are cheaper."""
+    """Point sources in place of a distant shape; None if the formulas of the shape are cheaper."""
     if find_spec("numba") is None or not isinstance(shape, HasFarField):
         return None
     far = shape.far_field()
@@ -91,7 +91,7 @@ def field_of_cloud(
     threads: int | None = None,
     tolerance: float = 0.0,
 ) -> FloatArray:
-    """Sum of the fields of many regions, each with its own uniform eigenstrain.
+    """Sum of the fields of many regions, each with a uniform eigenstrain.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def _sum_of_sources(
     threads: int | None,
     tree: Tree | None = None,
 ) -> FloatArray:
-    """Compiled sum over point sources; strain follows from stress, for there is no eigenstrain out there.
+    """Compiled sum over point sources; strain follows from stress, because there is no eigenstrain at the points.
 
     With a tree over the points, in its order, what is far from many of them reaches them by an expansion.
     """
@@ -220,7 +220,7 @@ def _sum_of_sources(
 
 
 def likeness(shape: Any) -> Hashable:
-    """Key that shapes share if they differ only by a shift; a unique key for shapes without a position."""
+    """Key of equal shapes up to a translation; a unique key for shapes without a position."""
     place = place_field(type(shape))
     if place is None:
         return id(shape)
@@ -315,7 +315,7 @@ class _DistantRegions:
         pairs.flush()
 
     def _add_pairs(self, members: Sequence[int], spaces: tuple[str, ...], pairs: _Pairs) -> None:
-        """Fields of like regions in the first space minus that in the second, at points near them or their images."""
+        """Fields of equal regions in the first space minus that in the second, at points near them or their images."""
         canonical, far = self._shapes[members[0]], self._sources[members[0]]
         side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
         centers = np.array([self._sources[member].center for member in members])
@@ -345,7 +345,7 @@ class _DistantRegions:
 
 
 class _Pairs:
-    """Values at points, collected until there are enough of them to be added to a field at once."""
+    """Values at points, collected for a joint addition to a field."""
 
     def __init__(self, out: FloatArray) -> None:
         self._out, self._index, self._values = out, list[IntArray](), list[FloatArray]()
@@ -358,7 +358,7 @@ class _Pairs:
             self.flush()
 
     def flush(self) -> None:
-        """Add what was collected."""
+        """Add the collected values."""
         if self._index:
             index = np.concatenate(self._index)
             for component, values in enumerate(np.concatenate(self._values, axis=1)):
@@ -368,7 +368,7 @@ class _Pairs:
 
 
 class _Finder:
-    """Finds the points close to a place."""
+    """Search structure for the points close to a position."""
 
     def __init__(self, x: FloatArray, y: FloatArray, z: FloatArray) -> None:
         from scipy.spatial import cKDTree
@@ -378,7 +378,7 @@ class _Finder:
 
     @property
     def order(self) -> NDArray[np.intp]:
-        """Indices of the points, neighbours in space next to each other."""
+        """Indices of the points, with neighbours in space next to each other."""
         return np.asarray(self._tree.indices)
 
     def within(self, place: FloatArray, distance: float) -> NDArray[np.intp]:

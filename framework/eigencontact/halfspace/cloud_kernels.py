@@ -37,7 +37,7 @@ _compiled: Any = compiled(nogil=True, fastmath=True, error_model="numpy")
 
 @_inner
 def _is_far(node: int, region: int, nodes: Any, regions: Any, apart: float) -> Any:
-    """Whether a node may take a region by its expansion."""
+    """Whether a node may use the expansion of a region."""
     if nodes[node, 4] == 0.0:
         return False
     square = 0.0
@@ -49,7 +49,7 @@ def _is_far(node: int, region: int, nodes: Any, regions: Any, apart: float) -> A
 
 @_inner
 def _is_taken(block: Any, region: int, nodes: Any, parents: Any, regions: Any, apart: float) -> Any:
-    """Whether a block takes a region."""
+    """Whether a block uses a region."""
     node = block[2]
     if node < 0:
         return True
@@ -76,7 +76,7 @@ def _gap(box: Any, center: Any, side: float) -> Any:
 
 @_inner
 def _all_near(box: Any, center: Any, side: float) -> Any:
-    """Whether a box lies wholly closer to a region than its least distance."""
+    """Whether all points of a box are closer to a region than its least distance."""
     square = 0.0
     for axis in range(3):
         place = center[axis] * (side if axis == 2 else 1.0)
@@ -86,7 +86,7 @@ def _all_near(box: Any, center: Any, side: float) -> Any:
 
 @compiled()
 def _clear(x: Any, y: Any, z: Any, center: Any, side: float, near_sum: Any) -> None:
-    """Take from points what they are too close to get; rounded as numpy does, for the caller decides likewise."""
+    """Subtract from points the regions that are too close; rounded like numpy, for equal decisions of the caller."""
     least = center[4] * center[4]
     for i in range(x.size):
         dx, dy, dz = x[i] - center[0], y[i] - center[1], z[i] - side * center[2]

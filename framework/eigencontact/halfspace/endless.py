@@ -16,7 +16,7 @@ __all__ = ["EndlessCell"]
 
 @dataclass(frozen=True, slots=True)
 class EndlessCell:
-    """A cell whose ends along y, wherever a lattice has them, are infinitely far away.
+    """Cell of infinite length along y.
 
     A lattice of one row of such cells then gives fields of plane strain: kernels differ along x and z alone, and those
     with a derivative along y vanish.

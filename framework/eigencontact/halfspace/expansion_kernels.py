@@ -1,4 +1,4 @@
-"""Biharmonic polynomials, and fields that are passed down a tree of points in them: compiled.
+"""Compiled sums of biharmonic polynomials, and of fields that expansions pass down a tree of points.
 
 The polynomials are the real solid harmonics ``r^k Y_kn`` up to a degree p, scaled to Racah's norm (the sum of the
 squares of one degree is ``r^2k``), and ``r²`` times those up to degree p - 2: (p+1)² + (p-1)² of them, all that a field
@@ -106,7 +106,7 @@ def pass_down(
     x: Any, y: Any, z: Any, ranges: Any, children: Any, numbers: Any, place: Any, nodes: Any, unit: Any, degree: int,
     coefficients: Any, values: Any, out: Any,
 ) -> None:  # fmt: skip
-    """Pass expansions of one depth of a tree on: to those below them, and to points that have none closer.
+    """Pass expansions of one depth of a tree to the nodes below, and to points without a closer expansion.
 
     Threads may do so at once for different expansions.
 
@@ -154,7 +154,7 @@ def pass_down(
 
 @compiled()
 def grow(points: Any, least: int, block: int) -> Any:
-    """Binary tree over points ``(3, n)``, halved along their longest extent until a leaf holds at most `block`.
+    """Binary tree over points ``(3, n)``, halved along their longest extent until a leaf has at most `block` points.
 
     Returns
     -------

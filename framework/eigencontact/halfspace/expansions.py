@@ -50,12 +50,12 @@ def degree_for(tolerance: float) -> int:
 
 
 def expansion_size(tolerance: float) -> int:
-    """Number of points at which an expansion for a tolerance takes values."""
+    """Number of interpolation points of an expansion for a tolerance."""
     return int(_unit(degree_for(tolerance))[0].shape[1])
 
 
 def distances_for(finest: PointSources, tolerance: float) -> list[float]:
-    """Distances [m] from which levels of point sources, the coarsest first, do as well as the finest.
+    """Distances [m] from which levels of point sources, the coarsest first, are as accurate as the finest.
 
     What a level gets wrong is the difference of its multipole moments from those of the finest, relative to the field
     of all the volume in the center; moments above those compared are taken to be all wrong.
@@ -91,7 +91,7 @@ def distances_for(finest: PointSources, tolerance: float) -> list[float]:
 
 @cache
 def _unit(degree: int) -> tuple[FloatArray, FloatArray]:
-    """Points ``(3, m)`` of an expansion in the unit ball, and coefficients from values there, ``(count, m)``."""
+    """Points ``(3, m)`` of an expansion in the unit ball, and coefficients of values there, ``(count, m)``."""
     from eigencontact.halfspace.expansion_kernels import polynomials
 
     outer, inner = (int(np.ceil(_POINTS * n * n)) for n in (degree + 1, degree - 1))
@@ -136,7 +136,7 @@ class Tree:
 
     @classmethod
     def over(cls, points: FloatArray, degree: int) -> Tree:
-        """Tree over points ``(3, n)``; where there is an expansion it stands for more points than it has."""
+        """Tree over points ``(3, n)``; a node has an expansion if it holds more points than the expansion."""
         from eigencontact.halfspace.expansion_kernels import grow
 
         order, nodes, ranges, parents, children, depths = grow(points, 3 * _unit(degree)[0].shape[1] // 2, _BLOCK)
@@ -144,7 +144,7 @@ class Tree:
 
     @property
     def expansion_points(self) -> FloatArray:
-        """Points at which the expansions take values, ``(3, expansions, m)``."""
+        """Interpolation points of the expansions, ``(3, expansions, m)``."""
         unit, _ = _unit(self.degree)
         large = self.nodes[self.nodes[:, 4] > 0]
         return np.asarray(large[:, :3].T[:, :, None] + large[:, 3, None] * unit[:, None, :])
@@ -163,7 +163,7 @@ class Tree:
         return np.random.default_rng(0).permutation(np.concatenate(point_and_node_blocks))
 
     def add(self, points: FloatArray, values: FloatArray, out: FloatArray, threads: int) -> None:
-        """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what the expansions say.
+        """Add the values of the expansions at points ``(3, n)``, in their order, to ``out (c, n)``.
 
         `values` of the expansions at their points, ``(expansions, c, m)``, are overwritten.
         """

@@ -1,4 +1,4 @@
-"""Linear forms in the derivatives of potentials, with powers of depth: what the half-space theorem is written in.
+"""Linear forms in the derivatives of potentials with powers of depth, for the half-space theorem.
 
 A field of an inclusion is a sum of ``coefficient * z**power * derivative of a potential``. Keeping that sum as data
 lets one formula, the displacement, give strain and stress by differentiation, serve points and grids, and tell which
@@ -93,7 +93,7 @@ class Form:
         )
 
     def replaced(self, rule: Rule) -> Form:
-        """The same with every kernel for which `rule` gives a combination of others replaced, until none is left."""
+        """Form with every kernel replaced by the combination of `rule`, until none is left."""
         total, todo = Form(), dict(self.terms)
         while todo:
             (power, kernel), value = todo.popitem()
@@ -106,7 +106,7 @@ class Form:
         return total
 
     def on_surface(self) -> Form:
-        """The form at z = 0, where real and mirror points coincide, in kernels of the image alone."""
+        """Form at z = 0, where real and mirror points coincide, in kernels of the image."""
 
         def mirrored(kernel: Kernel) -> dict[Kernel, float] | None:
             origin, name, order = kernel

@@ -1,4 +1,4 @@
-"""Values and integrals over cells of a smooth function of the plane, known on nodes that spread like sinh.
+"""Values and cell integrals of a smooth function of the plane, known at nodes with sinh spacing.
 
 A field that comes from depths of s and more is, in each of x and y, analytic in a strip of the stretched coordinate
 ``ξ = asinh(x/s)``: its nearest singularities, x = ± i s, lie at ±iπ/2. Chebyshev polynomials of ξ up to the largest
@@ -70,7 +70,7 @@ class StretchedNodes:
         return _integrals(self, np.asarray(centres, dtype=float).tobytes(), half_width)
 
     def strips(self, count: int) -> Weights:
-        """Weights of the integrals over all x, `count` times, for functions that fall like 1/x² far away.
+        """Weights of the integrals over all x, `count` times, for functions that decay like 1/x².
 
         What is beyond a length is a series in its inverse: the integrals up to the last coordinate, a half and a
         quarter of it extrapolate two terms.
@@ -106,7 +106,7 @@ def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=64)
 def _integrals(nodes: StretchedNodes, centres: bytes, half_width: float) -> Weights:
-    """Weights of integrals over cells, see `StretchedNodes.integrals`; rows and columns of lattices are met often."""
+    """Cached weights of integrals over cells, see `StretchedNodes.integrals`."""
     middle, half = np.frombuffer(centres) / nodes.scale, half_width / nodes.scale
     low, high = middle - half, middle + half
     # Differences of asinh, written so that a narrow cell keeps its digits.

@@ -32,7 +32,7 @@ TOGETHER = 16384
 
 @dataclass(frozen=True)
 class _Resolved:
-    """The field of one band, found well enough; closed kernels of deep half-spaces ride on its nodes."""
+    """Field of one band at a sufficient resolution, with the closed kernels of deep half-spaces on its nodes."""
 
     band: Band
     smooth: NodalField
@@ -145,7 +145,7 @@ class LayeredDepths:
         return evaluate(components, x, y, depth, self.half_widths, solid)
 
     def _resolve(self, band: Band, smooth: SmoothField) -> _Resolved:
-        """Field of a band as it is kept on disk, or found now."""
+        """Field of a band, from disk or computed."""
         settings = (self.quantity, self.components, self.half_widths, self.reach, self.side, band, smooth.extent)
         tables, code = table_cache(), ("eigencontact.core.products", __name__, self.base, self.medium)
         key = address(self.base, self.medium, *settings, code=code) if tables else None
@@ -194,7 +194,7 @@ class LayeredDepths:
         return resolution, bound
 
     def _deep(self, band: Band, x: FloatArray) -> FloatArray | None:
-        """Closed kernels of deep half-spaces on nodes, ``(len(components), nz, n, n)``, if there are any."""
+        """Closed kernels of deep half-spaces on nodes, ``(len(components), nz, n, n)``, if any."""
         limit = DEEP * max(self.half_widths)
         deep = [[kernel for kernel in kernels if kernel[2] > limit] for kernels in band.kernels]
         return self._kernels(self.components, deep, x, x) if any(deep) else None
@@ -228,7 +228,7 @@ class LayeredDepths:
         return np.append(0.0, 2 * half_width * np.unique(np.floor(cells)))
 
     def _rounding(self, band: Band) -> float:
-        """Rounding of the corner sums of displacements on the lattice; those of stress are of order 1."""
+        """Round-off of the corner sums of displacements on the lattice; that of stress is of order 1."""
         if self.quantity == "stress":
             return 0.0
         direct, origin = (OWN[self.base.traction][self.quantity],), np.zeros(1)

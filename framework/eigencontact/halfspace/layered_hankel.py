@@ -1,4 +1,4 @@
-"""Hankel transform on a logarithmic grid: radial functions of space from those of the wavenumber.
+"""Hankel transform on a logarithmic grid: radial functions of space from functions of the wavenumber.
 
 For h(k) = k R(k) the field ``g(r) = (1/2π) ∫ R(k) J_n(kr) k dk`` is a convolution of logarithms,
 

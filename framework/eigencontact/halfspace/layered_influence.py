@@ -174,7 +174,7 @@ class LayeredInfluence:
         return coefficients
 
     def _field(self, quantity: str, band: Band, medium: Medium, extent: float) -> SmoothField:
-        """Smooth field of a band; those met last are kept with what was found of them."""
+        """Smooth field of a band; the most recent ones are cached with their results."""
         key = (quantity, medium, band, extent)
         with self._lock:
             field = self._fields.get(key)

@@ -51,7 +51,7 @@ class NodalField:
         return out
 
     def _weights(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> tuple[Weights, Weights]:
-        """Weights of the integrals along x, and along y: those of a strip are the same at all y."""
+        """Weights of the integrals along x, and along y; for a strip the same at all y."""
         across = self.nodes.integrals(x, half_widths[0])
         return across, self.nodes.integrals(y, half_widths[1]) if half_widths[1] < np.inf else self.nodes.strips(y.size)
 
@@ -109,7 +109,7 @@ class SmoothField:
 
     @property
     def nbytes(self) -> int:
-        """Memory of what was found so far."""
+        """Memory of the computed functions."""
         return sum(radial.nbytes for radial in list(self._radial.values()))
 
     def at(self, resolution: float) -> NodalField:
@@ -117,7 +117,7 @@ class SmoothField:
         return self.of(self.radial(resolution), resolution)
 
     def radial(self, resolution: float) -> FloatArray:
-        """Functions of the distance that make up the field, ``(functions, nz, m)``; found once.
+        """Radial functions of the field, ``(functions, nz, m)``; computed once.
 
         The m distances are those of the nodes in half a quadrant: x and y have the same nodes. The density of all grids
         rises with `resolution`, and the range of wavenumbers widens with it, so that two resolutions that agree vouch

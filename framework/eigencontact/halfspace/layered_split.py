@@ -1,4 +1,4 @@
-"""Closed half-space kernels to take out of the response of a layered medium, so that a smooth field is left.
+"""Closed half-space kernels that are subtracted from the response of a layered medium to leave a smooth field.
 
 Depths whose remainders decay alike share one `Band`: its nodes and its transform are found once.
 """
@@ -100,7 +100,7 @@ def bands(
 
 
 def _alike(near: NDArray[np.bool_], scale: FloatArray) -> Iterator[NDArray[np.intp]]:
-    """Numbers of depths, all near or none, with scales that differ by no more than `SPREAD`."""
+    """Indices of depths, all near or none, whose scales differ by at most `SPREAD`."""
     for where in (near, ~near):
         numbers = np.flatnonzero(where)
         numbers = numbers[np.argsort(scale[numbers], kind="stable")]
@@ -113,7 +113,7 @@ def _alike(near: NDArray[np.bool_], scale: FloatArray) -> Iterator[NDArray[np.in
 def _depth_of_substrate(
     base: HomogeneousInfluence, quantity: str, depths: FloatArray, least: float, medium: Medium, side: Side
 ) -> tuple[float, bytes]:
-    """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response; a hash."""
+    """Depth [m], at least `least`, from which the kernel of the substrate is at most twice the response; a hash."""
     k = np.geomspace(1e-12, 1.0, 97) / least
     nil = np.zeros_like(k)
     direct, waves = [OWN[base.traction][quantity]], (np.append(k, nil), np.append(nil, k))  # along x and along y

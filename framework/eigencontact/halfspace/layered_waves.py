@@ -1,4 +1,4 @@
-"""From waves along one axis to all directions: the response of a medium that is isotropic about z.
+"""Response of a medium isotropic about z in all directions, from waves along one axis.
 
 A traction wave along the wavevector (s), across it (t) or along z moves the body in the plane (s, z), along t, or in
 (s, z). Two wavevectors, along x and along y, show all of it; for any direction (cos φ, sin φ) the parts are turned.
@@ -38,7 +38,7 @@ ACROSS = ("t", "tz", "st")
 
 @dataclass(frozen=True)
 class Turning:
-    """Rule that builds the components of a field from its parts.
+    """Rule for the components of a field from its parts.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def turned(radial: FloatArray, traction: str, quantity: str, x: FloatArray) -> t
 
 
 def _plain_components(response: AxisResponse, traction: str, quantity: str, k: FloatArray) -> dict[str, ComplexArray]:
-    """Plain components in s, t, z for a unit traction along s (or z), and for one along t (none for a pressure)."""
+    """Components in s, t, z for a unit traction along s (or z), and for one along t (none for a pressure)."""
     nil = np.zeros_like(k)
     waves = {"x": ((k, nil), ALONG_X), "y": ((nil, k), ALONG_Y)}
     in_plane, across = ("y", "x") if traction == "q_y" else ("x", "y")

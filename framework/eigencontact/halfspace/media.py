@@ -26,7 +26,7 @@ class Medium(Protocol):
 
 
 class HomogeneousInfluence(Protocol):
-    """Field of a rectangle on a homogeneous half-space; `eigencontact.plugin.SurfaceInfluence` says what each means."""
+    """Field of a rectangle on a homogeneous half-space; see `eigencontact.plugin.SurfaceInfluence` for its methods."""
 
     key: str
     traction: str
@@ -56,7 +56,7 @@ class HasResponseAtDepths(Protocol):
         *,
         side: Side = "below",
     ) -> ComplexArray:
-        """Amplitudes at depths ``(nz,)`` [m], ``(len(components), nz, ...)``; all else as in `LayeredMedium.response`.
+        """Amplitudes at depths ``(nz,)`` [m], ``(len(components), nz, ...)``; see `LayeredMedium.response`.
 
         The depths come in any order, and may come twice.
         """

@@ -22,7 +22,7 @@ __all__ = ["integrated_chi"]
 
 
 class HasPhi(Protocol):
-    """What the integral asks of a shape."""
+    """Interface of a shape for the integral."""
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:

@@ -40,7 +40,7 @@ def densities_up_to(degree: int) -> int:
 
 
 def degree_of(coefficients: FloatArray) -> int:
-    """Least degree of an eigenstrain ``(6, n)`` per density: trailing densities that are zero do not count."""
+    """Smallest degree of an eigenstrain ``(6, n)`` per density, without trailing zero densities."""
     used = np.flatnonzero(coefficients.any(axis=0))
     degree = 0
     while used.size and densities_up_to(degree) <= used[-1]:
@@ -222,7 +222,7 @@ def _potentials(
 
 
 class _Densities:
-    """Phi of all densities of a shape, as `integrated_chi` asks for it."""
+    """Phi of all densities of a shape, for `integrated_chi`."""
 
     def __init__(self, shape: HasMomentPotentials, degree: int) -> None:
         self._shape, self._degree, self.bounds = shape, degree, shape.bounds

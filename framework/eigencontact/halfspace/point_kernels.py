@@ -111,7 +111,7 @@ class PointKernels:
         return self._combine(other_axes, order, lambda m: self._sum(axis, _differentiated(terms, m - first)))
 
     def _combine(self, axes: Sequence[int], order: Order, derivative: Callable[[int], FloatArray]) -> FloatArray:
-        """Rule at the top of the module for coordinates `axes`, given the derivatives by s."""
+        """Rule of the module docstring for coordinates `axes` and the derivatives by s."""
         total = np.zeros_like(self.R)
         for paired in product(*(range(order[axis] // 2 + 1) for axis in axes)):
             term = derivative(sum(order[axis] for axis in axes) - sum(paired))
@@ -149,7 +149,7 @@ class PointKernels:
 def source_derivatives(
     sources: PointSources, potential: str, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
 ) -> FloatArray:
-    """Sum over point sources at field points of one shape; ``chi`` takes them as mirrored, z + z'."""
+    """Sum over point sources at field points of one shape; ``chi`` mirrors the sources, z + z'."""
     out = np.zeros((len(orders), *x.shape))
     mirror = 1.0 if potential == "chi" else -1.0
     step = max(1, PAIRS // max(1, x.size))

@@ -1,4 +1,4 @@
-"""Interface of a shape: derivatives of its potentials. The half-space theorem needs nothing else.
+"""Interface of a shape: derivatives of its potentials, the input of the half-space theorem.
 
 With R the distance between field point and source point, the potentials of a region are::
 
@@ -64,7 +64,7 @@ class HasPotentials(Protocol):
 
 @runtime_checkable
 class HasSidedPotentials(Protocol):
-    """Ability of a shape with a flat face in the surface: potentials on a given side of this face.
+    """Ability of a shape with a flat face in the surface: potentials on one side of this face.
 
     Points of the body see such a face from inside, their mirror points see it from above. Where a shape sets
     ``takes_side = True``, `phi` and `psi` are given that as `side`, an array of the shape of z: 1 where z = 0 is seen
@@ -88,7 +88,7 @@ class HasSidedPotentials(Protocol):
 def derivatives(
     shape: HasPotentials, potential: str, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
 ) -> FloatArray:
-    """Derivatives of ``"phi"`` or ``"psi"`` of a shape; z of -0.0 is the surface seen from above.
+    """Derivatives of ``"phi"`` or ``"psi"`` of a shape; z of -0.0 is the upper side of the surface.
 
     A shape with ``takes_side`` receives the side, so that only the framework needs to know of signed zeros.
     """
@@ -112,7 +112,7 @@ class HasMirrorPotential(Protocol):
 
 @runtime_checkable
 class HasMomentPotentials(Protocol):
-    """Ability of a shape: harmonic potentials of polynomial densities over it, for eigenstrain that varies inside.
+    """Ability of a shape: harmonic potentials of polynomial densities over it, for nonuniform eigenstrain.
 
     A shape has densities ρ of its own choice. Those up to a degree N span all polynomials of that degree in the
     region: (N+1)(N+2)(N+3)/6 of them, the densities of lower degrees first. The framework takes biharmonic potentials
@@ -148,7 +148,7 @@ class HasMomentPotentials(Protocol):
 
 @runtime_checkable
 class HasMomentSums(Protocol):
-    """Ability of a shape with moment potentials: sums over densities and orders, taken before points are visited."""
+    """Ability of a shape with moment potentials: sums over densities and orders, combined before the point loop."""
 
     def moment_sums(
         self,
@@ -179,7 +179,7 @@ class HasMomentSums(Protocol):
 
 @runtime_checkable
 class HasMomentIntegrals(Protocol):
-    """Ability of a shape with moment sums: their integrals with other functions, without the sums at every point."""
+    """Ability of a shape with moment sums: their integrals with other functions, without sums at every point."""
 
     def moment_integrals(
         self,
@@ -197,7 +197,7 @@ class HasMomentIntegrals(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PointSources:
-    """Points that stand for a region as seen from afar.
+    """Points that represent a distant region.
 
     Attributes
     ----------
@@ -229,13 +229,13 @@ class PointSources:
 
     @property
     def levels(self) -> list[PointSources]:
-        """These and all coarser ones, the coarsest first."""
+        """These sources and all coarser ones, the coarsest first."""
         return [*([] if self.coarser is None else self.coarser.levels), self]
 
 
 @runtime_checkable
 class HasFarField(Protocol):
-    """Ability of a shape: point sources that replace it at distances where its closed form cancels."""
+    """Ability of a shape: point sources at distances where its closed form loses digits."""
 
     def far_field(self) -> PointSources:
         """Point sources, exact to round-off beyond their distance."""
@@ -243,7 +243,7 @@ class HasFarField(Protocol):
 
 @runtime_checkable
 class HasCornerPotentials(Protocol):
-    """Ability of the shape that grids are made of: derivatives of the potentials of a cuboid as corner sums.
+    """Ability of the shape of grid cells: derivatives of the potentials of a cuboid as corner sums.
 
     With c the offset of the field point from the centre and h the half edges, the derivative is the sum over the eight
     signs of ``s1 s2 s3 corner(c_x + s1 h_x, c_y + s2 h_y, c_z + s3 h_z)``. Cells of a grid share corners: the framework
@@ -260,13 +260,13 @@ class HasCornerPotentials(Protocol):
 
 @runtime_checkable
 class HasVolumeFractions(Protocol):
-    """Ability of a shape without potentials: the share of it in the cells of a lattice, without asking ``contains``.
+    """Ability of a shape without potentials: its volume fractions in the cells of a lattice, without ``contains``.
 
     Worth it where ``contains`` is dear: it is otherwise asked at up to a thousand points of a cell.
     """
 
     def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
-        """Fraction of each cell that lies in the shape, ``(nz, ny, nx)`` in 0 to 1; None leaves it to ``contains``.
+        """Volume fraction of the shape in each cell, ``(nz, ny, nx)`` in 0 to 1; None to use ``contains``.
 
         Parameters
         ----------

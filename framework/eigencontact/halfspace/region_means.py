@@ -1,4 +1,4 @@
-"""Few points that average over a region, known by its point sources."""
+"""Averaging points of a region, from its point sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A shape with potentials as one with the density 1 alone: what a uniform eigenstrain asks of polynomials."""
+"""Uniform eigenstrain as a polynomial of degree 0: a shape with potentials as one with the density 1."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["UniformDensity", "with_densities"]
 
 
 class _Region(HasPotentials, HasFarField, Protocol):
-    """Potentials, and point sources that tell the volume."""
+    """Region with potentials, and with point sources for its volume."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class UniformDensity:
         return np.ones((1, *np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))))
 
     def density_rule(self, counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:  # noqa: ARG002
-        """Few points, whatever is asked for: those of `averaging_points`."""
+        """Averaging points, independent of `counts`: see `averaging_points`."""
         points, weights = averaging_points(self.shape)
         return points, weights * float(self.shape.far_field().volumes.sum())
 
@@ -82,5 +82,5 @@ class UniformDensity:
 
 
 def with_densities(shape: HasMomentPotentials | _Region) -> HasMomentPotentials:
-    """A shape with moment potentials: itself, or with its potentials as those of the density 1."""
+    """A shape with moment potentials: the shape itself, or one with its potentials as those of the density 1."""
     return shape if isinstance(shape, HasMomentPotentials) else UniformDensity(shape)

@@ -193,7 +193,7 @@ class VoxelisedShape:
         return self._sections[key]
 
     def _weighted_nodes(self, fractions: FloatArray, axes: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-        """Coordinates ``(3, n)`` and weights of the nodes at which differences along some axes do not vanish."""
+        """Coordinates ``(3, n)`` and weights of the nodes with nonzero differences along some axes."""
         for axis in axes:
             edge = np.zeros_like(fractions.take([0], axis))
             fractions = np.diff(fractions, axis=axis, prepend=edge, append=edge)
@@ -202,7 +202,7 @@ class VoxelisedShape:
 
 
 def _interpolation(low: float, edge: float, count: int, distance: float) -> tuple[FloatArray, FloatArray]:
-    """Nodes ``(n,)`` along an axis, and the integral over each cell of the polynomial that is 1 at one, ``(n, count)``.
+    """Nodes ``(n,)`` along an axis, and the cell integrals of the nodal polynomials, ``(n, count)``.
 
     What interpolation leaves out of a function with a pole at `distance` falls like (2 distance / half length)^-n; the
     derivatives of the fifth order fall by comb(n + 5, 5) less.

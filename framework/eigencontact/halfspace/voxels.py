@@ -1,4 +1,4 @@
-"""Lattices of cells, and the fraction of each cell that lies in a region."""
+"""Lattices of cells, and the volume fractions of a region in them."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def voxels_across(bounds: tuple[Point, Point], cells: int) -> Voxels:
 
 
 def volume_fractions(region: Region, voxels: Voxels) -> FloatArray:
-    """Fraction of each cell that lies in the region, ``(nz, ny, nx)``.
+    """Volume fraction of the region in each cell, ``(nz, ny, nx)``.
 
     Regions that know their fractions (`HasVolumeFractions`) give them. Else cells are sampled at 3 points each way,
     those that the boundary cuts at 10; a smooth boundary then leaves an error of about 1e-3 in a cut cell and far less
@@ -75,7 +75,7 @@ def volume_fractions(region: Region, voxels: Voxels) -> FloatArray:
 
 
 def _fractions_of_region(region: Region, voxels: Voxels) -> FloatArray | None:
-    """Fractions that a region knows itself."""
+    """Volume fractions computed by the region."""
     if not isinstance(region, HasVolumeFractions):
         return None
     (x, y, z), (dx, dy, dz) = voxels.low.tolist(), voxels.edges.tolist()

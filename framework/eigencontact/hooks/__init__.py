@@ -1,1 +1,1 @@
-"""Discovery of plugins: hook specifications, a guarded loader, and the registry of what was found."""
+"""Discovery of plugins: hook specifications, a guarded loader, and the registry."""

@@ -1,4 +1,4 @@
-"""Plugins in single files that a scene or a command names; they use the same hook as packages."""
+"""Plugins in single files of a scene or command, with the same hook as packages."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SENT: dict[str, str] = {}
 
 
 def texts_of(files: Iterable[Path]) -> dict[str, str]:
-    """Texts of plugin files by absolute path, each once, for a process that may not see them (`hold_texts`).
+    """Texts of plugin files by absolute path, each once, for a process without access to them (`hold_texts`).
 
     Raises
     ------
@@ -43,7 +43,7 @@ def hold_texts(texts: Mapping[str, str]) -> None:
 
 
 def with_files(registry: Registry, files: Iterable[Path]) -> Registry:
-    """Return the registry with the plugins of files added; it stays as it is.
+    """Return the registry with the plugins of files added; the original does not change.
 
     A file stands for a package: its name is the package's, ``sha256:`` and the beginning of the hash of its text the
     version. The same text at the same place is the same module, so that its classes stay the same; another text is
@@ -80,7 +80,7 @@ def _refuse_bundled(registry: Registry, path: Path, kind: str, key: str) -> None
 
 
 def _module(path: Path) -> tuple[ModuleType, str]:
-    """Module of a file, and the version that its text stands for."""
+    """Module of a file, and the version from the hash of its text."""
     text = _text(path)
     return _run(_resolved(path), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
 
@@ -109,7 +109,7 @@ def _resolved(path: Path) -> Path:
 
 @lru_cache(maxsize=64)
 def _run(path: Path, text: str) -> ModuleType:
-    """Run a text as a module; nothing is written beside it, and no other file is found by being beside it."""
+    """Execute a text as a module, without bytecode files and without imports from its folder."""
     digest = hashlib.sha256(f"{path}\n{text}".encode()).hexdigest()[:_DIGITS]
     module = ModuleType(f"eigencontact_file_{re.sub(r'[^A-Za-z0-9_]', '_', path.stem)}_{digest}")
     module.__file__ = str(path)

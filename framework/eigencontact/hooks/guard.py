@@ -1,4 +1,4 @@
-"""Guard for plugin code: every exception becomes one error that names the plugin.
+"""Guard of plugin code: every exception becomes one error that names the plugin.
 
 It stands where plugin code is entered: round each import, each call of a hook, and each public method of a plugin class
 (`guard_methods`, which the base class of all plugins calls).
@@ -32,7 +32,7 @@ _NESTED = threading.local()
 def plugin_code(
     message: Callable[[BaseException], str], *, passing: tuple[type[EigencontactError], ...] = (EigencontactError,)
 ) -> Iterator[None]:
-    """Run code of a plugin: its exceptions become `PluginError`, and the working directory stays.
+    """Run code of a plugin: its exceptions become `PluginError`, and the working directory does not change.
 
     KeyboardInterrupt passes, because it comes from the user. SystemExit does not: a plugin must not end a run with exit
     code 0 and no results.
@@ -91,7 +91,7 @@ def guard_methods(cls: type) -> None:
 
 
 def _guarded(cls: Any, function: Any) -> Any:
-    """Return a function of a class with the guard round it, once."""
+    """Return a function of a class with the guard, once."""
     if hasattr(function, _MARK):
         return function
     import numpy as np  # the command line imports this module for its help

@@ -39,4 +39,4 @@ def hook_for(*components: type[Component]) -> Callable[[], list[type[Component]]
 
 @hookspec
 def eigencontact_register() -> Iterable[type[Component]]:  # type: ignore[empty-body]
-    """Return the plugin classes of this module, of any kind: each class knows its ``kind`` from its abstract class."""
+    """Return the plugin classes of this module, of any kinds; the abstract class of each defines its ``kind``."""

@@ -27,7 +27,7 @@ def _annotations(component: type) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One registered class and the package it came from."""
+    """Registered class and its package."""
 
     kind: str
     key: str
@@ -42,7 +42,7 @@ class Entry:
 
     @property
     def full_key(self) -> str:
-        """Key with the package before it, which names one class whatever else is installed."""
+        """Key with the name of the package, unique among installed packages."""
         return f"{self.package}:{self.key}"
 
     @property
@@ -87,7 +87,7 @@ class Registry:
     _entries: dict[tuple[str, str, str], Entry] = field(default_factory=dict)
 
     def add(self, component: type, *, package: str, version: str) -> None:
-        """Register one class, or raise `PluginError` saying what is wrong with it."""
+        """Register one class, or raise `PluginError` with the reason."""
         name = getattr(component, "__qualname__", repr(component))
         kind = getattr(component, "kind", None)
         base = self.kinds.get(kind) if isinstance(kind, str) else None
@@ -157,7 +157,7 @@ class Registry:
         return [entry for entry in self if entry.key == plain and _normal(entry.package) in owners]
 
     def entry_of(self, component: Any) -> Entry:
-        """Entry of the class of a component; of its key, where something else stands for an installed class.
+        """Entry of the class of a component; by its key if an instance replaces an installed class.
 
         Raises
         ------
@@ -168,7 +168,7 @@ class Registry:
         return entries[0] if entries else self.get(component.kind, component.key)
 
     def spelling(self, entry: Entry) -> str:
-        """Value of ``type`` in a scene: the plain key where it is unambiguous, else ``package:key``."""
+        """Value of ``type`` in a scene: the plain key if it is unambiguous, else ``package:key``."""
         rivals = [candidate for candidate in self.named(entry.key) if candidate.kind == entry.kind]
         return entry.key if len(rivals) == 1 or entry.bundled else entry.full_key
 

@@ -1,4 +1,4 @@
-"""Python objects without a scene file: bodies, a contact between them, fields of inclusions and tractions at points.
+"""Contact of bodies, and fields of inclusions and tractions at points, from Python objects without a scene file.
 
 Everything here is made of a scene in memory, so that what a scene refuses is refused here, and what a scene can hold
 can be put into one later. The names that are exported from the top of the package are stable

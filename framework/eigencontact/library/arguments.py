@@ -43,7 +43,7 @@ def lengths(value: Any, count: int, where: str, name: str, *, positive: bool = T
 
 
 def counts(value: Any, where: str, name: str) -> tuple[int, int]:
-    """Numbers of cells along x and y; one stands for both."""
+    """Numbers of cells along x and y; a single number means both."""
     value = plain(value, f"{where}.{name}")
     pair: Sequence[Any] = value if isinstance(value, list | tuple) else (value, value)
     good = len(pair) == 2 and all(is_whole(count) and count >= 1 for count in pair)

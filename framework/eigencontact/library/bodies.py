@@ -1,4 +1,4 @@
-"""Bodies: a half-space of one material, with its regions, and one of layers; their fields under given tractions."""
+"""Bodies of one material, with regions, or of layers; their fields under prescribed tractions."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Body(ABC):
         spacing: float | str | Sequence[float | str],
         center: tuple[float, float] = (0.0, 0.0),
     ) -> FloatArray:
-        """Displacement of points of the body, also of its surface, under tractions; see `stress`.
+        """Displacement of points of the body, including its surface, under tractions; see `stress`.
 
         Returns
         -------
@@ -119,7 +119,7 @@ class Body(ABC):
     @property
     @abstractmethod
     def solid(self) -> Material | LayeredMedium:
-        """Elastic constants, the same everywhere or by depth: what kernels are made of."""
+        """Elastic constants, uniform or by depth, for the kernels."""
 
     @abstractmethod
     def __repr__(self) -> str: ...
@@ -196,7 +196,7 @@ class HalfSpace(Body):
 
     @property
     def voxels(self) -> Voxels | None:
-        """Regions given by an array."""
+        """Regions from an array."""
         return self._voxels
 
     @property

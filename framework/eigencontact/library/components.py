@@ -63,7 +63,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
 
 
 def _only_fitting(registry: Registry, key: str, entries: list[Entry], parameters: dict[str, Any]) -> Any:
-    """Component of the one kind that accepts the parameters; a sphere's centre has two or three coordinates."""
+    """Component of the only kind that accepts the parameters; a sphere's centre has two or three coordinates."""
     from eigencontact.scene.components import converted, instantiate
 
     components, refusals, of_right_form = {}, {}, []
@@ -87,7 +87,7 @@ def _only_fitting(registry: Registry, key: str, entries: list[Entry], parameters
 
 
 def field_points(points: ArrayLike, where: str, *, half_space: bool) -> FloatArray:
-    """Field points ``(n, 3)`` [m] that a caller gives, refused unless finite, and in z >= 0 of a half-space."""
+    """Field points ``(n, 3)`` [m] of a caller; refuses infinite values and, in a half-space, z < 0."""
     at = real_array(points, where, "points", "of shape (n, 3) [m]", "m")
     require(at.ndim == 2 and at.shape[1] == 3, where, "points", at.shape, "of shape (n, 3) [m]")
     if not np.all(np.isfinite(at)):

@@ -55,7 +55,7 @@ def solve_contact(
     datum_depth: Any = None,
     numerics: Mapping[str, Any] | None = None,
 ) -> ContactResult:
-    """Solve a contact: the pressure, the shear and the gap between two bodies that are pressed together.
+    """Solve a contact: pressure, shear and gap between two bodies under a load.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def _owner(scene: dict[str, Any], number: int) -> str:
 
 
 def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
-    """The lower and the upper body; None is rigid."""
+    """Lower and upper body; None is rigid."""
     pair = tuple(bodies) if isinstance(bodies, list | tuple) else (bodies, None)
     rule = "a HalfSpace or Layered, or a pair of which one may be None, which is rigid"
     good = len(pair) == 2 and all(body is None or isinstance(body, Body) for body in pair) and pair != (None, None)
@@ -204,7 +204,7 @@ def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
 def _separation(
     gap: Any, spacing: Any, size: Any, cells: Any, *, line: bool
 ) -> tuple[Any, dict[str, Any] | None, tuple[HeldArrays, ...]]:
-    """Geometry of a scene, its window, and the arrays that are to be kept."""
+    """Geometry of a scene, its window, and the arrays to store."""
     shapes = gap if isinstance(gap, list | tuple) else [gap]
     if all(isinstance(shape, Mapping) or is_dataclass(shape) for shape in shapes):
         window = {"spacing": None if spacing is None else lengths(spacing, 2, _HERE, "spacing")}
@@ -266,14 +266,14 @@ def _array(gap: Any) -> ArrayLike:
 
 
 def _history(steps: Any) -> list[Any]:
-    """Tables of the steps that are given."""
+    """Tables of prescribed steps."""
     tables = [steps] if isinstance(steps, Mapping) else steps
     require(isinstance(tables, list | tuple), _HERE, "steps", steps, "a sequence of tables, as [[steps]] of a scene")
     return list(tables)
 
 
 def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: int) -> list[dict[str, Any]]:
-    """Tables of the steps: the normal ones, then one along the surface."""
+    """Tables of the steps: the normal steps, then one along the surface."""
     if (load is None) == (approach is None):
         controls = "neither" if load is None else "both"
         raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {controls})")
@@ -296,7 +296,7 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
 
 
 def _listed(value: Any, name: str) -> Sequence[Any]:
-    """Values of a list or an array; one value alone, also as an array without dimensions, is a list of one."""
+    """Values of a list or an array; a single value, also as a 0-d array, is a list of one."""
     values = plain(value, f"{_HERE}.{name}")
     return values if isinstance(values, list | tuple) else [values]
 

@@ -127,7 +127,7 @@ def inclusion_field(
 
 
 def with_potentials(shape: InclusionShape, cells: int) -> Any:
-    """Return the shape itself where it has potentials, else the shape cut into cells."""
+    """Return the shape if it has potentials, else the shape divided into cells."""
     if isinstance(shape, HasPotentials):
         return shape
     return VoxelisedShape(shape, installed_cell(installed_plugins()), cells)

@@ -148,7 +148,7 @@ class ContactResult:
         return self._number("max_pressure")
 
     def to_xarray(self) -> xarray.Dataset:
-        """Fields on the surface after this step, over y and x; `dataset` holds all steps and numbers too.
+        """Surface fields after this step, over y and x; `dataset` has all steps and numbers.
 
         Examples
         --------
@@ -230,7 +230,7 @@ class ContactResult:
         return np.ascontiguousarray(np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0))
 
     def displacement(self, points: ArrayLike, body: int = 1) -> FloatArray:
-        """Displacement of points of a body, also of its surface, against distant points; see `stress`.
+        """Displacement of points of a body, including its surface, relative to distant points; see `stress`.
 
         Returns
         -------
@@ -249,7 +249,7 @@ class ContactResult:
         return np.ascontiguousarray(self._at_points(points, body, "displacement").T)
 
     def region(self, **table: Any) -> xarray.Dataset:
-        """Fields on a plane, a line, in a volume or at points, as a table ``[[stress]]`` of a scene asks for them.
+        """Fields on a plane, a line, in a volume or at points, with the keys of a table ``[[stress]]``.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Regions of a body given by an array of whole numbers, and what each number is made of."""
+"""Regions of a body from an array of whole numbers, with a material for each number."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Voxels:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """Number of each voxel, (nz, ny, nx); it cannot be written to."""
+        """Number of each voxel, (nz, ny, nx), read-only."""
         return self._image["labels"]
 
     def tables(self, body: int) -> list[dict[str, Any]]:

@@ -1,1 +1,1 @@
-"""What a scene stands for: bodies, window, tractions, regions with eigenstrain or a law, points of results."""
+"""Physical model of a scene: bodies, window, tractions, regions with eigenstrain or a law, points of results."""

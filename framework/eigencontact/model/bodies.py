@@ -26,7 +26,7 @@ __all__ = ["Bodies", "bodies_of", "build_bodies", "influence_for", "kernel_key",
 
 @dataclass(frozen=True, kw_only=True)
 class Bodies:
-    """Two bodies and what they consist of.
+    """Two bodies with their elastic constants and laws.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ def _body(body: Body, registry: Registry, name: str) -> Solid | None:
 
 
 def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMedium:
-    """Layered medium of a table; a component names itself in its errors, the body is put before it."""
+    """Layered medium of a table; error messages begin with the body."""
     try:
         medium: LayeredMedium = build_component(registry, "layered-medium", table, where)
     except SceneError as problem:

@@ -64,7 +64,7 @@ class CellBox:
         return f"{nx} x {ny} x {nz} cells"
 
     def cells(self, grid: Grid) -> Cells:
-        """The box as the solvers know it."""
+        """Box in the form of the solvers."""
         z, y, x = self.lattice.axes(grid)
         dz, dy, dx = self.lattice.edges
         return Cells(first=(float(x[0]), float(y[0]), float(z[0])), pitch=(dx, dy, dz), shape=self.lattice.shape)
@@ -134,7 +134,7 @@ def boxes_of(sources: Sequence[Source]) -> list[CellBox]:
 
 
 def box_of_inhomogeneities(sources: Sequence[Inhomogeneity]) -> CellBox:
-    """The one box that all inhomogeneities of a body share."""
+    """Common box of all inhomogeneities of a body."""
     lattices = [source.lattice for source in sources if source.lattice is not None]
     box = CellBox(tuple(sources), _union(lattices))
     advice = "give a coarser grid or numerics.inclusion-pitch, or let the regions lie closer together"
@@ -160,7 +160,7 @@ def _join(box: CellBox, source: Source, lattice: Lattice) -> CellBox | None:
 
 
 def _whole_cells(patch: Patch, grid: Grid) -> Patch:
-    """Patch moved to the nearest edges of cells, at least one cell each way."""
+    """Patch moved to the nearest edges of cells, at least one cell in each direction."""
     low, high = patch.bounds
     spans = []
     for axis, pitch in enumerate((grid.dx, grid.dy)):
@@ -185,7 +185,7 @@ def _cells_of_source(source: Source, scene: Scene, grid: Grid) -> Lattice:
 
 
 def _layers_of_patch(depth: float, scene: Scene, body: int) -> int:
-    """Layers of a patch that are the steps of depth of a region of stress, where some are of a sensible size."""
+    """Layers of a patch equal to the depth steps of a stress region, if their number is suitable."""
     for region in scene.stress:
         if region.depth_max is not None and region.body == body:
             count = depth * region.depth_steps / region.depth_max

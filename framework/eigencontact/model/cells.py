@@ -70,7 +70,7 @@ def place_sources(
     window: Window,
     initial: Mapping[int, InitialState],
 ) -> Sources:
-    """Regions of a scene, and the parts of bodies with a law that may be more than elastic.
+    """Regions of a scene, and the parts of bodies with a law that may exceed their elastic range.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def cut_cells(
 
 
 def _wholes(sources: Sequence[Inhomogeneity], scene: Scene, bodies: Bodies) -> dict[int, Inhomogeneity]:
-    """Inhomogeneities of a body that are wholes, with their degrees, by the identity of those given."""
+    """Whole inhomogeneities of a body, with their degrees, by the identity of the sources."""
     resolution = scene.numerics.inclusion_resolution
     if resolution == "cells":
         return {}
@@ -141,7 +141,7 @@ def _wholes(sources: Sequence[Inhomogeneity], scene: Scene, bodies: Bodies) -> d
 
 
 def _is_whole(source: Inhomogeneity, resolution: Whole) -> bool:
-    """Whether a region is uniform, and its shape has the potentials that the degree asks for."""
+    """Whether a region is uniform, and its shape has the potentials for the degree."""
     exact = source.exact and isinstance(source.shape, HasFarField) and resolution.whole == 0
     has_potentials = exact or isinstance(source.shape, HasMomentPotentials)
     return has_potentials and source.field.uniform and source.uniform_law is not None

@@ -124,7 +124,7 @@ def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
 
 
 def _in_window(source: Source, grid: Grid) -> list[tuple[float, float]]:
-    """Bounds of an inclusion along x, y, z; along x and y those of the part in the window."""
+    """Bounds of an inclusion along x, y, z; along x and y restricted to the window."""
     low, high = source.shape.bounds
     bounds = []
     for axis in range(3):

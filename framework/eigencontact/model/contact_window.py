@@ -59,7 +59,7 @@ def contact_window(scene: Scene, interface: Interface) -> Window:
 
 
 def _box_size(cells: float, size: int) -> int:
-    """Cells along one side of a box that holds a contact of so many cells, by coarse estimate.
+    """Number of cells along one side of the box of a contact, by a coarse estimate.
 
     A contact in the middle of the window has an even number of cells where the window has. Half of the coefficients are
     images of the others then, and the price halves.
@@ -103,7 +103,7 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
 
 
 def _first_window(separation: Any, normal: PairCoefficients, control: Control, *, cells: MakeGrid) -> float:
-    """Side of a square window, or width of one of a line contact, in which load and separation balance [m].
+    """Side of a square window, or width of one of a line contact, from a balance of load and separation [m].
 
     Found to round-off, so that a scene scaled in length gets the same grid scaled.
     """
@@ -201,7 +201,7 @@ def _refuse_many(cells: int, spec: GridSpec) -> None:
 
 
 class StepContact(NamedTuple):
-    """Estimated contact at the end of a load step, with the control and the separation that make it."""
+    """Estimated contact at the end of a load step, with its control and separation."""
 
     contact: ContactEstimate
     control: Control
@@ -214,7 +214,7 @@ class StepContact(NamedTuple):
 
 
 def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[StepContact]:
-    """Contacts of the load steps, each on coarse cells over the whole window; steps without contact are left out."""
+    """Contacts of the load steps on coarse cells over the whole window; steps without contact are left out."""
     pairs = list(zip(_controls(scene), held_travel(scene.ramps), strict=True))
     contacts = {pair: _contact_of_step(scene, grid, interface, *pair) for pair in dict.fromkeys(pairs)}
     return [contact for contact in map(contacts.__getitem__, pairs) if contact is not None]
@@ -259,7 +259,7 @@ def _refuse_radius(scene: Scene, growth: ContactGrowth | None) -> None:
 
 
 def _expected(contacts: Sequence[StepContact], grid: Grid, normal: PairCoefficients) -> ContactEstimate | None:
-    """Largest contact; solved on finer cells where it covers no more than some cells of the window."""
+    """Largest contact; solved on finer cells if it covers only few cells of the window."""
     if not contacts:
         return None
     contact, control, separation = max(contacts, key=lambda step: step.width)

@@ -1,4 +1,4 @@
-"""Directions of traction and displacement in a contact, and the kernels that join them."""
+"""Directions of traction and displacement in a contact, and the kernels between them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Coupling:
 
     @property
     def joins_normal(self) -> bool:
-        """Whether pressure moves the surfaces along themselves, or shear moves them along their normal."""
+        """Whether pressure displaces the surfaces tangentially, or shear displaces them normally."""
         return any((i == "z") != (j == "z") for i, j in self.pairs)
 
 

@@ -31,7 +31,7 @@ class CrossSection(InclusionShape):
 
     @property
     def bounds(self) -> tuple[Point, Point]:
-        """Corners of lowest and of highest coordinates [m]; along y of the metre that is counted."""
+        """Corners of lowest and highest coordinates [m]; along y of one metre of length."""
         (x0, _, z0), (x1, _, z1) = self.solid.bounds
         return (x0, -0.5, z0), (x1, 0.5, z1)
 

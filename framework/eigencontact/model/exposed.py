@@ -50,7 +50,7 @@ class Exposed:
     grid: Grid
 
     def at(self, lost: FloatArray | None = None) -> NDArray[np.intp]:
-        """Numbers ``(ny, nx)`` under a lost depth ``(ny, nx)`` [m], by default none."""
+        """Numbers ``(ny, nx)`` under a worn depth ``(ny, nx)`` [m], by default zero."""
         depth = np.zeros(self.grid.shape) if lost is None else lost
         depth = depth + _BELOW * min(self.grid.edges)
         layer = np.searchsorted(np.asarray(self.interfaces), depth) + 1
@@ -61,7 +61,7 @@ class Exposed:
         return out
 
     def share_below(self, lost: FloatArray, added: FloatArray) -> float:
-        """Volume share of additional wear ``(ny, nx)`` [m] that lies below the exposed material."""
+        """Volume fraction of additional wear ``(ny, nx)`` [m] below the exposed material."""
         now = self.at(lost)
         crossed = self.at(lost + added) != now
         if not crossed.any():
@@ -85,7 +85,7 @@ def exposed_of(
     laws: Mapping[str, Any],
     losses: Collection[int],
 ) -> Exposed | None:
-    """Materials at the surface; None where no law distinguishes materials and no surface loses depth.
+    """Materials at the surface; None if no law distinguishes materials and no surface wears.
 
     Parameters
     ----------

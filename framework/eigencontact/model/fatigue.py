@@ -1,4 +1,4 @@
-"""Fatigue criteria of a scene: components, and the regions at whose points they are evaluated."""
+"""Fatigue criteria of a scene: components, and the regions with the evaluated points."""
 
 from __future__ import annotations
 

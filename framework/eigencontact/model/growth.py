@@ -60,14 +60,14 @@ def filling(sources: Sequence[Inhomogeneity], lattice: Lattice, *, beside: bool 
 
 
 def _union(first: Lattice, second: Lattice) -> Lattice:
-    """Smallest lattice that holds two, with the cells of the second."""
+    """Smallest lattice that contains two lattices, with the cells of the second."""
     low = np.minimum(first.first, second.first)
     high = np.maximum(np.add(first.first, first.shape), np.add(second.first, second.shape))
     return _between(low, high, second.edges)
 
 
 def _between(first: IntArray, stop: IntArray, edges: tuple[float, float, float]) -> Lattice:
-    """Lattice from its first cell up to a last one, which is excluded."""
+    """Lattice from its first cell to a last cell, which is excluded."""
     k, j, i = (int(value) for value in first)
     nz, ny, nx = (int(value) for value in stop - first)
     return Lattice((k, j, i), (nz, ny, nx), edges)

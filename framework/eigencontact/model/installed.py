@@ -1,4 +1,4 @@
-"""Plugins of which exactly one must be installed: the influence of each traction, and the shape of cells."""
+"""Plugins of which exactly one is used: the influence of each traction, and the shape of cells."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def installed_influence(registry: Registry, traction: str) -> SurfaceInfluence:
 
 
 def installed_cell(registry: Registry) -> CellMaker:
-    """Maker of cells, ``cell(centre, edges)``, from the one installed shape that offers ``corner``.
+    """Maker of cells, ``cell(centre, edges)``, from the only installed shape with ``corner``.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def installed_cell(registry: Registry) -> CellMaker:
 
 
 def _only(registry: Registry, offered: Sequence[Entry], rule: str) -> Any:
-    """Component of the one entry; a stranger's beside a bundled one does not take its place."""
+    """Component of the only entry; an installed third-party entry does not replace a bundled one."""
     entries = [entry for entry in offered if entry.bundled] or offered
     if len(entries) != 1:
         names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in entries) or "none"

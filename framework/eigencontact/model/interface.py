@@ -65,11 +65,11 @@ class Interface:
 
     @property
     def endless(self) -> bool:
-        """Whether loads have no end along y: those of a line contact, and those that repeat along y alone."""
+        """Whether loads have infinite extent along y: line contacts, and contacts periodic along y only."""
         return self.line or self.period is not None
 
     def against(self, depth: float) -> Interface:
-        """Interface whose displacements count against points at a depth [m], where none far away is at rest.
+        """Interface with displacements relative to points at a datum depth [m], if they grow without limit.
 
         So it is under loads without end along y, unless the scene names a depth.
         """
@@ -131,7 +131,7 @@ def build_interface(scene: Scene, registry: Registry, solids: Solids) -> Interfa
 
 
 def _period(scene: Scene) -> float | None:
-    """Period along y [m] of a scene that repeats along y alone, the extent of its window."""
+    """Period along y [m] of a scene that is periodic along y only: the extent of its window."""
     if not scene.numerics.repeats_y:
         return None
     grid = given_grid(scene.grid)
@@ -144,7 +144,7 @@ def _period(scene: Scene) -> float | None:
 
 
 def _refuse_without_strips(influences: Iterable[SurfaceInfluence]) -> None:
-    """Refuse influences that know rectangles alone in a line contact, and where the window repeats along y."""
+    """Refuse influences without strips in a line contact and in a window that is periodic along y only."""
     for influence in influences:
         if not influence.has_strips:
             raise PlanError(

@@ -1,4 +1,4 @@
-"""Influence coefficients as the solvers want them, from the influence plugins and the two bodies."""
+"""Influence coefficients for the solvers, from the influence plugins and the two bodies."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _of_datum(
     body: Any,
     datum: float | None,
 ) -> FloatArray | None:
-    """Displacement ``(n, 1, 1)`` of the point at the depth `datum` below the middle of a strip; None of all else."""
+    """Displacement ``(n, 1, 1)`` of the point at the depth `datum` below the middle of a strip; else None."""
     if quantity != "displacement" or half_widths[1] < np.inf:
         return None
     middle, depth = np.zeros(1), _DEEP * half_widths[0] if datum is None else datum
@@ -191,7 +191,7 @@ class StressCoefficients:
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> Callable[[int, FloatArray, FloatArray], FloatArray]:
-        """Tables at several depths, which share work in a layered body; see `HasDepths`."""
+        """Tables at several depths with shared work in a layered body; see `HasDepths`."""
         if isinstance(self.body, Material):
             return lambda number, x, y: self.table(components, x, y, float(depths[number]), half_widths)
         layered: Any = self.influence  # the influence that knows layers goes with such a body

@@ -1,4 +1,4 @@
-"""Law of the material of a body, for ground of its own beside cells of other laws."""
+"""Law of the material of a body, for cells without another law."""
 
 from __future__ import annotations
 
@@ -26,5 +26,5 @@ class _Matrix(LinearLaw):
 
 
 def matrix_law(matrix: Material) -> LinearLaw | None:
-    """Law of the matrix; none of an incompressible one, whose stiffness is not finite."""
+    """Law of the matrix; None for an incompressible matrix, whose stiffness is infinite."""
     return _Matrix(material=matrix) if matrix.poisson_ratio < 0.5 else None

@@ -106,12 +106,12 @@ class Model:
 
     @property
     def laws(self) -> tuple[ConstitutiveLaw, ...]:
-        """Laws of the bodies, also where these stay elastic, and of the inhomogeneities."""
+        """Laws of the bodies, including those that remain elastic, and of the inhomogeneities."""
         return (*self.bodies.laws.values(), *(source.law for source in self.cells.inhomogeneities))
 
     @property
     def components(self) -> list[Component]:
-        """Every plugin component that the model uses."""
+        """All plugin components of the model."""
         surface, used = self.interface, list[Any]()
         if surface is not None:
             used += [*surface.influences.values(), *surface.geometries]

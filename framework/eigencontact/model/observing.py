@@ -1,4 +1,4 @@
-"""Observers of a scene, the names of their numbers, and the regions that they ask for."""
+"""Observers of a scene, the names of their numbers, and their regions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Observing:
 
     @property
     def numbers(self) -> list[Number]:
-        """Its numbers, by the names under which they are stored."""
+        """Numbers of the observer by the names of storage."""
         return [
             Number(
                 name=f"{self.prefix}_{name}", unit=unit, meaning=f"{name} by observer {self.key!r}", headline=True,
@@ -67,7 +67,7 @@ def observing(scene: Scene, registry: Registry) -> tuple[Observing, ...]:
 
 
 def _regions(scene: Scene, key: str, prefix: str, observer: Observer) -> dict[str, StressRequest]:
-    """Regions of one observer, checked as those of a scene are."""
+    """Regions of one observer, checked like those of a scene."""
     if not observer.regions:
         return {}
     tables = [{**table, "name": f"{prefix}_{name}"} for name, table in observer.regions.items()]

@@ -1,4 +1,4 @@
-"""Outlines of inclusions for pictures: as seen from above, and on the plane regions of a scene."""
+"""Outlines of inclusions for pictures: from above, and on the plane regions of a scene."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _above(source: Source, nodes: int) -> FloatArray:
 
 
 def section_outline(source: Source, axis: str, place: float, nodes: int = _NODES) -> FloatArray:
-    """Outline on a plane, as segments ``(n, 2, 2)`` [m] of places as those of `outlines`.
+    """Outline on a plane, as segments ``(n, 2, 2)`` [m] of coordinates like those of `outlines`.
 
     Parameters
     ----------

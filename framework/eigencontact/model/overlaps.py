@@ -26,7 +26,7 @@ def bounds_meet(source: Source, neighbour: Source) -> bool:
 
 
 def overlapping(sources: Sequence[Source]) -> Iterator[tuple[Source, Source]]:
-    """Pairs of one body, the earlier first, that share points of a lattice in what their bounds share."""
+    """Pairs of one body, the earlier first, that share points of a lattice within their common bounds."""
     bounds = np.array([source.shape.bounds for source in sources], dtype=float).reshape(-1, 2, 3)
     bodies = np.array([source.body for source in sources])
     for number, source in enumerate(sources):

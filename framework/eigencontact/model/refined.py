@@ -1,4 +1,4 @@
-"""Patch of finer cells about the inclusions of a body: its place among the cells of the body, and its own cells."""
+"""Patch of finer cells around the inclusions of a body: its position in the cells of the body, and its own cells."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def inner_bounds(patch: Lattice, grid: Grid) -> Patch:
 
 
 def divided(lattice: Lattice, ratio: int) -> Lattice:
-    """The same place in cells so many times finer, on the columns of a grid that is."""
+    """The same position in finer cells, on the columns of a finer grid."""
     (k, j, i), (nz, ny, nx), (dz, dy, dx) = lattice.first, lattice.shape, lattice.edges
     shape = (nz * ratio, ny * ratio, nx * ratio)
     return Lattice((k * ratio, j * ratio, i * ratio), shape, (dz / ratio, dy / ratio, dx / ratio))
@@ -54,7 +54,7 @@ def divided_grid(grid: Grid, ratio: int) -> Grid:
 
 
 def divided_members(members: Sequence[Inhomogeneity], patch: Lattice, inner: Patch, ratio: int) -> list[Inhomogeneity]:
-    """Inhomogeneities of a body in the finer cells of a patch; a body's own law fills all within its rim."""
+    """Inhomogeneities of a body in the finer cells of a patch; the body's own law fills all cells inside the rim."""
     fine = divided(patch, ratio)
     first = [place.start * ratio for place in inner_of(patch)]
     shape = [(place.stop - place.start) * ratio for place in inner_of(patch)]

@@ -56,12 +56,12 @@ class RegionLattice:
 
     @property
     def on_cells(self) -> bool:
-        """Whether every point lies above or below a cell centre (parity then packs the spectra)."""
+        """Whether every point lies above or below a cell centre (parity then reduces the spectra)."""
         return all(value == round(value) for value in self.origin)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of a field on it: ``(nz, ny, nx)``, or ``(n,)`` for scattered points."""
+        """Shape of a field on the lattice: ``(nz, ny, nx)``, or ``(n,)`` for scattered points."""
         return (self.depths.size, *self.target) if self.points is None else (len(self.points),)
 
     @property
@@ -72,7 +72,7 @@ class RegionLattice:
         return f"{self.target[1]} x {self.target[0]} points at {self.depths.size} depths"
 
     def flat_points(self, every: int = 1) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Coordinates x, y, z of all points (or every so many of them) in the order of `shape`, each ``(n,)`` [m]."""
+        """Coordinates x, y, z of all points (or every n-th point) in the order of `shape`, each ``(n,)`` [m]."""
         if self.points is not None:
             x, y, z = self.points[::every].T
             return x, y, z + 0.0  # a depth of -0.0 would be the other side of the surface
@@ -82,7 +82,7 @@ class RegionLattice:
 
 
 def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
-    """Lattice of a request: planes and volumes follow the cells of the window, planes lie exactly where asked.
+    """Lattice of a request: planes and volumes follow the cells of the window; planes lie exactly at their position.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
 
 
 def _span(begin: float, pitch: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
-    """Numbers of the first and last refined cell with centres between the limits, which may lie outside the window."""
+    """Numbers of the first and last refined cell with centres within the limits, which may lie outside the window."""
     low, high = limits
     first = int(np.ceil((low - begin) / pitch - 0.5 - 1e-6)) if np.isfinite(low) else 0
     stop = int(np.floor((high - begin) / pitch - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
@@ -156,7 +156,7 @@ def _span(begin: float, pitch: float, count: int, limits: tuple[float, float]) -
 
 
 def _between(axis: FloatArray, pitch: float, finer: int, span: tuple[int, int]) -> tuple[FloatArray, float]:
-    """Middles of the cells' parts of a span, and the place of the first in cells.
+    """Centres of the refined cells of a span, and the position of the first in cells.
 
     They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
     """
@@ -165,7 +165,7 @@ def _between(axis: FloatArray, pitch: float, finer: int, span: tuple[int, int]) 
 
 
 def _refuse_many(request: StressRequest, grid: Grid) -> None:
-    """Refuse more points than fit, by the field that makes them many; nothing of that size is made."""
+    """Refuse more points than the memory permits; the message names the field with the number of points."""
     where = f"stress region {request.label!r}:"
     if request.shape in ("line", "points"):
         count = request.count if request.shape == "line" else len(request.points or [])
@@ -191,7 +191,7 @@ def surface_lattice(grid: Grid) -> RegionLattice:
 
 
 def _snap(value: float) -> float:
-    """Snap a position in cells to a whole number where it is one up to round-off."""
+    """Round a position in cells to a whole number if it is one within round-off."""
     return float(round(value)) if abs(value - round(value)) < 1e-9 else float(value)
 
 

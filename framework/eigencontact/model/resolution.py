@@ -1,4 +1,4 @@
-"""How well cells resolve contacts and regions: errors to expect, and the coarsest cells that are accepted."""
+"""Resolution of contacts and regions by cells: expected errors, and the coarsest accepted cells."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cells_per_radius(contact: ContactEstimate, grid: Grid) -> float:
 
 
 def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
-    """Refuse cells that cannot show a contact.
+    """Refuse cells that are too coarse for a contact.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def refuse_coarse(contact: ContactEstimate, grid: Grid) -> None:
 
 
 def cells_across(source: Source, grid: Grid) -> float:
-    """Cells across the narrowest extent of a region that is cut into cells; infinity for one that is not."""
+    """Cells across the narrowest extent of a region that is divided into cells; else infinity."""
     if source.lattice is None:
         return inf
     low, high = source.shape.bounds
@@ -87,13 +87,13 @@ def cells_across(source: Source, grid: Grid) -> float:
 
 
 def edges_of_cells(source: Source, grid: Grid) -> list[float]:
-    """Edges of the cells of a region along the axes on which it ends [m]."""
+    """Edges of the cells of a region along its bounded axes [m]."""
     assert source.lattice is not None
     return [source.lattice.edges[2 - axis] for axis in grid.bounded_axes]
 
 
 def refuse_coarse_regions(sources: Iterable[Source], grid: Grid) -> None:
-    """Refuse cells wider than a region, which acts through them by its volume alone.
+    """Refuse cells wider than a region.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def error_above(cells: float, least: float, most: float) -> float:
 
 
 def cells_above(error: float, least: float, most: float) -> float:
-    """Cells between the top of an inhomogeneity and the surface that an error of the pressure takes."""
+    """Cells between the top of an inhomogeneity and the surface for an error of the pressure."""
     return sqrt(_factor_above(least, most) / error)
 
 

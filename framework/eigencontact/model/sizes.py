@@ -1,4 +1,4 @@
-"""Sizes that a scene asks for, bounded by the memory of this machine before anything of that size is made.
+"""Limits of the sizes in a scene by the memory of this machine, before any array is made.
 
 The plan's price is exact enough but found late: it walks over axes, depths and cells. Here a number of things is
 compared with what the memory holds of them at `BYTES_OF_ONE` each, less than any way to compute them takes.
@@ -24,12 +24,12 @@ BYTES_OF_LAW_CELL = 3000.0
 
 
 def most(each: float = BYTES_OF_ONE) -> int:
-    """Cells or points, of so many bytes `each`, that this machine's memory can hold."""
+    """Number of cells or points, of `each` bytes, that this machine's memory can hold."""
     return int(MEMORY_SHARE * machine_bytes() / each)
 
 
 def comfortable(each: float = BYTES_OF_ONE) -> int:
-    """Half of `most`, which leaves memory for other arrays; refusals propose it."""
+    """Half of `most`, which leaves memory for other arrays; messages propose it."""
     return most(each) // 2
 
 

@@ -131,7 +131,7 @@ class Source:
 
     @property
     def material(self) -> str | None:
-        """Key of its own law; None where it is of the material around."""
+        """Key of its own law; None for the material of the body."""
         return None
 
     @property
@@ -161,7 +161,7 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Inhomogeneity(Source):
-    """A region with a constitutive law of its own; `field` is then its prestrain.
+    """Region with its own constitutive law; `field` is its prestrain.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Inhomogeneity(Source):
 
     @property
     def whole(self) -> bool:
-        """Whether it has one eigenstrain; cells, if any, are then those that it takes from what lies around it."""
+        """Whether it has one eigenstrain; its cells, if any, then belong to the material around it."""
         return self.degree is not None
 
     @property
@@ -190,17 +190,17 @@ class Inhomogeneity(Source):
 
     @property
     def uniform_law(self) -> LinearLaw | None:
-        """Linear law with the same constants all over; None for others."""
+        """Linear law with uniform constants; None for others."""
         return self.law if isinstance(self.law, LinearLaw) and not self.law.varies else None
 
     @property
     def is_empty(self) -> bool:
-        """Whether the region carries no stress; the factors are bounded for every material, also a rigid one."""
+        """Whether the region carries no stress; the factors are finite for every material, also a rigid one."""
         return self.uniform_law is not None and not np.any(self.uniform_law.factors(1.0)[1])
 
     @property
     def material_name(self) -> str:
-        """Name for laws that tell materials apart: the same at each of many places."""
+        """Name for laws by material, the same for all copies."""
         return self.name.split(", ")[0]
 
     @property
@@ -238,7 +238,7 @@ def build_sources(
 def build_inclusions(
     scene: Scene, registry: Registry, bodies: Sequence[object]
 ) -> tuple[tuple[Source, ...], tuple[Inhomogeneity, ...]]:
-    """Inclusions with eigenstrain alone, and inclusions of another material; see `build_sources`."""
+    """Inclusions with eigenstrain only, and inclusions of another material; see `build_sources`."""
     prescribed: list[Source] = []
     inhomogeneities: list[Inhomogeneity] = []
     for number, item in enumerate(scene.inclusions):
@@ -265,7 +265,7 @@ def build_inclusions(
 
 
 def _cross_section(shape: InclusionShape, where: str) -> CrossSection:
-    """Region without end along y of a line contact; a shape that y = 0 does not cut has none."""
+    """Region of infinite length along y in a line contact; None for a shape that does not meet y = 0."""
     low, high = shape.bounds
     rule = "cut by the plane y = 0 in a line contact, where its cross-section counts"
     require(low[1] < 0.0 < high[1], where, "extent along y", (low[1], high[1]), rule)
@@ -298,7 +298,7 @@ _STORED = ("equivalent_eigenstrain",)
 
 
 def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
-    """Refuse laws of one body whose variables share a name and differ: they are stored as one field."""
+    """Refuse laws of one body with different variables of the same name, which share a stored field."""
     first: dict[tuple[int, str], Inhomogeneity] = {}
     for source in inhomogeneities:
         for name, variable in source.law.variables.items():
@@ -319,7 +319,7 @@ def _field(registry: Registry, table: Mapping[str, Any], where: str) -> Eigenstr
 
 
 def build_law(registry: Registry, table: Mapping[str, Any], where: str, body: object) -> ConstitutiveLaw:
-    """Law of a table, in a body; a law names itself in its errors, its place in the scene is put before it."""
+    """Law of a table, in a body; error messages begin with its position in the scene."""
     try:
         law: ConstitutiveLaw = build_component(registry, "constitutive-law", table, where)
     except SceneError as problem:

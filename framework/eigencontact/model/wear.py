@@ -36,7 +36,7 @@ class WearModel:
 
     @property
     def parts(self) -> dict[int, float]:
-        """Part of the depth that each body loses."""
+        """Share of each body in the worn depth."""
         return self.table.parts
 
     @property
@@ -46,7 +46,7 @@ class WearModel:
 
 
 def wear_model(scene: Scene, registry: Registry) -> WearModel | None:
-    """Wear of a scene; None where the surfaces stay.
+    """Wear of a scene; None without wear.
 
     Raises
     ------

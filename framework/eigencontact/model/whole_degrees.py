@@ -1,4 +1,4 @@
-"""Degree of the eigenstrain of each whole inhomogeneity: given by the scene, or chosen by the error foretold."""
+"""Degree of each whole inhomogeneity: prescribed by the scene, or chosen by the predicted error."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def degrees_of(
 def _closest(
     number: int, centers: FloatArray, halves: FloatArray, radii: FloatArray, *, surface: bool
 ) -> tuple[float, int | None]:
-    """Strongest reflection of an inclusion, and the neighbour that causes it; None for the surface."""
+    """Strongest interaction of an inclusion, and the neighbour that causes it; None for the surface."""
     best, beside = 0.0, None
     if surface:
         best = reflection(2.0 * centers[number, 2], halves[number, 2], halves[number, 2])

@@ -1,4 +1,4 @@
-"""The window of a scene: its grid, given or chosen, and the contact that is expected in it."""
+"""Window of a scene: its grid, prescribed or chosen, and the expected contact."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Window:
 
 
 def window_of_regions(scene: Scene, bodies: Bodies) -> Window:
-    """Window of a scene without a contact: given, or around its regions."""
+    """Window of a scene without a contact: prescribed, or around its regions."""
     grid, reason = given_grid(scene.grid), "given in the scene"
     if grid is None:
         bounds = [source.shape.bounds for source in (*bodies.prescribed, *bodies.inhomogeneities)]
@@ -85,14 +85,14 @@ def given_grid(spec: GridSpec) -> Grid | None:
 
 
 def _refuse_many(nx: int, ny: int, where: str) -> None:
-    """Refuse more cells than fit; the message names a number that keeps the shorter side if possible."""
+    """Refuse more cells than the memory permits; the message proposes a number that keeps the shorter side."""
     wide = min(nx, max(isqrt(comfortable()), comfortable() // ny))
     high = min(ny, comfortable() // wide)
     refuse_more(nx * ny, where, "cells", f"{shown(nx)} x {shown(ny)}", f"{wide} x {high} would do")
 
 
 def _grid_around(bounds: Sequence[tuple[Point, Point]]) -> Grid:
-    """Square cells, 128 along the longer side, over a window that shows the field of regions.
+    """Square cells, 128 along the longer side, over a window around regions.
 
     Each side is that of the box around all regions and four times the depth of its middle: the surface displacement
     of a small region falls to a tenth within twice its depth.

@@ -72,7 +72,7 @@ def _constants(material: Material) -> str:
 
 
 def sizes(component: Any) -> str:
-    """Numbers among the fields of a component, in readable units; zeros and defaults of None are left out.
+    """Numbers in the fields of a component, in readable units; zeros and None are left out.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def _fields(component: Any) -> tuple[Field[Any], ...]:
 
 
 def parameters(component: Component) -> str:
-    """Key of a component, its numbers, and its choices: text and switches that are on."""
+    """Key of a component, its numbers, and its choices: texts, and switches with the value True."""
     choices = []
     for item in _fields(component):
         value, name = getattr(component, item.name), item.name.replace("_", "-")
@@ -109,7 +109,7 @@ def parameters(component: Component) -> str:
 
 
 def nested_parameters(component: Component) -> Iterator[str]:
-    """Lines of the components that the fields of a component hold, each by the name of its field."""
+    """Lines of the components in the fields of a component, each with the name of its field."""
     for item in _fields(component):
         value = getattr(component, item.name)
         for member in value if isinstance(value, tuple) else (value,):
@@ -119,7 +119,7 @@ def nested_parameters(component: Component) -> Iterator[str]:
 
 
 def unit_of(hint: Any) -> str:
-    """Unit in an annotation; empty where there is none."""
+    """Unit in an annotation; empty without one."""
     if isinstance(hint, Unit):
         return hint.symbol
     parts = (*get_args(hint), *getattr(hint, "__metadata__", ()))

@@ -1,4 +1,4 @@
-"""Bodies that obey a law of their own near the contact: the box of cells in which that law may be more than elastic.
+"""Bodies with their own law near the contact: the box of cells in which the law may exceed its elastic range.
 
 The search computes the elastic stress by the tractions of coarse contacts at all places that may matter. It asks the
 law whether the strain of that stress gives the same stress. A box that proves too small grows
@@ -61,12 +61,12 @@ _SMALL = (1e-9, 1e-15)
 
 @dataclass(frozen=True, kw_only=True)
 class YieldingBody(Inhomogeneity):
-    """Cells of a body's own law, where it may be more than elastic.
+    """Cells of a body's own law, where it may exceed its elastic range.
 
     Attributes
     ----------
     deep : float
-        Depth [m] that whole layers of cells fill, whatever `numerics.law-room`; 0 where it is that of the box.
+        Depth [m] filled by whole layers of cells, independent of `numerics.law-room`; 0 for the depth of the box.
     """
 
     guessed: ClassVar[bool] = True
@@ -94,7 +94,7 @@ def yielding_bodies(
     sources: Sequence[Source],
     initial: Mapping[int, InitialState],
 ) -> tuple[YieldingBody, ...]:
-    """Boxes of the bodies with a law; a body whose law stays elastic has none.
+    """Boxes of the bodies with a law; a body whose law remains elastic has none.
 
     The box also holds those `sources` of its body that stand in enough stress, and the cells of an `initial` state.
     Prior stress that alone exceeds the limit of the law, far from the contact, is not searched for.
@@ -161,7 +161,7 @@ class _Trial:
         return np.asarray(np.any(reached, axis=0))
 
     def refuse_bulk(self, depths: FloatArray) -> None:
-        """Refuse a bulk stress that alone is more than elastic at some of these depths ``(n,)`` [m].
+        """Refuse a bulk stress that alone exceeds the elastic range at some of these depths ``(n,)`` [m].
 
         Raises
         ------
@@ -290,7 +290,7 @@ def _sizes(*sides: float) -> str:
 
 
 def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Keys and values in a law's table of stresses or strains at which it stops to be elastic."""
+    """Keys and values of stress or strain limits of the elastic range in a law's table."""
     for name, value in table.items():
         nested = value if isinstance(value, list | tuple) else [value]
         if any(word in name for word in _LIMITS):
@@ -301,7 +301,7 @@ def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _with(patch: Patch | None, zone: _Bounds) -> Patch:
-    """Patch enlarged to hold other bounds."""
+    """Patch enlarged to contain other bounds."""
     bounds = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
     corners = np.array([*bounds, zone])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
@@ -316,14 +316,14 @@ def _around(zones: Sequence[_Bounds]) -> _Bounds | None:
 
 
 def _clipped_bounds(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
-    """Bounds of a region, cut off at those of a zone; None outside. A layer that is wider disturbs at its edges."""
+    """Bounds of a region, restricted to those of a zone; None outside. The edges of wider layers cause errors."""
     low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
     low, high = np.maximum(low, far[0]), np.minimum(high, far[1])
     return (low, high) if np.all(low < high) else None
 
 
 def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator[tuple[Grid, FloatArray]]:
-    """Window and pressure [Pa] of the contact at the end of each step, with some `ACROSS` cells across it."""
+    """Window and pressure [Pa] of the contact at the end of each step, with about `ACROSS` cells across it."""
     normal, periodic = interface.normal, scene.numerics.boundary == "periodic"
     for contact, control, separation in dict.fromkeys(contacts_of_steps(scene, grid, interface)):
         edge = max(min(contact.extent) / ACROSS, max(contact.extent) / (4 * ACROSS))
@@ -341,7 +341,7 @@ def _coarse_contacts(scene: Scene, interface: Interface, grid: Grid) -> Iterator
 def _loads(
     window: Grid, pressure: FloatArray, influences: Mapping[str, SurfaceInfluence], friction: FrictionLaw | None
 ) -> Iterator[dict[str, FloatArray]]:
-    """Pressure alone, and with friction pressure with the largest shear along each axis, either way."""
+    """Pressure only, and with friction the pressure with the largest shear along each axis in both directions."""
     yield {"p": pressure}
     if friction is None:
         return
@@ -355,6 +355,6 @@ def _loads(
 
 
 def _distinct(loads: Sequence[Tractions]) -> list[Tractions]:
-    """Loads without repetitions, as those of a cycle."""
+    """Loads without duplicates, for example of a cycle."""
     keys = ((window, *((name, field.tobytes()) for name, field in fields.items())) for window, fields in loads)
     return list(dict(zip(keys, loads, strict=True)).values())

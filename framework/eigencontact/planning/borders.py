@@ -1,4 +1,4 @@
-"""Borders of inclusions on the planes and lines that pictures draw, evaluated where the shapes are known."""
+"""Borders of inclusions on planes and lines for pictures, computed with the shapes."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _origin(source: Source, axis: str) -> tuple[float, float]:
 
 
 def line_borders(model: Model) -> dict[str, LineBorders]:
-    """Inclusions at the points of each line region of a scene; lines in bodies without inclusions are left out."""
+    """Inclusions at the points of each line region of a scene; without lines in bodies without inclusions."""
     return {
         request.label: _along(model, request.body, np.asarray(region_lattice(request, model.grid).points).T)
         for request in model.cells.requests
@@ -95,7 +95,7 @@ def line_borders(model: Model) -> dict[str, LineBorders]:
 
 
 def _is_inclusion(source: Source) -> bool:
-    """Whether the faces of a region are those of an inclusion of the scene; not of a patch or of cells of a body."""
+    """Whether the faces of a region belong to an inclusion of the scene, not to a patch or to cells of a body."""
     return isinstance(source.shape, InclusionShape) and not source.guessed
 
 
@@ -129,7 +129,7 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
 
 
 def _near(model: Model, body: int, points: FloatArray) -> Iterator[tuple[int, Source]]:
-    """Inclusions of a body, by number from 1, whose bounds come within a cell of the box around points (3, n)."""
+    """Inclusions of a body, by number from 1, whose bounds are within a cell of the box around points (3, n)."""
     room = max(*model.grid.edges, *(s.lattice.edges[0] for s in model.cells.inhomogeneities if s.lattice))
     inclusions = [source for source in model.sources if source.body == body and _is_inclusion(source)]
     for number, source in enumerate(inclusions, 1):
@@ -139,7 +139,7 @@ def _near(model: Model, body: int, points: FloatArray) -> Iterator[tuple[int, So
 
 
 def _on_border(source: Source, points: FloatArray) -> NDArray[np.bool_]:
-    """Points (3, n) of a line at which an inclusion begins or ends."""
+    """Points (3, n) of a line on the border of an inclusion."""
     if points.shape[1] < 2:
         return np.zeros(points.shape[1], dtype=bool)
     step = _ON_A_BORDER * np.gradient(points, axis=1)
@@ -150,7 +150,7 @@ def _on_border(source: Source, points: FloatArray) -> NDArray[np.bool_]:
 def _in_uncut_cells(
     source: Source, points: FloatArray, model: Model, lattice: tuple[float, float, float]
 ) -> NDArray[np.bool_]:
-    """Points (3, n) of cells whose corners lie all within an inclusion or all outside."""
+    """Points (3, n) in cells whose corners all lie within an inclusion or all outside."""
     dz, dy, dx = lattice
     edges = np.array([dx, dy, dz])[:, None]
     first = np.array([model.grid.x[0] - 0.5 * dx, model.grid.y[0] - 0.5 * dy, 0.0])[:, None]

@@ -60,7 +60,7 @@ class PlanWords:
 
 
 def plan_words(plan: Plan) -> PlanWords:
-    """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
+    """Return the text of a plan: model, kernels, sizes, memory, time, and omitted effects with reasons."""
     scene, model = plan.scene, plan.model
     layers = layers_in_words(model.bodies.solids, periodic=scene.numerics.boundary == "periodic")
     facts = [
@@ -176,7 +176,7 @@ def _block_as_data(block: Block, steps: int) -> dict[str, object]:
 
 
 def references(plan: Plan) -> tuple[str, ...]:
-    """Sources to cite for what the plan uses, each once."""
+    """Sources to cite for the plan, each once."""
     model = plan.model
     texts = [text for component in model.components for text in component.references]
     if model.sources:
@@ -220,7 +220,7 @@ def _numerics(plan: Plan) -> str:
 
 
 def _inclusions(plan: Plan) -> list[str]:
-    """Every region with eigenstrain and the method for its field; like ones on one line."""
+    """All regions with eigenstrain and the method of the field; equal regions on one line."""
     cells, lines = plan.model.cells, list[str]()
     if cells.prescribed:
         lines += [f"eigenstrain, {_counted(cells.prescribed)}", *_alike(cells.prescribed)]

@@ -1,4 +1,4 @@
-"""Sizes in a plan, in units that show a wrong unit in the scene."""
+"""Sizes in a plan, in units that make a wrong unit in the scene visible."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ROUND = 0.1
 
 
 def grid_lines(model: Model) -> list[str]:
-    """Cells and window; of a line contact or a period along y also what its loads and displacements mean."""
+    """Cells and window; for a line contact or a period along y also the meaning of loads and displacements."""
     grid, reason = model.grid, model.window.reason
     pitch, window = (" x ".join(readable(side, "m") for side in sides) for sides in (grid.edges, grid.sides))
     lines = [f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {reason}", f"window      {window}"]
@@ -34,7 +34,7 @@ def grid_lines(model: Model) -> list[str]:
 
 
 def geometry_lines(model: Model) -> list[str]:
-    """Every geometry with its sizes."""
+    """All geometries with their sizes."""
     geometries = () if model.interface is None else model.interface.geometries
     words = [f"{geometry.key}, {sizes(geometry)}" for geometry in geometries]
     return [f"{'' if number else 'geometry':<12}{text}".rstrip(", ") for number, text in enumerate(words)]

@@ -20,20 +20,21 @@ _SNAP = 1e-6
 
 #: What a choice of ``numerics.half-space`` costs in accuracy.
 _PRICE = {
-    "image-pressure": "the traction on the surface is removed at the middles of the window's cells only: stress within "
-    "two cells of the surface may be wrong by half, elsewhere and in the surface displacement by some per cent",
-    "periodic": "the eigenstrain repeats with the window, no mean strain in the plane: a single region is met within "
-    "some per cent if the window is ten times as wide as the region is wide and deep, its mean displacement apart",
+    "image-pressure": "the surface is free of traction only at the centres of the window's cells: the error of stress "
+    "within two cells of the surface is up to one half, elsewhere and in the surface displacement some per cent",
+    "periodic": "the eigenstrain is periodic in the window, without mean strain in the plane: for a single region, the "
+    "error is some per cent if the window is ten times as wide as the region is wide and deep, except for the mean "
+    "displacement",
 }
 
 
 def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
-    """Effects that are not modelled, each with the reason."""
+    """Omitted effects, each with the reason."""
     scene, contact = model.scene, model.interface
     out = _of_the_contact(contact) if contact else [LeftOut("contact", "the scene has no [geometry]")]
     if not scene.stress:
         fields = "sub-surface stress" if contact else "fields below the surface"
-        out.append(LeftOut(fields, "no [[stress]] region asks for it"))
+        out.append(LeftOut(fields, "the scene has no [[stress]] region"))
     if contact and contact.friction is None and not scene.output.tangential_displacement:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if contact and not model.periodic:
@@ -46,8 +47,8 @@ def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
     layer = _layer_that_fills(model)
     if layer is not None:
         why = (
-            f"{layer.name!r}, a flat layer of one material over the whole window, is cut into cells and ends "
-            f'with it; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster'
+            f"{layer.name!r}, a flat layer of one material over the whole window, is divided into cells and ends "
+            f'with the window; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster'
         )
         out.append(LeftOut("the exact response of a layered body", why))
     return out
@@ -67,7 +68,9 @@ def _of_the_contact(contact: Interface) -> list[LeftOut]:
             LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
         )
     if layered_bodies(solids):
-        out.append(LeftOut("closed form of the pressure", "a body is layered: none beside that of the bare substrate"))
+        out.append(
+            LeftOut("closed form of the pressure", "a body is layered: only the bare substrate has a closed form")
+        )
     if None in solids:
         number = solids.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
@@ -77,7 +80,7 @@ def _of_the_contact(contact: Interface) -> list[LeftOut]:
 def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
     """Effects that the coupling of normal and tangential contact leaves out."""
     why = f'numerics.coupling = "{coupling.level}"'
-    unused = f"{why}, and no step prescribes a load or shift there"
+    unused = f"{why}, and no step prescribes a load or shift along it"
     out = [LeftOut(f"shear and displacement along {c}", unused) for c in "xy" if c not in coupling.components]
     if coupling.level == "none" and len(coupling.components) > 1:
         out.append(LeftOut("displacement along y by shear along x, and along x by shear along y", why))
@@ -85,8 +88,8 @@ def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
         out.append(
             LeftOut(
                 "displacement along the surface by pressure, and along its normal by shear",
-                "both bodies move alike (Dundurs' constant is 0): they vanish, and coupling "
-                '"full" and "one-way" are "partial"',
+                "Dundurs' constant is 0: both bodies have equal displacements, the relative displacements vanish, and "
+                'coupling "full" and "one-way" are "partial"',
             )
         )
         return out
@@ -105,11 +108,11 @@ def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
         out.append(
             LeftOut(
                 "eigenstrain that follows from the contact",
-                "it is prescribed: its field adds to that of the pressure, and nothing couples back",
+                "the eigenstrain is prescribed: its field adds to that of the pressure, without feedback",
             )
         )
     if all(source.lattice is None for source in model.sources):
-        whole = "numerics.inclusion-resolution takes inhomogeneities as wholes" if model.cells.inhomogeneities else ""
+        whole = "numerics.inclusion-resolution is whole" if model.cells.inhomogeneities else ""
         out.append(LeftOut("cells inside the bodies", whole or "every inclusion has a closed form"))
     if half_space == "full-space":
         out.append(
@@ -121,7 +124,7 @@ def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
 
 
 def _layer_that_fills(model: Model) -> Inhomogeneity | None:
-    """Uniform flat layer of one material, from the surface and over the whole window, if there is one."""
+    """Uniform flat layer of one material from the surface over the whole window, if there is one."""
     grid = model.grid
     x0, y0 = (center - 0.5 * size for center, size in zip(grid.center, grid.size, strict=True))
     x1, y1 = x0 + grid.size[0], y0 + grid.size[1]

@@ -31,7 +31,7 @@ _FILM = 500e6
 
 
 def run_bytes(plan: Plan, *, stored: bool = True, painter: bool = True) -> float:
-    """Memory that a run takes at most [bytes], that of this process and of the one that draws together.
+    """Largest memory of a run [bytes], of this process and the drawing process together.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Required blocks of a plan in order of execution, found backwards from the requested quantities."""
+"""Required blocks of a plan in order of execution, determined backwards from the requested quantities."""
 
 from __future__ import annotations
 

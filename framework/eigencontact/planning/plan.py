@@ -1,4 +1,4 @@
-"""The plan of a run: the model of a scene, the blocks that compute it, in order, and what is left out."""
+"""Plan of a run: the model of a scene, its blocks in order of execution, and omitted effects."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Plan:
 
     @property
     def growth(self) -> ContactGrowth | None:
-        """Growth of the contact radius; None where no load step is even in the radius."""
+        """Growth of the contact radius; None if no load step is even in the radius."""
         return self.model.window.growth
 
     @property
@@ -83,12 +83,12 @@ class Plan:
 
     @property
     def kernels(self) -> list[KernelUse]:
-        """Every influence coefficient that will be built."""
+        """All influence coefficients of the run."""
         return [kernel for block in self.blocks for kernel in block.kernels]
 
     @property
     def numbers(self) -> dict[str, Number]:
-        """Every scalar that a step or the run may have, by name, in order of execution."""
+        """All scalars of a step or the run, by name, in order of execution."""
         parts = (*self.blocks, *self.conclusions)
         return by_name(self._declared(number for part in parts for number in part.numbers))
 
@@ -103,7 +103,7 @@ class Plan:
 
     @property
     def precisions(self) -> list[Precision]:
-        """Precision of each operator, where the scene leaves it to the plan; like ones once."""
+        """Precision of each operator if the scene leaves the choice to the plan; equal ones once."""
         return list(dict.fromkeys(precision for part in self.parts for precision in part.precisions))
 
     @property

@@ -1,4 +1,4 @@
-"""The planner: model of a scene, and the blocks that compute it."""
+"""Planner: builds the model of a scene and selects the blocks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["make_plan"]
 
 
 def make_plan(scene: Scene, registry: Registry) -> Plan:
-    """Decide what a scene needs.
+    """Plan the blocks of a scene.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def _blocks(model: Model) -> list[Block]:
 
 
 def _conclusions(model: Model) -> Sequence[Conclusion]:
-    """What a scene asks for that follows from all steps."""
+    """Requested evaluations of all steps."""
     if not model.fatigue:
         return ()
     from eigencontact.execution.fields.fatigue import fatigue_conclusions

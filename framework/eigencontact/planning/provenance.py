@@ -102,13 +102,13 @@ def _sliding(scene: Scene) -> tuple[float, ...]:
 
 
 def _prestrained(scene: Scene) -> bool:
-    """Whether a scene has eigenstrain of its own, or of an earlier run."""
+    """Whether a scene has an eigenstrain, or an initial state from an earlier run."""
     tables: list[object] = [*scene.eigenstrain, *(item.eigenstrain for item in scene.inclusions)]
     return any([*tables, scene.body1.initial, scene.body2.initial])
 
 
 def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
-    """Hash of the scene, of every file that it names, and of the packages that its plugins come from."""
+    """Hash of the scene, of all its files, and of the packages of its plugins."""
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
     if plan.model.interface is not None:
         y, x = plan.grid.axes()

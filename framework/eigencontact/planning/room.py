@@ -24,7 +24,7 @@ _SAFE = 0.9
 
 
 def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSmall:
-    """Error that also names the load step, a load that would fit, and what the scene can change."""
+    """Error that also names the load step, a possible load, and changes of the scene."""
     if step.control is None:
         return problem
     name, value, unit = _driven(step.control)
@@ -47,7 +47,7 @@ def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSma
 
 
 def _wider(model: Model) -> str:
-    """How the window becomes larger."""
+    """Text on how to enlarge the window."""
     if not model.scene.grid.automatic:
         return "enlarge grid size"
     geometries = () if model.interface is None else model.interface.geometries
@@ -65,7 +65,7 @@ def _driven(control: Control) -> tuple[str, float, str]:
 
 
 def load_that_fits(model: Model, step: Step) -> float | None:
-    """Load [N], or approach [m], under which the contact of a step stays inside the window, by coarse solves.
+    """Load [N], or approach [m], with a contact inside the window, by coarse solutions.
 
     The bodies are taken without what lies in them or yields. None where not even a thousandth of the load fits.
     """

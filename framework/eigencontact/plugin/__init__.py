@@ -1,4 +1,4 @@
-"""The one package that plugins import: kinds of plugin, grids, tensors, units, `hook_for`, `require`.
+"""Interface for plugins, their only import: kinds of plugin, grids, tensors, units, `hook_for`, `require`.
 
 A component is a frozen, keyword-only dataclass. Its fields are its table in a scene file; its class attribute ``key``
 is its name there. It validates itself in ``__post_init__`` with `require`, does no I/O (a measured surface or a mesh

@@ -1,4 +1,4 @@
-"""Answers of the laws of a surface: checked before a solver uses them."""
+"""Checks of the results of friction and wear laws before a solver uses them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ State = TypeVar("State")
 def checked_answer(
     law: Component, method: str, unit: str, state: Any, cells: NDArray[np.bool_], cells_are: str
 ) -> FloatArray:
-    """Answer ``(ny, nx)`` [`unit`] of a method of a law to a state, which it cannot write to.
+    """Result ``(ny, nx)`` [`unit`] of a method of a law for a read-only state, checked.
 
     It must be finite and not negative in `cells` ``(ny, nx)``, which the message calls `cells_are`.
 

@@ -64,7 +64,7 @@ class Component:
 
 
 def _members(value: object) -> Iterable[object]:
-    """Members of a field that is a tuple or a table by name; else the value itself."""
+    """Members of a field that is a tuple or a table by name; else the value."""
     if isinstance(value, Mapping):
         return value.values()
     return value if isinstance(value, tuple) else (value,)

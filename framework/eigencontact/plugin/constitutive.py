@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """Variable of the history of a material point; zero at rest.
+    """Internal variable of a material point; zero at rest.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class ConstitutiveLaw(Component, ABC):
         """
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:  # noqa: ARG002
-        """Law in a body of these constants [Pa], [-]; constants that the law states stay. By default the law itself."""
+        """Law in a body with these constants [Pa], [-]; constants of the law take precedence. By default the law."""
         return self
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:  # noqa: ARG002
@@ -189,12 +189,12 @@ class ConstitutiveLaw(Component, ABC):
     def laws_at(
         self, x: FloatArray, y: FloatArray, z: FloatArray  # noqa: ARG002
     ) -> Sequence[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:  # fmt: skip
-        """Laws that a composite is made of, and which of the points ``(n,)`` [m] have each: every point has one."""
+        """Laws of a composite, and which of the points ``(n,)`` [m] have each law: every point has one."""
         return [(self, np.ones(np.shape(z), dtype=bool))]
 
     @property
     def averaged(self) -> Mapping[str, float]:
-        """Radius R [m] of the neighbourhood of each variable that acts by its mean; none by default.
+        """Radius R [m] of the neighbourhood of each nonlocal variable; none by default.
 
         Where a material softens, strain localises in one layer of cells, however thin, unless the law has a length. The
         mean over all points q of the same material about a point p is ``sum w(|p - q|) v(q) / sum w(|p - q|)`` with the
@@ -332,7 +332,7 @@ class Surroundings:
 
 @runtime_checkable
 class HasCellAnswer(Protocol):
-    """Optional ability of a law: the answer of cells in an elastic body, faster than by Newton's method on `update`.
+    """Optional ability of a law: response of cells in an elastic body, faster than Newton's method on `update`.
 
     It is the local step of an iteration, and any answer leads to the same result: at the end the stress is that of
     `update` for the strain.

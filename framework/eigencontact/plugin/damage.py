@@ -1,4 +1,4 @@
-"""The kind *damage law*: the part of its stiffness that a material has lost."""
+"""The kind *damage law*: the lost fraction of the stiffness of a material."""
 
 from __future__ import annotations
 

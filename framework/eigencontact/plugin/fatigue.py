@@ -59,7 +59,7 @@ class StressCycle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DamageParameter:
-    """Answer of a criterion.
+    """Damage parameter of a criterion at points, with the critical plane.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class DamageParameter:
 
 
 class FatigueCriterion(Component, ABC):
-    """Damage parameter of a cycle at points, and the limit that it is compared with.
+    """Damage parameter of a cycle at points, and its limit.
 
     Attributes
     ----------
@@ -117,16 +117,16 @@ class FatigueCriterion(Component, ABC):
     @property
     @abstractmethod
     def limit(self) -> float:
-        """Damage parameter that the material endures, positive; over it a crack starts."""
+        """Largest damage parameter without a crack, positive."""
 
     @abstractmethod
     def damage(self, cycle: StressCycle) -> DamageParameter:
-        """Damage parameter at every point: finite; more tension must not make it smaller."""
+        """Damage parameter at every point: finite; more tension must not reduce it."""
 
 
 @runtime_checkable
 class HasKnownValues(Protocol):
-    """Ability: values in closed form, with which the conformance checks compare."""
+    """Ability: values in closed form for the conformance checks."""
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Damage parameters of cycles of a stress amplitude [Pa], by name.
@@ -139,7 +139,7 @@ class HasKnownValues(Protocol):
 
 
 def checked_damage(criterion: FatigueCriterion, cycle: StressCycle) -> DamageParameter:
-    """Answer of a criterion to a cycle that it cannot write to.
+    """Result of a criterion for a read-only cycle, checked.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The kind *friction law*: how much shear traction a point of the contact can carry."""
+"""The kind *friction law*: the largest shear traction at a point of the contact."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class FrictionState:
 
 
 class FrictionLaw(Component, ABC):
-    """The largest shear traction that each point of the contact carries; there it slips, below it sticks.
+    """Largest shear traction at each point of the contact: the point slips at this bound and sticks below it.
 
     The law sets the size of the shear traction alone. That slip and shear point in opposite directions, where the
     surfaces stick and how far they slip is found by the solver.

@@ -13,7 +13,7 @@ __all__ = ["Geometry", "HasNativeGrid", "HasReferencePressure"]
 
 
 class Geometry(Component, ABC):
-    """Initial separation of the two surfaces, positive where they are apart.
+    """Separation of the two surfaces before loading, positive where there is a gap.
 
     Examples
     --------
@@ -39,18 +39,18 @@ class Geometry(Component, ABC):
 
 @runtime_checkable
 class HasReferencePressure(Protocol):
-    """Optional ability of a geometry: its frictionless elastic contact has a closed form, drawn beside the result."""
+    """Optional ability of a geometry: closed form of its frictionless elastic contact, for comparison."""
 
     def reference_pressure(
         self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
     ) -> FloatArray:
-        """Closed-form contact pressure [Pa] of this geometry alone, untilted, at points that broadcast."""
+        """Closed-form contact pressure [Pa] of this geometry alone, without tilt, at points that broadcast."""
         ...
 
 
 @runtime_checkable
 class HasNativeGrid(Protocol):
-    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses.
+    """Optional ability of a geometry: the grid of its measurement, used with ``grid = "auto"``.
 
     An attribute ``larger_window`` of the class, a phrase such as ``"measure a larger patch"``, says what there is to do
     where the contact reaches the edge of that grid.

@@ -1,4 +1,4 @@
-"""The kind *hardening law*: how the yield surface of a plastic material grows, or moves, with plastic strain."""
+"""The kind *hardening law*: growth and motion of the yield surface with plastic strain."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class HardeningLaw(Component, ABC):
     kind: ClassVar[str] = "hardening-law"
 
     def of_material(self, young_modulus: float) -> HardeningLaw:  # noqa: ARG002
-        """Law in a material of this Young's modulus [Pa]; itself, but for parameters that are measured on it."""
+        """Law in a material with this Young's modulus [Pa]; by default the law itself."""
         return self
 
 
@@ -48,7 +48,7 @@ class IsotropicHardening(HardeningLaw):
 
     @abstractmethod
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Stress at which the material flows, and its slope.
+        """Yield stress, and its slope.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class KinematicHardening(HardeningLaw):
 
     @abstractmethod
     def recall(self, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Part of the back-stress that stays, and its derivative.
+        """Remaining fraction of the back-stress, and its derivative.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The kinds *inclusion shape* and *eigenstrain field*: where the stress-free strain is, and how large."""
+"""The kinds *inclusion shape* and *eigenstrain field*: region and value of the stress-free strain."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ __all__ = ["HasResponseAtDepths", "LayeredMedium", "Thinning"]
 
 
 class LayeredMedium(Component, ABC):
-    """Half-space z >= 0 whose elastic constants depend on z alone, homogeneous and isotropic from some depth on.
+    """Half-space z >= 0 whose elastic constants depend only on z; homogeneous and isotropic below some depth.
 
     The author writes its answer to tractions that vary as ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
     `SurfaceInfluence`: ``"p"`` pushes along +z, ``"q_x"`` and ``"q_y"`` act on the body along +x and +y. Stress is
@@ -44,21 +44,21 @@ class LayeredMedium(Component, ABC):
     @property
     @abstractmethod
     def surface_material(self) -> Material:
-        """Material at z = 0: as k grows, the surface displacement tends to that of a half-space made of it."""
+        """Material at z = 0: for large k the surface displacement tends to that of its half-space."""
 
     @property
     @abstractmethod
     def deep_material(self) -> Material:
-        """Material of the substrate: as k goes to 0, the surface displacement tends to that of a half-space of it."""
+        """Material of the substrate: for k to 0 the surface displacement tends to that of its half-space."""
 
     @property
     def interfaces(self) -> tuple[float, ...]:
-        """Depths [m], ascending, where the constants jump; there the in-plane stresses ``xx, yy, xy`` jump too."""
+        """Depths [m], ascending, where the constants and the in-plane stresses ``xx, yy, xy`` jump."""
         return ()
 
     @property
     def layer_names(self) -> tuple[str, ...]:
-        """Names of the layers above each of the interfaces, for laws that tell materials apart."""
+        """Names of the layers above each of the interfaces, for laws by material."""
         return tuple(f"layer {number + 1}" for number in range(len(self.interfaces)))
 
     @abstractmethod
@@ -101,7 +101,7 @@ class LayeredMedium(Component, ABC):
 
 @runtime_checkable
 class Thinning(Protocol):
-    """Optional ability of a layered medium: it can wear."""
+    """Optional ability of a layered medium: removal of material by wear."""
 
     def thinned(self, depth: float) -> LayeredMedium | Material:
         """Medium whose surface has lost a depth [m]: z counts from the new one. Below all layers, its substrate."""

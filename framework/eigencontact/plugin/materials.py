@@ -18,24 +18,24 @@ SUBSTRATE = "substrate"
 
 @runtime_checkable
 class NamesMaterials(Protocol):
-    """Optional ability of a friction or wear law: it has numbers for materials by name.
+    """Optional ability of a friction or wear law: parameters by the name of the material.
 
     A scene whose body has no material of such a name is refused, with the nearest.
     """
 
     @property
     def materials(self) -> Collection[str]:
-        """Names that the law knows."""
+        """Names of the materials of the law."""
         ...
 
 
 def only_substrate() -> NDArray[np.intp]:
-    """Exposed material of a state that says nothing of it, ``(1, 1)``: the substrate everywhere."""
+    """Exposed material of a state without this information, ``(1, 1)``: the substrate everywhere."""
     return np.zeros((1, 1), dtype=np.intp)
 
 
 def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Each material that is exposed, by name, and the cells ``(ny, nx)`` where it is.
+    """Each exposed material by name, with its cells ``(ny, nx)``.
 
     Parameters
     ----------

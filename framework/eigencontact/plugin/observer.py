@@ -1,4 +1,4 @@
-"""The kind *observer*: sees every accepted step."""
+"""The kind *observer*: computes numbers from every accepted step."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class StepView:
 
 
 class Observer(Component, ABC):
-    """Sees every accepted step and returns numbers that are stored with it.
+    """Computes numbers from every accepted step, which are stored with it.
 
     Attributes
     ----------
@@ -145,5 +145,5 @@ class Observer(Component, ABC):
 
     @property
     def regions(self) -> Mapping[str, Mapping[str, Any]]:
-        """Regions below the surface to see in each step, by name: tables as of ``[[stress]]``; they are not stored."""
+        """Regions below the surface in each step, by name, as tables like ``[[stress]]``; they are not stored."""
         return {}

@@ -33,7 +33,7 @@ NODES, WEIGHTS = 0.5 * (_X + 1.0), 0.5 * _W
 
 
 class Revolution(Geometry):
-    """Convex body of revolution about a vertical axis: write its profile, and how its approach grows.
+    """Convex body of revolution about a vertical axis, defined by its profile and the derivative of its approach.
 
     Separation, and the pressure in closed form that pictures and `tradeoff` compare with (`HasReferencePressure`),
     follow from these two.
@@ -95,7 +95,7 @@ class Revolution(Geometry):
     def reference_pressure(
         self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
     ) -> FloatArray:
-        """Closed-form pressure [Pa] under `normal_load` [N]; NaN if the profile ends before it carries the load."""
+        """Closed-form pressure [Pa] under `normal_load` [N]; NaN if the profile is too small for the load."""
         r = self._radius(x, y)
         if normal_load <= 0:
             return np.zeros(r.shape)
@@ -120,7 +120,7 @@ class RevolutionSum(Revolution):
 
     @staticmethod
     def of(geometries: Sequence[Geometry]) -> RevolutionSum | None:
-        """Sum of geometries; None unless all of them are of revolution about one axis and one junction suffices."""
+        """Sum of geometries; None unless all are of revolution about one axis with at most one junction."""
         bodies = [geometry for geometry in geometries if isinstance(geometry, Revolution)]
         coaxial = len(bodies) == len(geometries) and len({tuple(body.center) for body in bodies}) == 1
         return RevolutionSum(bodies) if coaxial and len({body.junction for body in bodies} - {0.0}) < 2 else None
@@ -147,7 +147,7 @@ class RevolutionSum(Revolution):
 def contact_radius(
     rate: Rate, normal_load: float, contact_modulus: float, *, junction: float = 0.0, limit: float = np.inf
 ) -> float:
-    """Contact radius a [m] under a load [N]; NaN if the profile ends before it carries the load.
+    """Contact radius a [m] under a load [N]; NaN if the profile is too small for the load.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def contact_radius(
 def revolution_pressure(
     r: FloatArray, rate: Rate, contact_radius: float, contact_modulus: float, *, junction: float = 0.0
 ) -> FloatArray:
-    """Pressure p(r) [Pa] under the given contact radius [m], zero outside it, NaN if it is NaN; shape of `r`."""
+    """Pressure p(r) [Pa] for a contact radius [m], zero outside it, NaN if it is NaN; shape of `r`."""
     if np.isnan(contact_radius):
         return np.full(r.shape, np.nan)
     inside = r < contact_radius

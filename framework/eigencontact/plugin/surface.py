@@ -96,7 +96,7 @@ class SurfaceInfluence(Component, ABC):
 
 
 class CornerInfluence(SurfaceInfluence):
-    """Surface influence given by a corner function: the field is its alternating sum over the four corners.
+    """Surface influence with a corner function: the field is its alternating sum over the four corners.
 
     ``field(x, y) = C(x+a, y+b) - C(x-a, y+b) - C(x+a, y-b) + C(x-a, y-b)``. The author writes the two corner
     functions; they must be finite at z = 0 and on the lines x = 0 and y = 0.
@@ -170,7 +170,7 @@ class CornerInfluence(SurfaceInfluence):
         half_widths: tuple[float, float],
         material: Material,
     ) -> FloatArray:
-        """Difference the corner function, evaluated once per node, where the rectangles of the lattice touch.
+        """Evaluate the corner function once per lattice node and form differences, where the rectangles touch.
 
         Rectangles that do not touch are evaluated one by one; see `SurfaceInfluence.sample`.
         """

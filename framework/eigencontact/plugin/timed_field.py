@@ -41,7 +41,7 @@ def mandel_strain(key: str, field: str, value: Strain) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True)
 class TimedField(EigenstrainField):
-    """An eigenstrain field times a factor that may change with time: derive from it and write `at`.
+    """Eigenstrain field times a factor that may change with time: derive from it and write `at`.
 
     A class that has a ``__post_init__`` of its own calls ``super().__post_init__()`` in it.
 

@@ -73,7 +73,7 @@ class WearState:
 
 
 class WearLaw(Component, ABC):
-    """Depth that both bodies together lose by an increment or a cycle of sliding; the scene says which loses how much.
+    """Worn depth of both bodies together by an increment or a cycle of sliding; the scene sets their shares.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class WearLaw(Component, ABC):
 
     @property
     def volume_per_energy(self) -> float | None:
-        """Worn volume by work of friction [m³/J] of a law that is such a proportion; None of others."""
+        """Worn volume per work of friction [m³/J] of a law with a constant ratio; else None."""
         return None
 
 

@@ -1,1 +1,1 @@
-"""Work on stored runs: open them, compute another region, draw a chosen field; no contact is solved again."""
+"""Evaluations of stored runs without a new contact solution: open them, compute regions, draw fields."""

@@ -1,4 +1,4 @@
-"""What an evaluation of stored results returns: a dataset, a summary, and the files in which both were stored."""
+"""Result of an evaluation of stored results: dataset, summary and files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Answer"]
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Answer of an evaluation.
+    """Result of an evaluation.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Answer:
     def stored(
         self, folder: str | Path, stem: str, subject: str, contents: tuple[str, str], draw: Callable[[Path], str]
     ) -> Self:
-        """Store ``stem.nc``, ``.json`` and ``.png``; return the answer with its files.
+        """Store ``stem.nc``, ``.json`` and ``.png``; return the result with its files.
 
         Parameters
         ----------

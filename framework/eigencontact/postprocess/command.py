@@ -93,7 +93,7 @@ def plot(
 
 
 def _refuse(options: dict[str, object], rule: str) -> None:
-    """Refuse options without the option that they require."""
+    """Refuse options that lack a required option."""
     from eigencontact.errors import SceneError
 
     for name, value in options.items():

@@ -41,7 +41,7 @@ _SHORTEST = 0.01
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Crack(Answer):
-    """Ranges of stress intensity of a crack over its length, and whether it stops.
+    """Ranges of the stress intensity factors of a crack over its length, with growth or arrest.
 
     Attributes
     ----------
@@ -280,7 +280,7 @@ def _summary(path: CrackPath, stress: PathStress, limits: CrackThreshold, stop: 
 def _cautions(
     dataset: Results, path: CrackPath, stress: PathStress, ranges: FactorRanges, stop: float, mode: str
 ) -> list[Caution]:
-    """What the plane-strain crack in one elastic material leaves out."""
+    """Warnings about effects that the plane-strain crack in one elastic material omits."""
     out = []
     reach = stop if 0 < stop < np.inf else path.length
     if dataset.sizes.get("y", 1) > 1 and "pressure" in dataset:
@@ -290,23 +290,23 @@ def _cautions(
         width = float(np.count_nonzero(loaded.any(axis=(0, 2)))) * float(np.diff(dataset["y"].values[:2])[0])
         words = (
             f"the contact is {readable(width, 'm')} wide along y, {width / reach:.2g} times the crack of "
-            f"{readable(reach, 'm')}: the crack counts as long along y (plane strain), which overestimates its range "
-            "where the stress falls along y"
+            f"{readable(reach, 'm')}: the model assumes a crack of infinite length along y (plane strain), which "
+            "overestimates the ranges where the stress falls along y"
         )
         out.append(Caution("crack-plane-strain", words))
     if mode == "both" and np.any(np.isnan(ranges.ratio)):
         words = (
-            "the tip stays closed at some lengths; friction between the faces is left out, so that their range of K_II "
-            "is too large: compare mode = 'opening'"
+            "the tip is closed at some lengths during the whole cycle; the model omits friction between the faces, so "
+            "that the range of K_II is too large there: compare mode = 'opening'"
         )
         out.append(Caution("crack-closed", words))
     yielded = _yielded(dataset, path, stress)
     if yielded > 0:
-        words = f"the path crosses cells that yielded, by up to {yielded:.2g}; the factors are those of an elastic body"
+        words = f"the path crosses cells with plastic strain up to {yielded:.2g}; the factors assume an elastic body"
         out.append(Caution("crack-yielded", words))
     materials = [item for item in json.loads(dataset.attrs.get("inclusions", "[]")) if item["body"] == stress.body]
     if "layers" in dataset.attrs or any(item["name"] != f"body {stress.body}" for item in materials):
-        words = "the body has layers or inclusions; the factors are those of one elastic material"
+        words = "the body has layers or inclusions; the factors assume one elastic material"
         out.append(Caution("crack-material", words))
     return out
 

@@ -58,7 +58,7 @@ def crack(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Find whether a crack from the surface grows or stops, over one cycle of stored results.
+    """Determine whether a crack from the surface grows or stops, over one cycle of stored results.
 
     Example: `eigencontact crack RUN --at "-20 um, 0 um" --angle "20 deg" --length "100 um" --threshold "5 MPa sqrt(m)"`
     """

@@ -76,7 +76,7 @@ class PathStress:
 def path_stress(
     dataset: Results, path: CrackPath, region: str | None, cycle: Any, source: Path | None, body: int
 ) -> PathStress:
-    """Stress of a cycle along a path: of a stored section, or found afresh at points of the path.
+    """Stress of a cycle along a path, from a stored section or computed at points of the path.
 
     Parameters
     ----------

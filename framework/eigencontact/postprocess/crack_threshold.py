@@ -1,4 +1,4 @@
-"""Threshold of stress intensity below which a crack does not grow, of long and of short cracks."""
+"""Threshold of the stress intensity range for crack growth, of long and of short cracks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Threshold = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class CrackThreshold:
-    """Threshold of long cracks and the rule for short ones.
+    """Threshold of long cracks and the rule for short cracks.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class CrackThreshold:
         return short_crack_length(self.long_crack, self.limit_amplitude, float(edge_crack(0.0).weights[0, 0].sum()))
 
     def at(self, lengths: FloatArray, ratios: FloatArray) -> FloatArray:
-        """Thresholds of cracks of given lengths [m] and ratios R [-], in Pa sqrt(m)."""
+        """Thresholds of cracks with lengths [m] and ratios R [-], in Pa sqrt(m)."""
         if callable(self.long_crack):
             values = np.asarray(self.long_crack(lengths, ratios), dtype=float)
             if values.shape != lengths.shape or not np.all(values > 0):

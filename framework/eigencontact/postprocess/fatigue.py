@@ -32,7 +32,7 @@ __all__ = ["Fatigue", "fatigue"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fatigue(Answer):
-    """Answer of a criterion in a region.
+    """Result of a criterion in a region.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ def fatigue(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Find where a crack starts: a fatigue criterion over one cycle in a region of stored results.
+    """Evaluate a fatigue criterion over one cycle in a region of stored results, with the hot spot.
 
     Example: `eigencontact fatigue RUN --criterion crossland --set slope=0.3 --set limit-amplitude="250 MPa"`
 

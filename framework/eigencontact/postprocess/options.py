@@ -1,4 +1,4 @@
-"""Arguments and options that the commands on stored results share, and how the commands print an answer."""
+"""Arguments and options of the commands on stored results, and the output of a result."""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ def parameters_of(changes: list[str]) -> dict[str, Any]:
 
 
 def steps_of(text: str) -> Any:
-    """A word, or the numbers of two steps; others are refused where the steps are known."""
+    """Steps by a word or by two numbers; refuses others if the steps are known."""
     first, colon, last = text.partition(":")
     return (int(first), int(last)) if colon and first.strip().isdigit() and last.strip().isdigit() else text
 
 
 def print_answer(answer: Answer, *, quiet: bool, as_json: bool, table: str = "") -> None:
-    """Print the summary as JSON, or the lines of an answer, its table and its files."""
+    """Print the summary as JSON, or the lines of a result, its table and its files."""
     if as_json:
         typer.echo(json.dumps(answer.summary, indent=2, default=str))
     elif not quiet:

@@ -1,4 +1,4 @@
-"""One picture of results, as axes that a program goes on with, or as a file."""
+"""One picture of results, as axes for further use or as a file."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def draw_chosen(
     style: str = "screen",
     **options: Any,
 ) -> dict[Path, str]:
-    """Store one picture; returns its file and what it shows. Arguments that are not named here are those of `plot`.
+    """Store one picture; returns its file and a description. Further arguments are those of `plot`.
 
     `output` is a file with an ending of `FORMATS`, or a folder, by default that of the results. `region` may also be
     the text of a table of a new region, which has a ``=``. `kind` is the format, by default that of the file, else PNG;
@@ -137,7 +137,7 @@ def draw_chosen(
 
 
 def format_of(kind: str | None, ending: str | None = None) -> str:
-    """Format of pictures; the ending of a file must agree with it.
+    """Format of pictures; the extension of a file must agree with it.
 
     Raises
     ------

@@ -83,7 +83,7 @@ def revisit(
 def plan_of_region(
     tables: Mapping[str, Any], region: Mapping[str, Any], registry: Registry, stored: Iterable[str] = ()
 ) -> Plan:
-    """Plan of a scene that was solved, with one region alone, whose name is none of those that are `stored`.
+    """Plan of a solved scene with a single region, whose name must not be `stored`.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def plan_of_region(
 
 
 def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] = ()) -> StepRecord:
-    """Fields in the region of a plan (`plan_of_region`) after a step, given with its surface fields and its history.
+    """Fields in the region of a plan (`plan_of_region`) after a step, from its surface fields and history.
 
     `where` names the origin of the step in messages, `remembered` what the bodies remember after a step, kept or not.
     Errors are those of `revisit`.

@@ -26,7 +26,7 @@ def shakedown(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Find where a body shakes down and where it ratchets, from stored plastic strain at both ends of a cycle.
+    """Find shakedown and ratchetting in a body, from the stored plastic strain at both ends of a cycle.
 
     The run needs `output.history = "all"`.
     """

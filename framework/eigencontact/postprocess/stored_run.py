@@ -31,7 +31,7 @@ def draw(
     dpi: int | None = None,
     style: str = "screen",
 ) -> dict[Path, str]:
-    """Pictures, and an animation and VTK files if wanted, of stored results; returns each file and what it shows.
+    """Draw pictures, and optionally an animation and VTK files, of stored results; returns files and descriptions.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ __all__ = ["CycleOfRegion", "cycle_of_region", "cycle_steps", "elastic_strain"]
 def cycle_of_region(
     dataset: Results, region: str | Mapping[str, Any] | None, cycle: Any, *, strain: bool, source: Path | None
 ) -> CycleOfRegion:
-    """Stress, and strain if it is asked for, over a cycle at the points of a stored or of a new region.
+    """Stress, and optionally strain, over a cycle at the points of a stored or of a new region.
 
     Parameters
     ----------

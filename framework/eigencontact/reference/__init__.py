@@ -1,1 +1,1 @@
-"""Reference of the scene as data: every table and key with its meaning, unit, choices and default."""
+"""Reference of the scene as data: all tables and keys with meaning, unit, choices and default."""

@@ -1,4 +1,4 @@
-"""Meanings of the fields of a class, read from its docstring as numpydoc lays it out."""
+"""Meanings of the fields of a class from its numpydoc docstring."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Annotation of a field to what a file may hold there, as JSON Schema; and that in words.
+"""JSON Schema of the values that a field accepts, from its annotation, and a description in words.
 
 Beside the words of JSON Schema a form has ``x-unit``, ``x-rule``, ``x-kind`` (of plugin) and ``x-file``.
 """
@@ -66,7 +66,7 @@ def _any_of(forms: list[Form]) -> Form:
 
 
 def _marked(form: Form, mark: Any) -> Form:
-    """Form with what one mark of an annotation adds."""
+    """Form with the content of one mark of an annotation."""
     if isinstance(mark, FieldInfo):
         for inner in mark.metadata:
             form = _marked(form, inner)
@@ -133,7 +133,7 @@ def in_words(form: Mapping[str, Any]) -> str:
 
 
 def _several(forms: Sequence[Form]) -> str:
-    """Words for the second of two forms if it is an array of the first; else empty."""
+    """Description of the second of two forms if it is an array of the first; else empty."""
     if len(forms) == 2 and forms[1].get("items") == forms[0]:
         return "an array of them"
     inner = forms[1].get("prefixItems") if len(forms) == 2 else None
@@ -159,7 +159,7 @@ def kinds_within(form: Form) -> list[str]:
 
 
 def table_within(hint: Any) -> type | None:
-    """Class of the tables that a field holds, if they are no components."""
+    """Class of the tables in a field, if they are not components."""
 
     def fits(cls: type) -> bool:
         return not issubclass(cls, Component) and (issubclass(cls, BaseModel) or is_dataclass(cls))

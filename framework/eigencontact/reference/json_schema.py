@@ -1,4 +1,4 @@
-"""JSON Schema of a scene, by which editors of TOML complete and check."""
+"""JSON Schema of a scene, for completion and checks in TOML editors."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["json_schema"]
 
 
 def json_schema(registry: Registry) -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of a scene with the plugins that are installed.
+    """JSON Schema (draft 2020-12) of a scene with the installed plugins.
 
     Returns
     -------
@@ -42,7 +42,7 @@ class _Definitions:
         self.definitions: dict[str, Any] = {}
 
     def table(self, cls: type, beside: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Object with the keys of a class, and some beside them."""
+        """Object with the keys of a class, and additional keys."""
         keys = list(keys_of(cls))
         for key in keys:
             self._define(key)
@@ -56,7 +56,7 @@ class _Definitions:
         }
 
     def _define(self, key: Key) -> None:
-        """Make what a key refers to."""
+        """Make the definition of a key."""
         for kind in kinds_within(key.form):
             if kind not in self.definitions:
                 self.definitions[kind] = {}  # a plugin may hold others of its kind
@@ -68,7 +68,7 @@ class _Definitions:
         self.definitions[cls.__name__] = self._with_plugins(cls) if issubclass(cls, ComponentTable) else self.table(cls)
 
     def _with_plugins(self, cls: type[ComponentTable]) -> dict[str, Any]:
-        """Table of a plugin with keys of the scene beside its own: one for each plugin of the kind."""
+        """Table of a plugin with its keys and those of the scene: one for each plugin of the kind."""
         table_form = self.table(cls)
         beside = {name: form for name, form in table_form["properties"].items() if name != "type"}
         needed = [name for name in table_form["required"] if name != "type"]
@@ -86,7 +86,7 @@ class _Definitions:
 
 
 def _further(cls: type) -> bool | dict[str, Any]:
-    """Form of keys that a class does not declare; False where it takes none."""
+    """Form of keys that a class does not declare; False if it accepts none."""
     extra = get_type_hints(cls, include_extras=True).get("__pydantic_extra__") if issubclass(cls, Accuracy) else None
     return False if extra is None else dict(_clean(form_of(extra)["additionalProperties"]))
 
@@ -97,7 +97,7 @@ def _property(key: Key) -> dict[str, Any]:
 
 
 def _clean(form: Any) -> Any:
-    """Form as editors read it: ours beside the words of JSON Schema left out."""
+    """Form for editors, without keys that are not in JSON Schema."""
     if isinstance(form, dict):
         return {name: _clean(value) for name, value in form.items() if not name.startswith("x-")}
     return [_clean(item) for item in form] if isinstance(form, list) else form

@@ -95,7 +95,7 @@ def _of_dataclass(cls: type) -> Iterator[tuple[str, Any, bool, Any]]:
 
 
 def _plain(value: Any) -> Any:
-    """Default as a file would write it; tables and components have defaults of their own keys."""
+    """Default in the form of a file; tables and components have the defaults of their keys."""
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value if isinstance(value, bool | int | float | str) else None

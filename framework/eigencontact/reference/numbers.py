@@ -1,4 +1,4 @@
-"""Every number that a step may have, for the reference page: declarations of all blocks, and of observers."""
+"""All numbers of a step for the reference page, from the declarations of blocks and observers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RULES = {"last": "value of the last step", "sum": "sum over the steps", "max": 
 
 
 def known_numbers() -> dict[str, Number]:
-    """Numbers that blocks may give, by name; those of laws and observers depend on the scene.
+    """Numbers of blocks, by name; those of laws and observers depend on the scene.
 
     Examples
     --------

@@ -16,7 +16,7 @@ __all__ = ["key_at"]
 
 
 def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | None:
-    """Key at a place such as ``"geometry.0.radius"``; None where the place leads into an array or nowhere.
+    """Key at a path such as ``"geometry.0.radius"``; None for a path into an array or without a key.
 
     Parameters
     ----------

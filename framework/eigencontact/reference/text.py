@@ -13,7 +13,7 @@ __all__ = ["as_data", "as_markdown", "key_lines", "overview", "table_text"]
 
 
 def overview(tables: Mapping[str, TableReference], width: int = 100) -> str:
-    """Keys of the scene itself, then every table in a line."""
+    """Keys of the scene, then a list of all tables."""
     lines = [*_table_lines(tables[""], width), "", "Tables:"]
     names = max(map(len, tables))
     for place, table in tables.items():
@@ -44,7 +44,7 @@ def _table_lines(table: TableReference, width: int) -> Iterator[str]:
 
 
 def key_lines(key: Mapping[str, Any], width: int = 100, indent: str = "  ") -> Iterator[str]:
-    """Lines of one key, given as plain data: valid values and default, then the meaning."""
+    """Lines of one key, from plain data: valid values and default, then the meaning."""
     inner, default = indent + "    ", _default(key)
     head = f"{indent}{key['name']}: {key['takes']}" + (f"; {default}" if default else "")
     yield from textwrap.wrap(head, width, subsequent_indent=inner)

@@ -1,1 +1,1 @@
-"""Reports: one self-contained HTML page about a run, made from its stored results."""
+"""Reports of stored runs as one HTML page without other files."""

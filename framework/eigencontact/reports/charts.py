@@ -1,4 +1,4 @@
-"""Small charts of numbers over the steps, as SVG inside the page; colours are those of the page."""
+"""Small charts of numbers over the steps, as SVG in the colours of the page."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MARKED, _POINTS = 40, 600
 
 
 def chart(column: Column, steps: Sequence[int]) -> Markup:
-    """One number over the steps (given by their numbers), in the unit of its scale, as ``svg`` with a title."""
+    """One number over the steps (by their numbers), in the unit of its scale, as ``svg`` with a title."""
     errors = column.errors or (0.0,) * len(steps)
     points, band = [], []
     for step, value, error in zip(steps, column.values, errors, strict=True):
@@ -59,7 +59,7 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
 
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
-    """Chart in words: first and last value, and the largest if it is neither."""
+    """Description of a chart: first and last value, and the largest if it is neither."""
     points = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
     (first, begun), (last, ended) = points[0], points[-1]
     ends = column.with_unit(begun), column.with_unit(ended)

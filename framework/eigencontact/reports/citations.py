@@ -16,7 +16,7 @@ _TEX = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "$": r"\$", "{": r"\{", 
 
 @dataclass(frozen=True)
 class Citation:
-    """One source: its text, and the same in three parts, of which `doi` is empty where the source has nsource."""
+    """Source: its text, and the text in three parts; `doi` is empty for a source without a DOI."""
 
     text: str
     before: str
@@ -42,14 +42,14 @@ def citations(references: Sequence[str]) -> list[Citation]:
 
 
 def _closed(doi: str) -> str:
-    """A DOI without what only follows it: a point, a comma, a bracket that it did not open."""
+    """DOI without a trailing point, comma or unmatched bracket."""
     while doi and (doi[-1] in ".,;:" or (doi[-1] == ")" and doi.count(")") > doi.count("("))):
         doi = doi[:-1]
     return doi
 
 
 def as_bibtex(sources: Sequence[Citation]) -> str:
-    """Entries of kind ``misc``: the source as it is named, its year and DOI; a reference manager fills in the rest.
+    """BibTeX entries of kind ``misc``: text, year and DOI of the source.
 
     What has neither year nor DOI is no publication and has no entry.
 

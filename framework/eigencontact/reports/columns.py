@@ -26,7 +26,7 @@ _ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12
 
 @dataclass(frozen=True)
 class Column:
-    """One number of every step: its declaration, its values by step, None where a step has none, and their errors.
+    """Number of every step: its declaration, its values by step, None where a step has none, and their errors.
 
     The errors are empty where they were not estimated.
     """
@@ -52,7 +52,7 @@ class Column:
 
     @cached_property
     def scale(self) -> Scale:
-        """Engineering unit for all of them."""
+        """Engineering unit for all values."""
         # Observers spell powers with a circumflex; a prefix belongs to what is raised.
         scale = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
         return Scale(scale.factor, scale.unit.replace("m2", "m²").replace("m3", "m³"))
@@ -88,13 +88,13 @@ class Column:
 
     @property
     def varies(self) -> bool:
-        """Whether it changes from step to step."""
+        """Whether the values differ between steps."""
         values = [value for value in self.values if value is not None]
         return len(values) > 1 and max(values) - min(values) > _ROUND_OFF * max(map(abs, values))
 
 
 def columns(dataset: Results) -> list[Column]:
-    """Every number that some step has, in the order of the blocks that compute them, those of observers at the end."""
+    """All numbers of the steps, in the order of the blocks that compute them, those of observers last."""
     listed = []
     for name, variable in dataset.data_vars.items():
         attrs = variable.attrs
@@ -108,7 +108,7 @@ def columns(dataset: Results) -> list[Column]:
 
 
 def telling(columns_of_run: list[Column]) -> list[Column]:
-    """Results among the numbers: neither certificates nor effort, nor what is zero, or round-off, in all steps."""
+    """Results among the numbers, without certificates, iterations, zeros and round-off."""
     largest = {column.name: abs(column.largest or 0.0) for column in columns_of_run}
     load, radius = largest.get("normal_load", 0.0), largest.get("contact_radius", 0.0)
     least = {"N": _ROUND_OFF * load, "N m": _MOMENT * load * radius, "m": _LENGTH * radius}
@@ -120,7 +120,7 @@ def telling(columns_of_run: list[Column]) -> list[Column]:
 
 
 def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
-    """Sentences on the numbers of a run (all of them, with the numbers of its stored steps) after the last step.
+    """Sentences about the numbers of a run (all columns, with the numbers of its stored steps) after the last step.
 
     A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction is
     that of all cycles where the run skips some.
@@ -134,7 +134,7 @@ def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
 
 
 def cards(columns: Iterable[Column]) -> list[Column]:
-    """Headline numbers, in the order of the columns, without those that another number replaces."""
+    """Main results, in the order of the columns, without those that another number replaces."""
     by_name = {column.name: column for column in columns}
     largest = {name: column.largest for name, column in by_name.items()}
     return [by_name[number.name] for number in headline_numbers((c.number for c in by_name.values()), largest)]

@@ -1,4 +1,4 @@
-"""The page: a template, its style and its script, filled in. Every text of a scene is escaped."""
+"""HTML page from a template, its style and script. All texts of a scene are escaped."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TEMPLATES = Path(__file__).parent / "templates"
 
 
 def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
-    """Fill in a template, ``report.html`` or ``sweep.html``, with a scene (TOML) and what else the template names."""
+    """Fill a template, ``report.html`` or ``sweep.html``, with a scene (TOML) and the content of the template."""
     text = (
         _environment()
         .get_template(template)
@@ -55,7 +55,7 @@ def _template_markup(name: str) -> Markup:
 
 
 def _highlighted(text: str) -> Markup:
-    """TOML in the colours of the style sheet; the highlighter escapes what it marks."""
+    """TOML with the colours of the style sheet; the highlighter escapes its text."""
     from pygments import highlight
     from pygments.formatters import HtmlFormatter
     from pygments.lexers import TOMLLexer
@@ -64,7 +64,7 @@ def _highlighted(text: str) -> Markup:
 
 
 def _facts(lines: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Lines of a plan as names with what is said of each."""
+    """Lines of a plan as names and texts."""
     facts: list[tuple[str, list[str]]] = []
     for line in lines:
         name, words = line[:FACT_NAME].strip(), line[FACT_NAME:]

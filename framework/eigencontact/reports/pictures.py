@@ -26,7 +26,7 @@ _SHRUNK = {".png": 0.54, ".gif": 1.0}
 
 @dataclass(frozen=True)
 class Picture:
-    """One picture: the name of its file, a sentence on what it shows, its bytes as a URL of their own, and its size."""
+    """Picture: file name, description, content as a data URL, and size."""
 
     name: str
     sentence: str
@@ -36,7 +36,7 @@ class Picture:
 
 
 def pictures_of(source: Source) -> tuple[list[Picture], bool]:
-    """All pictures of a run, and whether they were drawn anew.
+    """All pictures of a run, and whether they were drawn again.
 
     Those in the folder are taken if each is there and none is younger than the summary that describes them: a command
     ``plot`` may have drawn another step since.
@@ -53,7 +53,7 @@ def pictures_of(source: Source) -> tuple[list[Picture], bool]:
 
 
 def animation_of(source: Source) -> Picture | None:
-    """The animation of a run, if it drew one that a page can hold."""
+    """Animation of a run, if it has one that is small enough for a page."""
     folder, captions = source.file.parent, _captions(source, ".gif")
     small = {name: text for name, text in captions.items() if _size(folder / name) <= _LARGEST}
     return next(iter(read_pictures(folder, small)), None)

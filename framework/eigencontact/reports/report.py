@@ -33,7 +33,7 @@ _ROWS = 200
 
 
 def report(results: str | Path, file: str | Path | None = None) -> Path:
-    """Write one HTML page about a run, or a sweep, which needs no network and no other file.
+    """Write one HTML page about a run or a sweep, which needs no network and no other file.
 
     It holds the scene, what was modelled and what was left out, certificates and warnings, the numbers of all steps,
     the pictures, surface fields that can be turned, times, versions, and the sources to cite. Of a run that is not
@@ -107,7 +107,7 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 
 def _content(source: Source) -> dict[str, Any]:
-    """Everything that the template shows."""
+    """Content of the template."""
     from eigencontact.core.numbers import ErrorBar
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations

@@ -26,7 +26,7 @@ __all__ = ["Source", "opened"]
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Results of a run, open: the file where they lie, or would lie, its stored steps, and whether these are all.
+    """Open results of a run: path of the results file, stored steps, and whether the run is finished.
 
     `summary` holds the contents of ``summary.json``; it is empty where there is none of this run.
     """
@@ -38,12 +38,12 @@ class Source:
 
     @cached_property
     def steps(self) -> list[int]:
-        """Numbers of the steps that are stored."""
+        """Numbers of the stored steps."""
         return [int(number) for number in self.dataset["step"].values]
 
     @property
     def expected(self) -> int:
-        """Number of steps of the whole history, as it was planned."""
+        """Planned number of steps of the whole history."""
         return int(self.dataset.attrs["load_steps"])
 
     @property
@@ -53,7 +53,7 @@ class Source:
 
     @property
     def scene_text(self) -> str:
-        """The scene as TOML, with every default filled in."""
+        """Scene as TOML, with all defaults."""
         return str(self.dataset.attrs["scene"])
 
     @cached_property
@@ -63,7 +63,7 @@ class Source:
 
     @cached_property
     def plan(self) -> dict[str, Any]:
-        """The plan in words, by paragraph; empty in results of versions that did not store it."""
+        """Plan as text, by paragraph; empty in results of versions that did not store it."""
         return dict(json.loads(self.dataset.attrs.get("plan", "{}")))
 
     @property
@@ -73,13 +73,13 @@ class Source:
 
     @property
     def references(self) -> list[str]:
-        """Sources to cite for what the run used."""
+        """Sources to cite for the run."""
         return [line for line in str(self.dataset.attrs["references"]).splitlines() if line.strip()]
 
 
 @contextmanager
 def opened(results: str | Path) -> Iterator[Source]:
-    """Open the results of a run, a folder or its ``results.nc``; those of an unfinished one as far as they go.
+    """Open the results of a run, a folder or its ``results.nc``; of an unfinished run its stored steps.
 
     `ResultsError` when there is nothing, or a file that is damaged or not ours.
     """
@@ -103,7 +103,7 @@ def opened(results: str | Path) -> Iterator[Source]:
 
 
 def _folder(results: str | Path) -> Path | None:
-    """Folder that is meant, where a path is one."""
+    """Folder of a path."""
     try:
         path = Path(results)
         return path if path.is_dir() else path.parent if path.name == RESULTS else None

@@ -65,7 +65,7 @@ def surfaces(dataset: Results) -> list[dict[str, Any]]:
 
 
 def _places(dataset: Results) -> list[int]:
-    """Positions of the steps to show: evenly spread, the last and that of the largest pressure among them."""
+    """Indices of the displayed steps: evenly spaced, with the last step and the step of the largest pressure."""
     count = dataset.sizes["step"]
     if count <= STEPS:
         return list(range(count))
@@ -75,7 +75,7 @@ def _places(dataset: Results) -> list[int]:
 
 
 def _values(dataset: Results, name: str, places: list[int]) -> NDArray[Any] | None:
-    """The field at these steps, (n, ny, nx), in SI units; None where there is none. What is missing is zero."""
+    """Field at these steps, (n, ny, nx), in SI units, zero where missing; None without the field."""
     if name == "shear":
         fields = [_values(dataset, f"shear_{axis}", places) for axis in "xy"]
         components = [field for field in fields if field is not None]

@@ -37,12 +37,12 @@ class Sweep:
 
     @cached_property
     def summaries(self) -> list[dict[str, Any]]:
-        """Contents of the ``summary.json`` of every variant; empty where it failed."""
+        """Contents of the ``summary.json`` of every variant; empty for failed variants."""
         return [read_json(self.folder / variant["folder"] / SUMMARY) for variant in self.variants]
 
     @cached_property
     def failed(self) -> list[str]:
-        """Why each variant has no numbers; empty where it has."""
+        """Reason of failure of each variant; empty for successful variants."""
         records = [read_json(self.folder / variant["folder"] / _FAILED) for variant in self.variants]
         return [
             "" if summary else str(record.get("failed", "it was not run"))
@@ -51,7 +51,7 @@ class Sweep:
 
     @cached_property
     def first(self) -> dict[str, Any]:
-        """Attributes of the results of the first variant that has some; empty where none has."""
+        """Attributes of the results of the first successful variant; empty if all failed."""
         from eigencontact.results.stored import open_stored
 
         for variant, summary in zip(self.variants, self.summaries, strict=True):
@@ -67,7 +67,7 @@ class Sweep:
 
 
 def open_sweep(results: str | Path) -> Sweep | None:
-    """The sweep whose folder a path is; None where it is none.
+    """Sweep in a folder; None for other folders.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def open_sweep(results: str | Path) -> Sweep | None:
 
 
 def content_of(sweep: Sweep) -> dict[str, Any]:
-    """Everything that the template ``sweep.html`` shows."""
+    """Content of the template ``sweep.html``."""
     from eigencontact.reports.citations import as_bibtex, citations
     from eigencontact.reports.columns import Column, telling
     from eigencontact.reports.pictures import read_pictures
@@ -133,7 +133,7 @@ def _number(summary: dict[str, Any], name: str) -> float | None:
 
 
 def _warnings(sweep: Sweep) -> list[tuple[str, list[str]]]:
-    """Each warning, and the variants that have it."""
+    """Each warning, with the variants that have it."""
     folders: dict[str, list[str]] = {}
     for variant, summary in zip(sweep.variants, sweep.summaries, strict=True):
         for caution in summary.get("warnings", []):

@@ -1,4 +1,4 @@
-"""Files that are either complete or absent: written under a temporary name, flushed to the disk, renamed."""
+"""Atomic files: written under a temporary name, flushed to the disk, renamed."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) ->
 
 
 class Sink:
-    """Binary file that remembers a failed write instead of raising it.
+    """Binary file that stores the error of a failed write instead of raising it.
 
     The HDF5 library cannot close a file whose last bytes did not fit on the disk; it may then bring the interpreter
     down. Written through a sink it always closes; `replacing` looks at ``error`` afterwards and discards the file.
@@ -90,7 +90,7 @@ class Sink:
             return size or 0
 
     def check(self) -> None:
-        """Raise what a write failed with."""
+        """Raise the error of a failed write."""
         if self.error is not None:
             raise self.error
 
@@ -106,7 +106,7 @@ def open_hdf5(file: Path | Sink, mode: str) -> Any:
 
 
 def partial_name(path: Path) -> Path:
-    """Temporary name, in the same folder, under which `path` is written."""
+    """Temporary name in the same folder for writing `path`."""
     return path.with_name(f".{path.name}.partial")
 
 
@@ -116,7 +116,7 @@ def reason(error: BaseException) -> str:
 
 
 def writable_folder(folder: Path) -> None:
-    """Make a folder with its parents where missing, and try to write in it.
+    """Make a folder with its parents if missing, and check that it is writable.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def writable_folder(folder: Path) -> None:
 def replacing(
     path: Path, what: str, *, lasting: bool = True, kept: str = "--resume keeps the steps that are stored"
 ) -> Iterator[Sink]:
-    """Open a temporary file that becomes `path` when the block ends well, and vanishes when it does not.
+    """Open a temporary file that replaces `path` when the block succeeds, and is removed otherwise.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def replacing(
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Table in a JSON file; empty where there is none that can be read."""
+    """Table in a JSON file; empty if the file is missing or unreadable."""
     try:
         return dict(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, RecursionError):
@@ -207,7 +207,7 @@ def _discard(partial: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Put the rename itself on the disk, where the system can (POSIX)."""
+    """Flush the rename to the disk, on systems that can (POSIX)."""
     if os.name != "posix":
         return
     handle = os.open(folder, os.O_RDONLY)

@@ -1,4 +1,4 @@
-"""Variables of a results file, and borders of inclusions that it stores for pictures: on planes, and along lines."""
+"""Variables of a results file, and stored borders of inclusions for pictures: on planes, and along lines."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class LineBorders:
 
 
 def border_variables(sections: Sequence[Section]) -> Iterator[Variable]:
-    """Variables for all sections: a table of them, and the segments, which copies of one inclusion share."""
+    """Variables for all sections: a table of sections, and the segments, which copies of one inclusion share."""
     if not sections:
         return
     first, count, shared = dict[int, int](), 0, list[FloatArray]()
@@ -102,7 +102,7 @@ def line_variables(lines: Mapping[str, LineBorders]) -> Iterator[Variable]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variable:
-    """One array of a results file: its dimensions (``step`` first where it changes), values and attributes."""
+    """Array of a results file: its dimensions (``step`` first if it changes), values and attributes."""
 
     name: str
     dims: tuple[str, ...]

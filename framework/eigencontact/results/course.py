@@ -117,7 +117,7 @@ def course_table(history: Sequence[Mapping[str, Any]], units: Mapping[str, str] 
 
 
 def _narrow(steps: list[str], texts: list[list[str]]) -> Iterator[list[list[str]]]:
-    """Columns in groups that fit into the width, each beside the numbers of the steps."""
+    """Columns in groups that fit into the width, each with the numbers of the steps."""
     group, width = list[list[str]](), 0
     for column in texts:
         column_width = len(_GAP) + max(map(len, column))
@@ -172,7 +172,7 @@ def _table_columns(
 
 
 def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[list[int], bool]:
-    """Positions of the steps to show, and whether those of the middle are left out.
+    """Indices of the displayed steps, and whether middle steps are omitted.
 
     All of a few; else the first, the last, ends of ramps and turns.
     """

@@ -139,12 +139,12 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
 
 
 def skips_cycles(history: Mapping[str, ArrayLike]) -> bool:
-    """Whether a history skips cycles between those that are solved."""
+    """Whether a history skips cycles between the solved ones."""
     return "cycles" in history and bool(np.any(np.diff(np.asarray(history["cycles"], dtype=float)) > 1.0))
 
 
 def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | None:
-    """Work of friction at each step [J], including skipped cycles; None where it is not stored.
+    """Work of friction at each step [J], including skipped cycles; None if it is not stored.
 
     Where cycles are skipped it is the work up to the last cycle that ended.
 
@@ -158,7 +158,7 @@ def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | Non
 
 
 def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Loads and displacements in units of their ranges, ``(steps, k)``, of the pairs that do work worth the name."""
+    """Loads and displacements relative to their ranges, ``(steps, k)``, of the pairs with significant work."""
     pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
     works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
     driven = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
@@ -187,7 +187,7 @@ def _ends(states: NDArray[np.float64]) -> tuple[int, int] | None:
 
 
 def _polygon(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Closed integral of y dx round a polygon, positive where it is run clockwise.
+    """Closed integral of y dx around a polygon, positive for clockwise order.
 
     That is the sign of a load y that takes up work: it is higher on the way out than on the way back.
     """

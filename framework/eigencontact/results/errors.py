@@ -1,4 +1,4 @@
-"""Fields that follow from all steps, and errors of fields, in a results file that is finished."""
+"""Additional variables of a finished results file: evaluations of all steps, and errors of fields."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["append"]
 
 
 def append(results: Path, variables: Iterable[Variable]) -> None:
-    """Add variables with existing dimensions to a results file, which is replaced complete or not at all.
+    """Add variables with existing dimensions to a results file, atomically.
 
     Those that it has already are replaced.
 

@@ -1,4 +1,4 @@
-"""History fields of bodies beside the stored steps: the next step and fields in new regions start from them.
+"""History fields of bodies, stored beside the steps for the next step and for fields in new regions.
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
@@ -35,7 +35,7 @@ def history_name(step: Path) -> Path:
 
 
 def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
-    """History fields of bodies after a step, from an open file; empty where the file has none."""
+    """History fields of bodies after a step, from an open file; empty if the file has none."""
     if HISTORY_STEP not in file:
         return {}
     steps = [int(step) for step in file[HISTORY_STEP][...]]

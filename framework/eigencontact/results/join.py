@@ -36,7 +36,7 @@ _GROUP = 64
 
 @dataclass(slots=True)
 class Column:
-    """A joined variable: its form in a step, how many steps there are, and in how many it occurs."""
+    """Joined variable: its form in a step, the number of steps, and the number of steps with it."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -53,17 +53,17 @@ class Column:
 
     @property
     def missing(self) -> bool:
-        """Whether it is missing in some steps; NaN there."""
+        """Whether it is missing in some steps, which have NaN."""
         return self.stepped and self.count < self.steps
 
     @property
     def whole(self) -> tuple[int, ...]:
-        """Shape of it joined."""
+        """Shape of the joined variable."""
         return (self.steps, *self.shape[1:]) if self.stepped else self.shape
 
 
 def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[Path | Part] = ()) -> None:
-    """Join steps, and histories after some of them, in order, into one netCDF-4 file; it is replaced atomically.
+    """Join steps, and histories after some of them, in order, into one netCDF-4 file, atomically.
 
     A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others. Numbers
     are stored as they are, but for bands of large fields that are zero, which are left out. The layout was chosen by
@@ -90,7 +90,7 @@ def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[P
 
 
 def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Dataset:
-    """Join steps into a dataset in memory, equal to what `join_steps` stores and xarray reads.
+    """Join steps into a dataset in memory, equal to the file of `join_steps` opened by xarray.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def _column(variable: Any, steps: int) -> Column:
 
 
 def _values(sources: Sequence[Path | Part], columns: Mapping[str, Column]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Each variable of some steps, joined over them; constant variables from the last step."""
+    """Values of each variable in some steps, joined; constant variables from the last step."""
     with ExitStack() as stack:
         parts = [(source, stack.enter_context(_opened(source))) for source in sources]
         for name, column in columns.items():
@@ -192,7 +192,7 @@ def _place(arrays: Any, variable: Any, column: Column, columns: Mapping[str, Col
 
 @contextmanager
 def _opened(source: Path | Part) -> Iterator[Any]:
-    """Open a step for reading, where it is a file."""
+    """Open a step for reading, if it is a file."""
     if isinstance(source, Part):
         yield source
         return
@@ -215,7 +215,7 @@ def _damage_named(source: Path | Part) -> Iterator[None]:
 
 
 def stored_files(folder: Path) -> list[Path]:
-    """Files of the steps 1, 2, ... of an unfinished run, up to the first gap; none where a run is finished."""
+    """Files of the steps 1, 2, ... of an unfinished run, up to the first gap; empty for a finished run."""
     steps = folder / STEPS
     if (folder / RESULTS).exists() or not steps.is_dir():
         return []
@@ -229,7 +229,7 @@ def stored_files(folder: Path) -> list[Path]:
 
 
 def join_unfinished(folder: Path, target: Path) -> int:
-    """Join the stored steps of an unfinished run, and what its bodies remember after the last, into another file.
+    """Join the stored steps of an unfinished run, and the history after the last, into another file.
 
     Returns the number of steps; nothing is written where it is 0. `ResultsError` when a step is damaged, or the file
     cannot be stored.

@@ -48,7 +48,7 @@ TEXT = np.dtype("O", metadata={"vlen": str})
 
 
 def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
-    """Attributes of the whole file: conventions, provenance, and what the variable names alone do not tell."""
+    """Attributes of the whole file: conventions, provenance, and meanings of the variables."""
     from eigencontact import __version__
 
     described = {
@@ -91,7 +91,7 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
 
 
 def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
-    """Return every variable of one step, coordinates first.
+    """Return all variables of one step, coordinates first.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
 
 
 def coordinate(name: str, values: Any, meaning: str, dim: str = "", unit: str = "1") -> Variable:
-    """Coordinate along a dimension, by default its own."""
+    """Coordinate along a dimension, by default with the name of the dimension."""
     attrs: dict[str, str | int] = {"role": "coordinate", "units": unit, "long_name": meaning}
     return Variable(name=name, dims=(dim or name,), values=np.asarray(values), attrs=attrs)
 

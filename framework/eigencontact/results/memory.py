@@ -34,7 +34,7 @@ _STEPPED = (("step",), (HISTORY_STEP,))
 
 @dataclass(slots=True)
 class MemoryStore:
-    """Steps of one run, as `eigencontact.results.store.ResultStore` would store them; `info` holds for all steps."""
+    """Steps of one run in memory, with the content of `eigencontact.results.store.ResultStore`; `info` is common."""
 
     info: RunInfo
     _steps: list[Part] = field(default_factory=list)
@@ -42,7 +42,7 @@ class MemoryStore:
     _rows: list[dict[str, Any]] = field(default_factory=list)
 
     def write_step(self, record: StepRecord) -> None:
-        """Keep a copy of an accepted step.
+        """Store a copy of an accepted step.
 
         Raises
         ------
@@ -57,7 +57,7 @@ class MemoryStore:
         self._rows.append(record.row())
 
     def history(self, last: StepRecord) -> list[dict[str, Any]]:
-        """Scalars of every step in order; NaN where a step before the last has none of a name."""
+        """Scalars of every step in order; NaN where an earlier step lacks one."""
         nothing = dict.fromkeys((name for row in self._rows for name in row), float("nan"))
         return [*(nothing | row for row in self._rows[:-1]), last.row()]
 
@@ -66,16 +66,16 @@ class MemoryStore:
         join_steps(path, self._steps, self._histories)
 
     def dataset(self) -> xr.Dataset:
-        """Dataset as `eigencontact.results.reader.open_results` returns it; the call releases the stored steps."""
+        """Dataset like that of `eigencontact.results.reader.open_results`; the call releases the stored steps."""
         return dataset_of(self._steps, self._histories)
 
     def results(self) -> MemoryResults:
-        """Variables of the stored steps, as long as no dataset was asked for."""
+        """Variables of the stored steps, until the dataset is requested."""
         return MemoryResults(self._steps, self._histories)
 
     @contextmanager
     def opened(self) -> Iterator[MemoryResults]:
-        """The same in a ``with`` block, like those of a folder."""
+        """Variables of the stored steps in a ``with`` block, like those of a folder."""
         yield self.results()
 
     def append(self, variables: Iterable[Variable]) -> None:
@@ -90,7 +90,7 @@ class MemoryStore:
 
 
 class MemoryResults:
-    """Variables of steps in memory, as `eigencontact.results.stored.open_stored` gives those of a file."""
+    """Variables of steps in memory, like those of `eigencontact.results.stored.open_stored` for a file."""
 
     def __init__(self, steps: list[Part], histories: list[Part]) -> None:
         remembered = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
@@ -113,7 +113,7 @@ class MemoryResults:
 
     @property
     def data_vars(self) -> dict[str, _MemoryVariable]:
-        """Variables that are no coordinates."""
+        """Variables that are not coordinates."""
         return {name: item for name, item in self.variables.items() if item.attrs.get("role") != "coordinate"}
 
 

@@ -38,7 +38,7 @@ _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 def lay_out(
     file: Any, dimensions: Mapping[str, int], variables: Mapping[str, Column], attrs: Mapping[str, Any]
 ) -> None:
-    """Make all variables of an empty HDF5 file, with the size of every dimension; they are filled afterwards.
+    """Make all variables of an empty HDF5 file, with the size of every dimension, to be filled later.
 
     A variable that bears the name of a dimension is its coordinate.
     """
@@ -62,7 +62,7 @@ def lay_out(
 
 
 def fill(target: Any, start: int, values: NDArray[Any]) -> None:
-    """Write values into an array as `lay_out` made it, from a place of its first dimension on.
+    """Write values into an array of `lay_out`, from an index of its first dimension on.
 
     Bands that are zero throughout are left out of the file: what is not there is read as zero. Most of a surface is
     free of pressure and shear.
@@ -80,7 +80,7 @@ def fill(target: Any, start: int, values: NDArray[Any]) -> None:
 
 
 def _bands(shape: tuple[int, ...], dtype: DTypeLike) -> tuple[int, ...] | None:
-    """Shape of the bands of whole rows that store a large array of fields; None for storage in one piece."""
+    """Chunk shape of whole rows for a large array of fields; None for contiguous storage."""
     if len(shape) < 3:
         return None
     row = np.dtype(dtype).itemsize * shape[-1]
@@ -107,7 +107,7 @@ def _describer(h5py: Any) -> Any:
 
 
 def _attach(h5py: Any, file: Any, dims: Mapping[str, tuple[str, ...]]) -> None:
-    """Tell variables their scales, and scales their variables: what H5DSattach_scale does, for all at once.
+    """Attach dimension scales to all variables at once, like H5DSattach_scale.
 
     One by one, the list of a scale would be read and written again for each of its variables.
     """

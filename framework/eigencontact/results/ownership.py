@@ -46,7 +46,7 @@ def is_ours(path: Path) -> bool:
 
 
 def listed_files(folder: Path) -> list[str]:
-    """Names of the files in the list of a folder's summary; none without a summary of this program."""
+    """Names of the files in the list of a folder's summary; None without a summary of this program."""
     summary = read_json(folder / SUMMARY)
     try:
         return [str(name) for name in summary["files"]] if "scene_hash" in summary else []
@@ -100,7 +100,7 @@ def refuse_foreign_file(path: Path, remedy: str = "") -> None:
 
 
 def _holds(path: Path, mark: bytes) -> bool:
-    """Whether the bytes of a file hold a mark; files of ours have it near their start."""
+    """Whether the bytes of a file contain a mark of this program, near their start."""
     tail = b""
     with path.open("rb") as file:
         while block := file.read(_BLOCK):
@@ -111,7 +111,7 @@ def _holds(path: Path, mark: bytes) -> bool:
 
 
 def refuse_results(folder: Path, *, overwrite: bool) -> None:
-    """Refuse a folder with results before they are computed anew: their cells are not known yet."""
+    """Refuse a folder with results before they are computed again, when their cells are not yet chosen."""
     results = next((name for name in (RESULTS, STEPS) if (folder / name).exists()), None)
     if results is not None and not overwrite:
         raise ResultsError(

@@ -39,7 +39,7 @@ _LINE = 80
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Stored:
-    """An array of a part; `read` fetches it, whole."""
+    """Array of a part; `read` reads it completely."""
 
     attrs: dict[str, Any]
     shape: tuple[int, ...]
@@ -56,7 +56,7 @@ class Stored:
 
 
 class Part(dict[str, Stored]):
-    """Arrays by name; `attrs` are those of the whole."""
+    """Arrays by name; `attrs` are the attributes of the whole."""
 
     def __init__(self, attrs: Mapping[str, Any], arrays: Mapping[str, Stored]) -> None:
         super().__init__(arrays)
@@ -64,7 +64,7 @@ class Part(dict[str, Stored]):
 
 
 def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable], *, copied: bool = True) -> Part:
-    """Part in memory; it holds copies, or the arrays themselves, which then must not change as long as it is used."""
+    """Part in memory, with copies or with the arrays themselves, which then must not change while it is used."""
 
     def stored_copy(variable: Variable) -> Stored:
         values = np.array(variable.values) if copied else variable.values
@@ -95,7 +95,7 @@ def write_part(sink: Sink, attrs: Mapping[str, Any], variables: Sequence[Variabl
 
 @contextmanager
 def open_part(path: Path) -> Iterator[Any]:
-    """Open a stored step or joined results: a `Part`, or the HDF5 file itself.
+    """Open a stored step or joined results: a `Part`, or the HDF5 file.
 
     Raises
     ------

@@ -24,7 +24,7 @@ __all__ = ["open_results", "opened_whole", "results_file"]
 
 
 def open_results(path: str | Path) -> xr.Dataset:
-    """Open the results of a finished run; arrays are read when they are used.
+    """Open the results of a finished run; arrays are read on demand.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def open_results(path: str | Path) -> xr.Dataset:
 
 
 def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:
-    """Open the results of a finished run; refuse a file of another format, or without the variables that it lists."""
+    """Open the results of a finished run; refuse files of another format, or without the listed variables."""
     file = results_file(path)
     try:
         dataset = opener(file)
@@ -109,7 +109,7 @@ def results_file(path: str | Path) -> Path:
 
 
 def _missing(dataset: xr.Dataset | _Stored) -> str:
-    """Fault of the attribute ``regions``, as text: no list, or a variable that the file does not hold."""
+    """Error of the attribute ``regions``, as text: no list, or a variable that is missing in the file."""
     try:
         regions = json.loads(dataset.attrs["regions"])
         names = [

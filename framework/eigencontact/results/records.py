@@ -23,7 +23,7 @@ FACT_NAME = 12
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RegionRecord:
-    """Sub-surface fields on one requested set of points.
+    """Fields below the surface at the points of one region.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class RegionRecord:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HistoryRecord:
-    """Something that a body remembers from step to step.
+    """History field of a body.
 
     Attributes
     ----------
@@ -127,11 +127,11 @@ class StepRecord:
     history: dict[str, HistoryRecord] = field(default_factory=dict)
 
     def without_arrays(self) -> StepRecord:
-        """Numbers of the step alone: its fields are stored, and their memory can be used."""
+        """Numbers of the step without its fields, whose memory can be released after storage."""
         return replace(self, fields={}, regions={}, history={})
 
     def row(self) -> dict[str, float]:
-        """Every number of the step by name."""
+        """All numbers of the step by name."""
         return {"step": self.index, "time": self.time, **self.scalars, **self.observed}
 
 

@@ -40,7 +40,7 @@ __all__ = [
 
 
 def step_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
-    """Build a step as it will be joined, in memory; `ResultsError` as of `eigencontact.results.layout.variables`."""
+    """Build a step for joining, in memory; raises `ResultsError` like `eigencontact.results.layout.variables`."""
     return part_of(attributes(info, record), variables(info, record), copied=copied)
 
 
@@ -50,7 +50,7 @@ def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> P
 
 
 def write_step(path: Path, info: RunInfo, record: StepRecord, *, lasting: bool = True) -> None:
-    """Store one step atomically, and before it, in a file beside it, what the bodies remember after it.
+    """Store one step atomically, after a separate file with the history of the bodies.
 
     `lasting` is that of `eigencontact.results.atomic.replacing`. `ResultsError` when it cannot be stored; nothing is
     left behind then.
@@ -89,7 +89,7 @@ def stored_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
-    """Read one step back, without its history, from its own file or from the results of a run."""
+    """Read one step, without its history, from its own file or from the results of a run."""
     with _opened(path, scene_hash) as file:
         steps = [int(step) for step in file["step"][...]]
         if index not in steps:
@@ -98,7 +98,7 @@ def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
 
 
 def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRecord]:
-    """Read what the bodies remembered after a step, from beside the file of the step or from the results of a run.
+    """Read the history of the bodies after a step, from its own file or from the results of a run.
 
     Empty where they remember nothing, or where it was not kept.
     """
@@ -108,13 +108,13 @@ def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRe
 
 
 def names_remembered(path: Path) -> list[str]:
-    """Names of what bodies remember after a stored step, kept or not."""
+    """Names of the history fields after a stored step."""
     return [str(name) for name in json.loads(read_attributes(path).get("history", "[]"))]
 
 
 @contextmanager
 def _opened(path: Path, scene_hash: str | None = None) -> Iterator[Any]:
-    """Open a file of ours, of this scene where one is given; damage inside is reported too."""
+    """Open a file of this program, and optionally of this scene; reports damaged files."""
     try:
         with open_part(path) as file:
             file_format, stored_hash = file.attrs.get("format"), file.attrs.get("scene_hash")
@@ -177,7 +177,7 @@ class _Variable:
 
 
 def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, list[str]]:
-    """Step of results, the last by default, with its surface fields and what the bodies remember after it.
+    """Step of results, the last by default, with its surface fields and the history of the bodies.
 
     The record has no regions; the names of what the bodies remember after a step, kept or not, come with it.
     `SceneError` for a step that the results do not hold.

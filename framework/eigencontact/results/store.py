@@ -128,7 +128,7 @@ class ResultStore:
 
     @property
     def finished(self) -> bool:
-        """Whether the folder holds the results of this run and no steps of an unfinished one."""
+        """Whether the folder holds the results of this run and no steps of an unfinished run."""
         path = self.folder / RESULTS
         unfinished = (self.folder / STEPS / _MARK).exists() or not path.exists()
         return not unfinished and _results_hash(path) == self.info.scene_hash
@@ -196,7 +196,7 @@ class ResultStore:
         return usable
 
     def _remembers(self, index: int) -> bool:
-        """Whether a step can be continued: its history can be read, if it has any."""
+        """Whether the run can continue from a step: its history is readable, if it has one."""
         path = self._path(index)
         try:
             if not names_remembered(path) or read_history(path, self.info.scene_hash, index):
@@ -253,7 +253,7 @@ class ResultStore:
         return open_stored(self.folder)
 
     def append(self, variables: Iterable[Variable]) -> None:
-        """Add variables over all steps, or of the run, to the finished results; `ResultsError` if it cannot."""
+        """Add variables of all steps, or of the run, to the finished results; `ResultsError` on failure."""
         from eigencontact.results.errors import append
 
         append(self.folder / RESULTS, variables)
@@ -270,14 +270,14 @@ class ResultStore:
         _remove_steps(self.folder)
 
     def history(self, last: StepRecord) -> list[dict[str, Any]]:
-        """Numbers of every stored step, the last one as it is in memory; in order."""
+        """Numbers of all stored steps in order, the last one from memory."""
         results = self.folder / RESULTS
         paths = [results] if results.exists() else list(_step_files(self.folder / STEPS).values())
         rows = [row for path in paths for row in stored_rows(path) if row["step"] != last.index]
         return sorted([*rows, last.row()], key=lambda row: float(row["step"]))
 
     def dataset(self) -> xr.Dataset:
-        """Open the finished results; `ResultsError` where they have been replaced by those of another scene."""
+        """Open the finished results; `ResultsError` if results of another scene have replaced them."""
         results = open_results(self.folder)
         if results.attrs["scene_hash"] != self.info.scene_hash:
             results.close()
@@ -365,7 +365,7 @@ def _remove_own(folder: Path) -> None:
 
 
 def _remove_steps(folder: Path) -> None:
-    """Remove the folder of steps; its mark goes first, so that a kill in between leaves nothing to resume wrongly."""
+    """Remove the folder of steps, its mark first, so that an interruption leaves no steps to resume."""
     steps = folder / STEPS
     if not steps.is_dir():
         return

@@ -1,4 +1,4 @@
-"""Stored results as pictures and VTK files read them: what they ask of an xarray dataset, by h5py alone.
+"""Stored results for pictures and VTK files: the interface of an xarray dataset, by h5py.
 
 Importing xarray, and pandas with it, takes longer than most pictures.
 """
@@ -69,7 +69,7 @@ class Results(Protocol):
 
     @property
     def data_vars(self) -> Mapping[Any, Variable]:
-        """Variables that are no coordinates."""
+        """Variables that are not coordinates."""
 
     def __contains__(self, name: object) -> bool: ...
     def __iter__(self) -> Iterator[Any]: ...
@@ -95,7 +95,7 @@ def open_stored(path: str | Path) -> _Stored:
 
 @dataclass(slots=True)
 class Held:
-    """Values of a variable that are in memory."""
+    """Values of a variable in memory."""
 
     values: NDArray[Any]
 
@@ -107,7 +107,7 @@ class Held:
 
 
 class _Variable:
-    """Variable of the file; an index reads what it asks for."""
+    """Variable of the file; indexing reads the selected values."""
 
     def __init__(self, array: Any) -> None:
         text = array.dtype.kind == "O"
@@ -146,7 +146,7 @@ class _Variable:
 
     @property
     def coordinates(self) -> str:
-        """Names of coordinates beside its dimensions."""
+        """Names of coordinates that are not dimensions."""
         return str(self._stored.attrs.get("coordinates", ""))
 
 
@@ -188,11 +188,11 @@ class _Stored:
 
     @cached_property
     def data_vars(self) -> dict[str, _Variable]:
-        """Variables that are no coordinates."""
+        """Variables that are not coordinates."""
         beside = {name for variable in self.variables.values() for name in variable.coordinates.split()}
         return {name: variable for name, variable in self.variables.items() if name not in beside | self.sizes.keys()}
 
 
 def _plain(value: Any) -> Any:
-    """One number of a list of one; text as it is."""
+    """Number of a list with one element; text unchanged."""
     return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value

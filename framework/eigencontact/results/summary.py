@@ -22,7 +22,7 @@ __all__ = ["headlines", "summary_of", "write_summary"]
 def summary_of(
     info: RunInfo, record: StepRecord, history: Sequence[Mapping[str, Any]], extra: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Contents of ``summary.json``, from the last accepted step and the numbers of every step by name, in order.
+    """Content of ``summary.json``, from the last accepted step and the numbers of all steps by name, in order.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def summary_of(
 
 
 def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Label and value of the headline numbers of a summary, with unit and error; one that was always zero is left out.
+    """Labels and values of the main results of a summary, with unit and error, without those that are always zero.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:
 
 
 def _plain(value: Any) -> Any:
-    """Plain JSON values: numpy scalars become numbers, what is not finite becomes None, paths become text."""
+    """Plain JSON values: numpy scalars as numbers, infinite values and NaN as None, paths as text."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -1,4 +1,4 @@
-"""Accuracy table of a scene: how accurate its numbers must be, and what that may cost."""
+"""Accuracy table of a scene: largest errors of its numbers, time and memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _RULE = 'a part of the number, as "1 %" or 0.01, or an error with a unit, as "2 
 
 
 def part_of(target: float | str) -> float | None:
-    """Part of a number that a target allows as its error; None where it is an error with a unit.
+    """Relative error of a target; None for an error with a unit.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def part_of(target: float | str) -> float | None:
 
 
 def _target(value: Any) -> Any:
-    """Refuse what cannot be a target; the unit of an error is checked with that of its number."""
+    """Check a target; the unit of an error is checked later with that of its number."""
     if isinstance(value, str):
         head = NUMBER.match(value.strip())
         unit = "" if head is None else value.strip()[head.end() :].strip()
@@ -50,7 +50,7 @@ def _target(value: Any) -> Any:
 
 
 def _entry(value: Any) -> Any:
-    """Refuse what can be neither a target of a number nor a table of targets of a field by region."""
+    """Check a target of a number, or a table of targets of a field by region."""
     if not isinstance(value, Mapping):
         return _target(value)
     try:
@@ -106,7 +106,7 @@ class Accuracy(Table):
 
 
 def accuracy_table(targets: Any) -> dict[str, Any]:
-    """Table of what a call asks for: one target for all main results, or targets by name.
+    """Table of an accuracy argument: one target for all main results, or targets by name.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def accuracy_table(targets: Any) -> dict[str, Any]:
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | Mapping[str, Any]) -> Scene:
-    """Scene that asks for an accuracy; what it asks for itself stays where the call says nothing else."""
+    """Scene with an accuracy; its own targets remain unless the call replaces them."""
     from eigencontact.scene.schema import Scene
 
     tables = scene.resolved()

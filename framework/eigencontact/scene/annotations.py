@@ -17,5 +17,5 @@ def parts_of(hint: Any) -> Iterator[Any]:
 
 
 def class_within(hint: Any, fits: Callable[[type], bool]) -> Any:
-    """First class in an annotation such as ``list[Step] | None`` that fits; None where there is none."""
+    """First suitable class in an annotation such as ``list[Step] | None``; None without one."""
     return next((candidate for candidate in parts_of(hint) if isinstance(candidate, type) and fits(candidate)), None)

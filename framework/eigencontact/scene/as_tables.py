@@ -1,4 +1,4 @@
-"""Convert components that stand in place of tables of a scene to tables."""
+"""Conversion of components in place of tables of a scene to tables."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NESTED = ("type", "eigenstrain", "material", "value")
 
 
 def with_tables(model: type[BaseModel], data: Mapping[str, Any]) -> dict[str, Any]:
-    """Data of a model with tables in place of components, in the fields that hold plugins."""
+    """Data of a model with tables in place of components, in the fields of plugins."""
     out = dict(data)
     for name, field in model.model_fields.items():
         if name in out and (

@@ -60,7 +60,7 @@ def non_negative(unit: str) -> Check:
 
 
 def finite(unit: str) -> Check:
-    """Not NaN, not infinite, not larger than can be reckoned with; rounding may have left any small number."""
+    """Require a finite number within the range of computations; small numbers may result from rounding."""
     return _sized(unit, _check(f"finite [{unit}]", isfinite), smallest=0.0)
 
 
@@ -85,14 +85,14 @@ def in_range(low: float, high: float, unit: str, *, open_low: bool = False) -> C
 
 
 def folder_name(value: str) -> str:
-    """Name that is safe for a folder, or none."""
+    """Require a valid folder name, or an empty text."""
     if value and not is_folder_name(value):
         raise ValueError(FOLDER_RULE)
     return value
 
 
 def printable(value: str) -> str:
-    """Text without control characters: results, pictures and terminals cannot hold them."""
+    """Require text without control characters, which results, pictures and terminals cannot contain."""
     if any(unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\t\n\r" for letter in value):
         raise ValueError("text without control characters")
     return value
@@ -135,7 +135,7 @@ def only_numbers(hint: Any, value: Any) -> None:
 
 
 def _items(value: Any) -> Iterator[Any]:
-    """Single values of arrays in arrays; an array of numpy stands for itself, by its type."""
+    """Single values of nested arrays; a numpy array counts as one value by its type."""
     if isinstance(value, list | tuple):
         for item in value:
             yield from _items(item)
@@ -148,7 +148,7 @@ _DEEPEST = 32
 
 
 def refuse_deep(data: Any) -> None:
-    """Refuse tables that are nested too deep to be read.
+    """Refuse tables that are nested too deeply.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def refuse_deep(data: Any) -> None:
 
 
 def both_alike(value: Any) -> Any:
-    """Let one value stand for both directions."""
+    """Convert a single value to a pair for both directions."""
     return [value, value] if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
@@ -192,5 +192,5 @@ def boundary_of_axes(value: Any) -> Any:
 
 
 def one_or_many(value: Any) -> Any:
-    """Let a single table stand for an array of one."""
+    """Convert a single table to an array with one element."""
     return [value] if isinstance(value, dict) else value

@@ -24,7 +24,7 @@ __all__ = ["build_component", "build_components", "converted", "instantiate", "k
 def build_component(
     registry: Registry, kind: str, table: Mapping[str, Any], where: str, beside: Iterable[str] = ()
 ) -> Any:
-    """Component of a scene table; ``type`` names the plugin. Keys `beside` its fields are taken already.
+    """Component of a scene table; ``type`` names the plugin. Keys `beside` its fields are already used.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def build_component(
 
 
 def build_components(registry: Registry, kind: str, tables: Sequence[Mapping[str, Any]], group: str) -> list[Any]:
-    """Components of an array of tables; messages name a table by the array, and by its number where there are more."""
+    """Components of an array of tables; messages name the array, and the number of the table if there are several."""
     places = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
     return [build_component(registry, kind, table, place) for table, place in zip(tables, places, strict=True)]
 
@@ -103,13 +103,13 @@ def converted(
 
 
 def kind_within(hint: Any) -> type[Component] | None:
-    """Kind of plugin that an annotation such as ``tuple[HardeningLaw, ...]`` or ``HardeningLaw | None`` holds."""
+    """Kind of plugin in an annotation such as ``tuple[HardeningLaw, ...]`` or ``HardeningLaw | None``."""
     kind: type[Component] | None = class_within(hint, lambda cls: issubclass(cls, Component))
     return kind
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
-    """Build the components of a field from one table, an array or named tables; keep components as they are."""
+    """Build the components of a field from one table, an array or named tables; keep components unchanged."""
     if get_origin(hint) is dict and isinstance(value, Mapping):
         return {name: _parts(registry, kind, kind, table, f"{where}.{name}") for name, table in value.items()}
     if isinstance(value, list | tuple):
@@ -156,7 +156,7 @@ def _as_instances(hint: Any) -> Any:
 
 
 def _table_class(hint: Any) -> type | None:
-    """Dataclass inside an annotation such as ``tuple[Region, ...]``, whose tables a field holds."""
+    """Dataclass of the tables in an annotation such as ``tuple[Region, ...]``."""
     table: type | None = class_within(hint, lambda cls: is_dataclass(cls) and not issubclass(cls, Component))
     return table
 

@@ -1,4 +1,4 @@
-"""Whether the parts of a scene belong together: contact, eigenstrain, load history, regions."""
+"""Consistency of the parts of a scene: contact, eigenstrain, load history, regions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TANGENTIAL = frozenset(name for mode in TANGENTIAL_MODES for name in mode)
 
 
 def check_contents(scene: Scene) -> None:
-    """Raise ValueError, with a whole sentence after ``!``, for parts that contradict each other."""
+    """Raise ValueError, with a complete sentence after ``!``, for parts that contradict each other."""
     if not (scene.geometry or scene.inclusions or scene.eigenstrain):
         raise ValueError(
             "!the scene must have a geometry, inclusions or eigenstrain (got none of them); add [geometry] for a "
@@ -49,7 +49,7 @@ def check_contents(scene: Scene) -> None:
 
 
 def _check_names(scene: Scene) -> None:
-    """Require different region names, because they name files and variables; some file systems ignore case."""
+    """Require distinct region names, which name files and variables; some file systems ignore case."""
     for group in ("inclusions", "eigenstrain"):
         names = [item.name or f"{item.type} {number + 1}" for number, item in enumerate(getattr(scene, group))]
         duplicate = next((number for number, name in enumerate(names) if name in names[:number]), None)

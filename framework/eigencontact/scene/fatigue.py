@@ -82,7 +82,7 @@ class CriticalDistance(Table):
 
     @classmethod
     def of(cls, **values: Any) -> CriticalDistance:
-        """Table from the arguments of a call; those that are None are left out.
+        """Table from the arguments of a call, without those that are None.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class FatigueRequest(CriticalDistance, ComponentTable):
         return self.name or self.type.rpartition(":")[2].replace("-", "_")
 
     def region_in(self, scene: Any) -> Any:
-        """Stress region of the scene that it names."""
+        """Stress region of the scene with its name."""
         stored = [request for request in scene.stress if "stress" in request.fields]
         labels = [request.label for request in stored]
         if self.region is None and len(stored) == 1:
@@ -137,7 +137,7 @@ class FatigueRequest(CriticalDistance, ComponentTable):
         return stored[labels.index(self.region)]
 
     def check_in(self, scene: Any) -> None:
-        """Require a region with stress, the cycle, and names of its own; see `ComponentTable.check_in`."""
+        """Require a region with stress, the cycle, and a unique name; see `ComponentTable.check_in`."""
         region = self.region_in(scene)
         labels = [request.label for request in scene.fatigue]
         if labels.count(self.label) > 1:
@@ -169,7 +169,7 @@ class FatigueRequest(CriticalDistance, ComponentTable):
 
 
 def elastic_constants(body: Mapping[str, Any], beside: Iterable[str], region: str) -> tuple[float, float]:
-    """Young's modulus and Poisson's ratio of a body that is elastic and of one material.
+    """Young's modulus and Poisson's ratio of an elastic body of one material.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Data files that the components of a scene name: made absolute, and listed, by the annotations of their classes."""
+"""Data files of the components of a scene: absolute paths and list, by the annotations of their classes."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
 
 
 def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> Any:
-    """Place the files in tables of components; tables of unknown components stay for a later check."""
+    """Make paths absolute in tables of components; tables of unknown components remain for a later check."""
     if isinstance(value, list | tuple):
         return [_in_component(item, kind, registry, place) for item in value]
     key = value.get("type") if isinstance(value, Mapping) else None

@@ -18,7 +18,7 @@ TRAVEL = ("travel_x", "travel_y")
 
 
 def held_steps(steps: Sequence[Step]) -> list[Step]:
-    """Steps of a scene with friction, each with everything that is prescribed at its end.
+    """Steps of a scene with friction, each with all prescribed values at its end.
 
     Of each pair a step that gives neither keeps what the last step gave that did: the same kind of control, held at its
     value. What no step has given yet stays None: a rigid displacement of 0.
@@ -42,7 +42,7 @@ def held_steps(steps: Sequence[Step]) -> list[Step]:
 
 
 def held_travel(steps: Sequence[Step]) -> list[tuple[float, float]]:
-    """Place (x, y) of the geometry [m] at the end of each step; where a step does not mention it, it stays.
+    """Position (x, y) of the geometry [m] at the end of each step; it keeps its last value if a step omits it.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def held_travel(steps: Sequence[Step]) -> list[tuple[float, float]]:
 
 
 def held_bulk(steps: Sequence[Step], start: Mapping[str, float] = NO_BULK) -> list[dict[str, float]]:
-    """Bulk stress [Pa] at the end of each step, by name; where a step does not mention it, it stays.
+    """Bulk stress [Pa] at the end of each step, by name; it keeps its last value if a step omits it.
 
     Examples
     --------

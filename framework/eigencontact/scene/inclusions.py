@@ -1,4 +1,4 @@
-"""Tables of a scene that put eigenstrain into a body: inclusions of a shape, and patches of the surface layer."""
+"""Tables of a scene with eigenstrain in a body: inclusions of a shape, and patches of the surface layer."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _is_strain(value: Any) -> bool:
 
 
 def eigenstrain_table(value: Any) -> dict[str, Any]:
-    """Table of the eigenstrain field that a number, three numbers, a matrix, a table or nothing (zero) stands for."""
+    """Table of the eigenstrain field of a number, three numbers, a matrix, a table or None (zero)."""
     if value is None:
         return {"type": "uniform", "value": 0.0}
     return dict(value) if isinstance(value, Mapping) else {"type": "uniform", "value": value}

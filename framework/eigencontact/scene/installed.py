@@ -1,4 +1,4 @@
-"""The plugins of every installed package, loaded once, and those of single files."""
+"""Registry of the plugins of all installed packages, loaded once, and of single files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["add_plugin_files", "installed_plugins"]
 
 @cache
 def installed_plugins() -> Registry:
-    """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
+    """Return the registry of all installed plugins; plugins that failed to load are in its ``broken``."""
     return load_plugins(KINDS)
 
 

@@ -1,4 +1,4 @@
-"""Labels of tables of a scene in messages: their name, or their number where they have none."""
+"""Labels of tables of a scene in messages: the name, or the number of a table without a name."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def ordinal(number: int) -> str:
 
 
 def labelled(text: str, scene: Any) -> str:
-    """Message with the name of each table in place of its dotted path; tables without a name keep their number.
+    """Message with the name of each table in place of its dotted path; a table without a name has its number.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def labelled(text: str, scene: Any) -> str:
 
 @contextmanager
 def labels_in_messages(scene: Any) -> Iterator[None]:
-    """Name tables of a scene in the errors that are raised within; see `labelled`."""
+    """Add the names of tables of a scene to errors raised within the block; see `labelled`."""
     try:
         yield
     except (SceneError, PluginError, PlanError) as problem:

@@ -1,4 +1,4 @@
-"""What line contacts, and contacts that repeat along y alone, cannot have or need."""
+"""Checks of line contacts, and of contacts that are periodic along y only."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _AGAINST_DEPTH = frozenset({"approach", "shift-x", "shift-y"})
 
 
 def window_keys(grid: Grid, datum_depth: float | None) -> dict[str, Any]:
-    """Keys of the table ``[grid]`` that give these cells, with the depth [m] against which displacements count.
+    """Keys of the table ``[grid]`` for these cells, with the datum depth [m] of displacements.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def window_keys(grid: Grid, datum_depth: float | None) -> dict[str, Any]:
 
 
 def check_line(scene: Scene) -> None:
-    """Raise ValueError, with a whole sentence after ``!``, for parts that a line contact cannot have."""
+    """Raise ValueError, with a complete sentence after ``!``, for parts that a line contact cannot have."""
     if scene.grid.datum_depth is not None and not (scene.grid.line or scene.numerics.repeats_y):
         raise ValueError(
             f"!grid.datum-depth must be left out unless length = 'infinite' or numerics.boundary = 'periodic-y' (got "
@@ -67,7 +67,7 @@ def check_line(scene: Scene) -> None:
 
 
 def check_repeating(scene: Scene) -> None:
-    """Raise ValueError, with a whole sentence after ``!``, for parts that a contact repeating along y cannot have."""
+    """Raise ValueError, with a complete sentence after ``!``, for parts that a contact periodic along y cannot have."""
     if not scene.numerics.repeats_y:
         return
     where = "with numerics.boundary = 'periodic-y'"

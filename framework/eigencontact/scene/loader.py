@@ -83,7 +83,7 @@ def _read(path: Path) -> str:
 
 
 def apply_changes(data: Mapping[str, Any], changes: Iterable[str], option: str = "--set") -> dict[str, Any]:
-    """Return the tables with ``key=value`` changes applied; `option` gave them, for messages.
+    """Return the tables with ``key=value`` changes applied; `option` is the name of their option, for messages.
 
     A dotted key walks through tables; a number picks an entry of an array, and may be left out where there is one.
 
@@ -126,7 +126,7 @@ def put_values(data: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, 
 
 
 def value_of_text(text: str) -> Any:
-    """Value of a change: TOML where it parses, plain text otherwise."""
+    """Value of a change: TOML if it parses, else plain text."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except (tomllib.TOMLDecodeError, RecursionError):

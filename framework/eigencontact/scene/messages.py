@@ -56,7 +56,7 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
 
 
 def refuse_unknown(table: Iterable[str], known_keys: Iterable[str], where: str, see: str = "") -> None:
-    """Refuse keys of a table that nothing reads; names the nearest known one, and the command that explains them."""
+    """Refuse unknown keys of a table; the message names the nearest known key and the command that explains it."""
     known_keys = [name.replace("_", "-") for name in known_keys]
     for key in table:
         if key.replace("_", "-") not in known_keys:

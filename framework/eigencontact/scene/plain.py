@@ -1,4 +1,4 @@
-"""Values from Python as the tables of a file would hold them: numbers, texts, arrays, tables."""
+"""Values from Python in the form of tables of a file: numbers, texts, arrays, tables."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _KEPT = (str, bytes, bool, int, float, date, time, type(None), type)
 
 
 def plain(value: Any, where: str = "") -> Any:
-    """Value as a table of a file would hold it.
+    """Value in the form of a table of a file.
 
     Arrays of NumPy become arrays of numbers, and quantities with a unit become text: ``"105.0 um"``. The field that
     holds the text then checks the dimension. Components stay.

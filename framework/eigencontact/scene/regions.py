@@ -118,7 +118,7 @@ class StressRequest(Table):
 
     @property
     def at(self) -> float:
-        """Place of a plane along its normal [m]; 0 where it is not given."""
+        """Position of a plane along its normal [m]; 0 by default."""
         return 0.0 if self.position is None else self.position
 
     @property

@@ -118,7 +118,7 @@ class GridSpec(Table):
         return self.length is not None
 
     def with_cells(self, nx: int, ny: int, dx: float, dy: float, center: tuple[float, float]) -> Grid:
-        """Cells of the kind that the table asks for: see `Grid.of`."""
+        """Grid of the kind that the table selects: see `Grid.of`."""
         return Grid.of(nx, ny, dx, dy, center, line=self.line)
 
     @property
@@ -208,12 +208,12 @@ class Numerics(Table):
 
     @property
     def in_cells(self) -> bool:
-        """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
+        """Whether each cell of an inhomogeneity has its own eigenstrain."""
         return self.inclusion_resolution == "cells"
 
     @property
     def repeats_y(self) -> bool:
-        """Whether the window repeats along y alone."""
+        """Whether the window is periodic along y only."""
         return self.boundary == "periodic-y"
 
     @property
@@ -363,7 +363,7 @@ class Scene(Table):
 
     @property
     def bulk_at_rest(self) -> dict[str, float]:
-        """Bulk stress [Pa] before the first step, by name, zero of components that steps alone give; empty without."""
+        """Bulk stress [Pa] before the first step, by name, zero for components that only steps have; else empty."""
         tables = {
             name: getattr(table, component)
             for body, names in BULK_NAMES.items()
@@ -380,26 +380,26 @@ class Scene(Table):
         return {} if self.wear is None else self.wear.parts
 
     def solved_cycles(self, repeat: int) -> int:
-        """Repeats of a cycle that will be solved: all where the surfaces lose nothing, else a guess."""
+        """Number of solved repeats of a cycle: all if the surfaces do not wear, else an estimate."""
         return repeat if self.wear is None else self.wear.solved_cycles(repeat)
 
     def guesses_cycles(self, repeat: int) -> bool:
-        """Whether the number of solved cycles is an estimate, because error control chooses it."""
+        """Whether the number of solved cycles is an estimate, because the error control chooses it."""
         return self.wear is not None and self.wear.error is not None and self.solved_cycles(repeat) < repeat
 
     @property
     def folder(self) -> Path | None:
-        """Folder that relative paths in the scene count from: that of its file; None where it came from none."""
+        """Folder of relative paths in the scene: that of its file; None without a file."""
         return self._folder
 
     def within(self, folder: Path | None) -> Scene:
-        """Copy whose relative paths count from a folder; further copies keep it."""
+        """Copy with relative paths from a folder; further copies keep it."""
         copy = self.model_copy()
         copy._folder = folder  # noqa: SLF001
         return copy
 
     def known_plugins(self, registry: Registry | None = None) -> Registry:
-        """Plugins that the scene can name: those given, by default all that are installed, and those of its own files.
+        """Plugins available to the scene: an argument, by default all installed ones, and those of its own files.
 
         Raises
         ------
@@ -427,7 +427,7 @@ class Scene(Table):
         return self.body1, self.body2
 
     def resolved(self) -> dict[str, Any]:
-        """Return every field with its default filled in, SI units, TOML names, data files by absolute paths."""
+        """Return all fields with defaults, SI units, TOML names, and absolute paths of data files."""
         scene = self
         if self.folder is not None:
             from eigencontact.scene.files import anchored

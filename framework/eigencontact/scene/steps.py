@@ -1,4 +1,4 @@
-"""Steps of the load history in a scene: loads and motions, cycles of them, and impacts at drawn places."""
+"""Steps of the load history in a scene: loads and motions, cycles, and impacts at random places."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Impacts(Table):
 
 
 def each_impact(steps: list[Step]) -> list[Step]:
-    """Steps in which those with impacts are written out: moved there without load, loaded, unloaded."""
+    """Steps with impacts as plain steps: motion without load, loading, unloading."""
     return [single for step in steps for single in step.written_out()]
 
 
@@ -223,13 +223,13 @@ class Step(Table):
 
     @property
     def bulk(self) -> dict[str, float]:
-        """Bulk stress that is given at the end of the step [Pa], by name."""
+        """Prescribed bulk stress at the end of the step [Pa], by name."""
         names = (name for names in BULK_NAMES.values() for name in names)
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     @property
     def prescribed(self) -> list[str]:
-        """Names of the loads and motions given, as written in a scene."""
+        """Names of the prescribed loads and motions, as written in a scene."""
         modes = (*NORMAL_MODES, *TANGENTIAL_MODES)
         names = [*(name for mode in modes for name in (mode.force, mode.displacement)), *TRAVEL]
         return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
@@ -270,7 +270,7 @@ def ramps_of(steps: Sequence[Step]) -> list[Step]:
 
 
 def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str, Step]]:
-    """Ramps of `ramps_of` with their names in a scene; with `again`, each repeated cycle stands twice.
+    """Ramps of `ramps_of` with their names in a scene; with `again`, each repeated cycle occurs twice.
 
     Examples
     --------
@@ -356,7 +356,7 @@ def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
 
 
 def _grows_alone(before: Step | None, ramp: Step) -> bool:
-    """Whether the normal load or approach rises between held steps while all other motions rest."""
+    """Whether only the normal load or approach increases between held steps."""
     control = normal_control(ramp)
     start = None if control is None else start_of_normal(before, control)
     if control is None or start is None or getattr(ramp, control) <= start:
@@ -376,14 +376,14 @@ def _rests(before: Step | None, ramp: Step, mode: RigidMode) -> bool:
 
 
 def normal_control(ramp: Step) -> Literal["normal_load", "approach"] | None:
-    """Which of load and approach a held step prescribes."""
+    """Control of a held step: load or approach."""
     if ramp.normal_load is not None:
         return "normal_load"
     return None if ramp.approach is None else "approach"
 
 
 def start_of_normal(before: Step | None, control: Literal["normal_load", "approach"]) -> float | None:
-    """Load [N] or approach [m] at which a ramp starts after a held step; None where it follows from a solution.
+    """Load [N] or approach [m] at the start of a ramp after a held step; None if it follows from a solution.
 
     A step that ends without contact, by the other control, is a start at 0.
     """
@@ -394,7 +394,7 @@ def start_of_normal(before: Step | None, control: Literal["normal_load", "approa
 
 
 def expected_points(steps: Sequence[Step], solved_cycles: Callable[[int], int] | None = None) -> int:
-    """Increments that will be solved; `solved_cycles` gives those of a number of repeats, by default all."""
+    """Number of solved increments; `solved_cycles` gives the solved number of repeats, by default all."""
     total = 0
     for step, segment in zip(steps, segments_of(steps), strict=True):
         solved = segment.repeat if solved_cycles is None else solved_cycles(segment.repeat)

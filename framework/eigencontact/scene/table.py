@@ -94,7 +94,7 @@ class ComponentTable(Table):
         return [name for name in type(self).model_fields if name != "type"]
 
     def check_in(self, scene: Any) -> None:
-        """Rules between the table and the rest of its scene; none by default.
+        """Checks between the table and the rest of its scene; none by default.
 
         Raises
         ------

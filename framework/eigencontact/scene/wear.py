@@ -89,11 +89,11 @@ class Wear(ComponentTable):
 
     @property
     def error(self) -> float | None:
-        """Allowed error of the jumps; None where the scene sets their size."""
+        """Allowed error of the jumps; None if the scene sets their size."""
         return None if self.cycles_per_update is not None else self.jump_error or 1e-2
 
     def check_in(self, scene: Any) -> None:
-        """Wear needs a contact that slides; see `ComponentTable.check_in`."""
+        """Require a contact that slides; see `ComponentTable.check_in`."""
         if not scene.geometry:
             raise ValueError("!wear must not be given without a geometry (got no contact that wears); add [geometry]")
         if scene.friction is None and not any(ramp.slides for ramp in scene.ramps):

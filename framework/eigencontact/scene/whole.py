@@ -1,4 +1,4 @@
-"""How whole inhomogeneities are resolved: by the degree of a polynomial."""
+"""Degree of the polynomial of whole inhomogeneities."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ALLOWED = 1e-3
 
 
 def uniform_or_given(value: object) -> object:
-    """What ``"whole"`` stands for: degree 0."""
+    """Convert ``"whole"`` to degree 0."""
     return {"whole": 0} if value == "whole" else value
 
 
@@ -40,10 +40,10 @@ class Whole(Table):
 
     @property
     def is_asked(self) -> bool:
-        """Whether an error is asked for: given, or the one that ``"auto"`` aims at."""
+        """Whether there is an allowed error: prescribed, or the default of ``"auto"``."""
         return self.whole == "auto" or self.error is not None
 
     @property
     def allowed(self) -> float:
-        """Error that is asked for."""
+        """Allowed error."""
         return _ALLOWED if self.error is None else self.error

@@ -1,4 +1,4 @@
-"""Write a plugin package from the templates beside this file."""
+"""Writer of plugin packages from the templates in this folder."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MODULE = ".module.py.txt"
 
 
 def _examples() -> dict[str, str]:
-    """Kinds that have templates, and what the example in each is: the words after "The example is" in its docstring."""
+    """Kinds with templates, and the example of each: the words after "The example is" in its docstring."""
     examples = {}
     for path in sorted(_FOLDER.glob(f"*{_MODULE}")):
         words = re.search(r"The example is (.+?);", path.read_text(encoding="utf-8"))
@@ -52,7 +52,7 @@ class NewPackage:
     kind: str
 
     def next_steps(self) -> str:
-        """Words for the terminal: what was written and what to type next."""
+        """Text for the terminal: written files and next commands."""
         listed = "\n".join(f"  {path}" for path in self.files)
         return (
             f"{self.folder}: a package with one {self.kind}, {self.key!r} (the example is {TEMPLATES[self.kind]})\n"
@@ -101,7 +101,7 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
 
 
 def write_file(name: str, *, kind: str = "inclusion-shape", path: Path | None = None) -> Path:
-    """Write a plugin as a single file, which a scene names by ``plugins``: the module of the package, without one.
+    """Write a plugin as a single file for the key ``plugins`` of a scene: the module of the package.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def _fill(template: str, words: dict[str, str]) -> str:
 
 
 def _version() -> str:
-    """Required version of the program: this one, without its last part."""
+    """Required version of the program: the present one, without its last part."""
     from eigencontact import __version__
 
     return ".".join(__version__.split(".")[:2])

@@ -13,7 +13,7 @@ _DEPENDENT = 1e-6
 
 
 class Anderson:
-    """Next guess from the last ones and their images.
+    """Next iterate from the last ones and their images.
 
     With all guesses kept, a linear problem takes the course of GMRES: it converges where the plain iteration grows.
 
@@ -71,6 +71,6 @@ class Anderson:
 
 
 def _dot(a: FloatArray, b: FloatArray) -> float:
-    """Product of two vectors; what the longer one has more meets zeros."""
+    """Product of two vectors; the shorter one is extended by zeros."""
     count = min(a.size, b.size)
     return float(np.einsum("i,i->", a.ravel()[:count], b.ravel()[:count]))

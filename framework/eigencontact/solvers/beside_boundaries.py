@@ -1,4 +1,4 @@
-r"""Stress at points near the boundaries of regions, from the material that is there.
+r"""Stress at points near the boundaries of regions, from the material at the point.
 
 A cut cell carries one eigenstrain for both of its materials, E = f ε_1 with the share f of the region. At points in it
 and beside it the field of such cells is that of neither. Across a boundary of normal n the traction is continuous, and
@@ -104,7 +104,7 @@ def outward(share: FloatArray, pitch: tuple[float, float, float], *, flush: bool
 
 
 def outer_stress(stress: FloatArray, eigenstrain: FloatArray, normal: FloatArray, matrix: Material) -> FloatArray:
-    """F + T E [Pa] of cells ``(6, n)``; their normals ``(3, n)`` are zero where there is no boundary."""
+    """F + T E [Pa] of cells ``(6, n)``; their normals ``(3, n)`` are zero in cells without a boundary."""
     out, there = stress.copy(), np.flatnonzero(normal.any(axis=0) & eigenstrain.any(axis=0))
     if there.size:
         constraint = constraint_of_layer(matrix, normal[:, there].T)
@@ -137,12 +137,12 @@ def continued(values: FloatArray, weight: FloatArray, where: IntArray) -> FloatA
 
 
 def _snapped(placed: FloatArray) -> FloatArray:
-    """Places in cells, multiples of a half where they are some to rounding."""
+    """Coordinates in cells, rounded to multiples of a half if they agree within rounding."""
     near = np.rint(2.0 * placed) / 2.0
     return np.where(np.abs(placed - near) <= _SNAP, near, placed)
 
 
 def _flat(cell: list[IntArray], shape: tuple[int, int, int]) -> IntArray:
-    """Flat indices of cells (x, y, z), those beyond the box as its outermost."""
+    """Flat indices of cells (x, y, z); cells outside the box have the index of the outermost cell."""
     x, y, z = (np.clip(index, 0, n - 1) for index, n in zip(cell, shape[::-1], strict=True))
     return np.asarray(np.ravel_multi_index((z, y, x), shape))

@@ -101,7 +101,7 @@ class Shares:
         normal: ArrayLike | None,
         materials: int,
     ) -> Shares:
-        """Check and flatten what was given."""
+        """Check and flatten the input."""
         where, shape = "inclusions", index.shape
         share = np.ones(shape) if fraction is None else np.asarray(fraction, dtype=float)
         require(share.shape == shape, where, "fraction", share.shape, f"of shape {shape}")
@@ -129,7 +129,7 @@ class Conditions:
         self.matrix, self._materials = matrix, materials
 
     def of(self, cells: NDArray[np.intp], index: IntArray, shares: Shares) -> Iterator[tuple[slice, Condition]]:
-        """Runs of cells and their conditions: whole cells by material, then all cut ones.
+        """Runs of cells and their conditions: whole cells by material, then all cut cells.
 
         `cells` are flat indices, whole ones first and by material.
         """
@@ -202,7 +202,7 @@ def constraint_of_cut(matrix: Material, normals: FloatArray) -> FloatArray:
 
 
 def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
-    """T [Pa] of flat layers, ``(n, 6, 6)``: what stretches them in their plane is resisted as in plane stress.
+    """T [Pa] of flat layers, ``(n, 6, 6)``, for plane stress in their plane.
 
     `normals` are ``(n, 3)``, of any length but zero.
     """

@@ -49,7 +49,7 @@ class Sweep:
 
 
 class CellSweeps:
-    """One box of cells: linear laws in `linear`, all others in `laws`; either may hold no cells.
+    """Sweep over one box of cells: linear laws in `linear`, all others in `laws`; either may have no cells.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class CellSweeps:
         return self._laws.misfit(e, sigma, prescribed, before, steps) / largest if largest > 0.0 else 0.0
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
-        """Strain of the load in the cells, as `InclusionReport` measures by it."""
+        """Strain of the load in the cells, the scale of `InclusionReport`."""
         if self._prestrain_stress is None or self._prestrain_stress[0] is not prestrain:
             self._prestrain_stress = prestrain, self._stress_of(prestrain)
         caused = self._prestrain_stress[1]

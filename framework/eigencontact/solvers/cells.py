@@ -1,4 +1,4 @@
-"""Boxes of equal cells in space, and where two of them lie relative to each other."""
+"""Boxes of equal cells in space, and their relative positions."""
 
 from __future__ import annotations
 

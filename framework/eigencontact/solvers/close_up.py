@@ -1,4 +1,4 @@
-"""Field of the eigenstrain in a box of cells on a lattice much finer than the cells, over a small part of the box.
+"""Field of the eigenstrain in a box of cells on a much finer lattice over a small part of the box.
 
 The field of cells near the part is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
 by parts of a cell, each of them one convolution. The field of all other cells is smooth there; it is computed once on
@@ -111,7 +111,7 @@ def _finer(source: Cells, target: Cells) -> tuple[int, int, int]:
 
 
 def _split(source: Cells, target: Cells, strain: FloatArray) -> tuple[tuple[slice, slice, slice] | None, FloatArray]:
-    """Place (z, y, x) of the cells near the points that carry eigenstrain, None without any; the strain of the rest."""
+    """Part (z, y, x) of the cells near the points with eigenstrain, None without any; the strain of all other cells."""
     slices = []
     for axis in (2, 1, 0):
         points, edge, count = target.centres(axis), source.pitch[axis], source.shape[2 - axis]
@@ -135,7 +135,7 @@ def _split(source: Cells, target: Cells, strain: FloatArray) -> tuple[tuple[slic
 def _interpolated(
     cell: HasCornerPotentials, source: Cells, strain: FloatArray, target: Cells, options: dict[str, Any]
 ) -> FloatArray:
-    """Field of cells that lie away from the points, by splines through its values at points of the cells' pitch."""
+    """Field of cells far from the points, by splines through its values at points with the pitch of the cells."""
     from scipy.interpolate import make_interp_spline
 
     first, shape = [], []

@@ -32,7 +32,7 @@ def coarse_contact(
     periodic: bool,
     cells: int = _CELLS,
 ) -> tuple[Grid, FloatArray] | None:
-    """Grid of at most `cells` each way over the window of `grid`, and its pressure [Pa]; None without convergence."""
+    """Grid of at most `cells` in each direction over the window of `grid`, and its pressure [Pa]; None if it fails."""
     width, height = grid.size
     nx, ny = min(grid.nx, cells), min(grid.ny, cells)
     coarse = replace(grid, nx=nx, ny=ny, dx=width / nx, dy=height / ny)
@@ -56,7 +56,7 @@ def estimate_contact(
     periodic: bool,
     cells: int = _CELLS,
 ) -> ContactEstimate | None:
-    """Contact on at most `cells` each way over the window of `grid`; None without contact or convergence."""
+    """Contact on at most `cells` in each direction over the window of `grid`; None without contact or convergence."""
     solution = coarse_contact(grid, separation, coefficients, control, periodic=periodic, cells=cells)
     if solution is None:
         return None
@@ -81,7 +81,7 @@ def estimate_contact(
 def close_estimate(
     grid: Grid, separation: Separation, coefficients: Coefficients, control: Control
 ) -> ContactEstimate | None:
-    """Contact on cells that fit it, whatever the window of `grid`; None without contact."""
+    """Contact on cells of suitable size, independent of the window of `grid`; None without contact."""
     return settled_estimate(grid.center, separation, coefficients, control, max(grid.sides), grid.with_cells)
 
 

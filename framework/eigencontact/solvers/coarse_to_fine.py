@@ -56,7 +56,7 @@ class CoarseToFine:
         self._springs = {} if springs is None else {self.grid: springs}
 
     def run(self, start: FloatArray | None) -> NormalSolution:
-        """Go down the ladder of grids; with a start, begin on the finest."""
+        """Solve on the grids from coarse to fine; with a start, only on the finest."""
         fixed = self._without_prescribed(self.grid, self.separation)
         if self._never_touches(fixed):
             return self._empty(fixed)
@@ -72,7 +72,7 @@ class CoarseToFine:
         return self._finest(fixed, self._from_below(ladder))
 
     def _from_below(self, ladder: list[tuple[Grid, FloatArray, tuple[int, int]]]) -> FloatArray | None:
-        """Start on the finest grid from a ladder of coarser grids, which is released; None without a coarser grid."""
+        """Start on the finest grid from coarser grids, which are released; None without a coarser grid."""
         pressure: FloatArray | None = None
         while len(ladder) > 1:
             grid, field_, factors = ladder.pop()
@@ -135,7 +135,7 @@ class CoarseToFine:
         )
 
     def _without_prescribed(self, grid: Grid, separation: FloatArray) -> FloatArray:
-        """Separation less the prescribed rigid displacements [m]; itself where there are none."""
+        """Separation minus the prescribed rigid displacements [m]; the separation if there are none."""
         if not any(self.control.displacements().values()):
             return np.asarray(separation, dtype=float)
         out = np.array(separation, dtype=float)
@@ -265,7 +265,7 @@ class CoarseToFine:
     def _certify(
         self, compliance: Compliance, fixed: FloatArray, pressure: FloatArray, box: Box
     ) -> tuple[NormalSolution, Box | None]:
-        """Check the contact conditions on the whole window, with a convolution of its own."""
+        """Check the contact conditions on the whole window, with a separate convolution."""
         grid, options = self.grid, self.options
         window = Box(0, grid.ny, 0, grid.nx)
         source = window if options.periodic else box
@@ -317,7 +317,7 @@ class CoarseToFine:
 
 
 def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
-    """Refuse contact at the edge of the window, which the window may have cut.
+    """Refuse a contact at the edge of the window, which may cut it.
 
     Raises
     ------
@@ -338,17 +338,17 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
 
 
 def margin(box: Box) -> tuple[int, int]:
-    """Rows and columns around a loaded box into which the contact may still spread."""
+    """Rows and columns around a loaded box for the growth of the contact."""
     return tuple(max(2, -(-n // 128)) for n in box.shape)  # type: ignore[return-value]
 
 
 def _cut(field: FloatArray, box: Box) -> FloatArray:
-    """Part of a broadcastable field that belongs to a box."""
+    """Part of a broadcastable field in a box."""
     rows, columns = box.slices
     return field[rows if field.shape[0] > 1 else slice(None), columns if field.shape[1] > 1 else slice(None)]
 
 
 def _least_outside(field: FloatArray, box: Box) -> float:
-    """Smallest value of a field outside a box; infinity where there is nothing outside."""
+    """Smallest value of a field outside a box; infinity if nothing is outside."""
     strips = (field[: box.y0], field[box.y1 :], field[box.y0 : box.y1, : box.x0], field[box.y0 : box.y1, box.x1 :])
     return min((float(strip.min()) for strip in strips if strip.size), default=inf)

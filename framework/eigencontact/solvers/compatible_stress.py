@@ -1,4 +1,4 @@
-r"""Stress in an elastic region from the virtual work of a stress that has the right tractions but the wrong parts.
+r"""Compatible stress in an elastic region, by virtual work, from a stress with correct tractions on its boundary.
 
 Cells of a stiff region are hardly strained. Small errors of the strain at its boundary then become self-balanced
 stress in all of the region, as large as the ratio of the stiffnesses allows. Its moments are right: tractions on the
@@ -107,7 +107,7 @@ class CompatibleStress:
         return self._spread(self._share * (self._gathered(displacement) @ self._matrix))
 
     def _places(self) -> Iterator[tuple[slice, tuple[slice, slice, slice]]]:
-        """Each corner's part of the 24 numbers of a cell, and the place of the cells in the lattice of corners."""
+        """Position of each corner in the 24 numbers of a cell, and of the cells in the lattice of corners."""
         nz, ny, nx = self._share.shape[:3]
         for number, (k, j, i) in enumerate(_CORNERS):
             yield slice(3 * number, 3 * number + 3), (slice(k, k + nz), slice(j, j + ny), slice(i, i + nx))

@@ -29,7 +29,7 @@ _STALLED = 60
 
 @dataclass(frozen=True, slots=True)
 class BoxProblem:
-    """A contact problem on one box, in units in which all numbers are of order one.
+    """Contact problem on one box, in dimensionless units of order one.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ def solve_box(
 
 
 class _Iteration:
-    """Fields of one solve, touched once in each of a few sweeps over blocks of rows that stay in cache."""
+    """Fields of one solution, processed in blocks of rows that fit into the cache."""
 
     def __init__(self, problem: BoxProblem, pressure: Array, loaded: Array) -> None:
         self.problem, self.modes, self.dtype = problem, problem.modes, pressure.dtype
@@ -125,7 +125,7 @@ class _Iteration:
         return out
 
     def gauge(self, more: Array, factor: float = 1.0) -> None:
-        """Add to the gap; find the largest deflection of loaded cells, and the sums for the rigid displacements."""
+        """Add to the gap; return the largest deflection of loaded cells, and the sums for the rigid displacements."""
 
         def measure_block(k: int, rows: slice) -> tuple[float, Array, Array]:
             gap, modes, (work, weight) = self.g[rows], self.parts[k], self.sweep.scratch(k)
@@ -140,7 +140,7 @@ class _Iteration:
         self.deflection, self.projection, self.gram = max(largest), sum(projections), sum(grams)
 
     def judge(self, rigid: Array, least: float) -> tuple[float, float]:
-        """Gaps of the loaded cells, and of the cells that join them because they overlap by at least `least`.
+        """Gaps of the loaded cells, and of unloaded cells that overlap by at least `least`, which become loaded.
 
         Returns the largest overlap of cells not loaded, and the largest gap of loaded ones.
         """
@@ -166,7 +166,7 @@ class _Iteration:
         return max(overlaps), max(insides)
 
     def level(self) -> None:
-        """Take the rigid part out of the gaps of the loaded cells."""
+        """Subtract the rigid part from the gaps of the loaded cells."""
         if len(self.modes):
             amounts = self.modes.amounts(self.gram, self.projection)
 
@@ -178,7 +178,7 @@ class _Iteration:
             self.sweep(level_block)
 
     def products(self) -> tuple[float, float]:
-        """Keep the correction to the loaded cells; its products with the gaps now and before."""
+        """Restrict the correction to the loaded cells; its products with the present and previous gaps."""
 
         def block_products(_: int, rows: slice) -> tuple[float, float]:
             z = self.z[rows]
@@ -214,7 +214,7 @@ class _Iteration:
         return sum(self.sweep(correct_block))
 
     def go(self, step: float) -> tuple[float, Array]:
-        """Pressure after a step, to `trial`, zero where it would pull; its smallest value before, and its forces."""
+        """Pressure after a step, in `trial`, zero instead of tension; its smallest value before, and its forces."""
 
         def step_block(k: int, rows: slice) -> tuple[float, Array]:
             stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.trial[rows])
@@ -228,7 +228,7 @@ class _Iteration:
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Scale `trial` from its present forces to the prescribed ones; returns whether a positive pressure can."""
+        """Scale `trial` from its present forces to the prescribed ones; False if no positive pressure has them."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
             self.trial = self.modes.carry(self.trial, self.problem.forces)
@@ -237,7 +237,7 @@ class _Iteration:
         return True
 
     def release(self, descent: float) -> bool | None:
-        """Take a step without the cells that would pull, found before the displacement of the step is computed.
+        """Step without the cells that would have tension, determined before the displacement of the step is computed.
 
         None if none would pull; False if the others cannot carry, or if the energy was far off.
         """

@@ -1,4 +1,4 @@
-"""How large a contact will be, as a coarse solve tells it."""
+"""Estimated size of a contact from a coarse solution."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["ContactEstimate"]
 
 @dataclass(frozen=True, slots=True)
 class ContactEstimate:
-    """Bounding box of the contact [m], and its largest pressure [Pa]; a line contact counts as long as it is wide."""
+    """Bounding box of the contact [m], and its largest pressure [Pa]; a line contact has its width as length."""
 
     x0: float
     x1: float
@@ -28,7 +28,7 @@ class ContactEstimate:
         return ContactEstimate(self.x0 + x, self.x1 + x, self.y0 + y, self.y1 + y, self.peak)
 
     def join(self, estimate: ContactEstimate) -> ContactEstimate:
-        """Smallest estimate that holds both."""
+        """Smallest estimate that contains both."""
         return ContactEstimate(
             min(self.x0, estimate.x0),
             max(self.x1, estimate.x1),

@@ -1,4 +1,4 @@
-"""How the radius of a contact grows with its load and approach, for increments that are even in the radius.
+"""Growth of the radius of a contact with its load and approach, for increments even in the radius.
 
 Of a gap h̄(r), the mean over the directions around the middle of the contact, on a homogeneous half-space:
 
@@ -43,7 +43,7 @@ _PLACES, _SQUARES = 17, 7
 
 @dataclass(frozen=True, slots=True)
 class ContactGrowth:
-    """Radii of a contact that grows from nothing, and the loads and approaches at them.
+    """Radii of a growing contact, and the loads and approaches at these radii.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class ContactGrowth:
 def contact_growth(
     separation: Separation, contact: ContactEstimate, control: Control, grid: Grid | None = None
 ) -> ContactGrowth | None:
-    """Growth of a contact whose gap rises in all directions from the middle; None of others, which have no one radius.
+    """Growth of a contact whose gap rises in all directions from one point; else None.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def contact_growth(
 
 
 def _lowest(separation: Separation, contact: ContactEstimate) -> tuple[float, float]:
-    """Place (x, y) [m] of the smallest gap in a contact, the one nearest to its middle where there are several."""
+    """Position (x, y) [m] of the smallest gap in a contact; of several, the one nearest to its centre."""
     x, y = 0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1)
     wide, high = (0.5 * extent for extent in contact.extent)
     steps = np.linspace(-1.0, 1.0, _PLACES)

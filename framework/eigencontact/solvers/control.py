@@ -22,13 +22,13 @@ __all__ = ["MODES", "Control", "PrescribedModes", "mode_field"]
 
 
 class PrescribedModes:
-    """Of each rigid mode the force, the displacement, or nothing, which holds it at a displacement of 0."""
+    """Prescribed force or displacement of each rigid mode; without either the displacement is 0."""
 
     __slots__ = ()
     modes: ClassVar[Sequence[RigidMode]]
 
     def check_pairs(self) -> None:
-        """Refuse both of a pair, and numbers that are not finite."""
+        """Refuse both values of a pair, and numbers that are not finite."""
         for displacement, force in self.modes:
             names = [name for name in (displacement, force) if getattr(self, name) is not None]
             if len(names) == 2:
@@ -38,7 +38,7 @@ class PrescribedModes:
 
     @property
     def prescribed_names(self) -> list[str]:
-        """Names of the forces and displacements that are prescribed."""
+        """Names of the prescribed forces and displacements."""
         return [name for mode in self.modes for name in mode if getattr(self, name) is not None]
 
     def forces(self) -> dict[int, float]:
@@ -47,14 +47,14 @@ class PrescribedModes:
         return {i: float(value) for i, value in values.items() if value is not None}
 
     def displacements(self) -> dict[int, float]:
-        """Prescribed rigid displacements by number of mode, 0 where nothing is said."""
+        """Prescribed rigid displacements by number of mode, 0 by default."""
         free = self.forces()
         return {i: float(getattr(self, mode.displacement) or 0.0) for i, mode in enumerate(self.modes) if i not in free}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Control(PrescribedModes):
-    """One value of each pair is given; a tilt is 0 where neither it nor its moment is.
+    """Normal control with one value of each pair; a tilt is 0 without tilt and moment.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Work of the mean eigenstrain of many inclusions on the functions of each other, by sums over point sources.
+"""Work of the mean eigenstrain of many inclusions on the functions of the others, by sums over point sources.
 
 What is far acts by its mean eigenstrain. It is felt at a few points of each target, by the part up to the second degree
 of each function; what is left out falls faster by a power of the distance per degree. In clusters of 50 balls, ratio 10

@@ -1,4 +1,4 @@
-"""Fields of an eigenstrain that is constant in each cell of a box, at the points of a lattice, by FFT in space.
+"""Fields of an eigenstrain that is uniform in each cell of a box, at the points of a lattice, by FFT in space.
 
 The field at target k of the eigenstrain in cell k' is a sum of kernels of the offset k - k' (the cell itself), and of
 kernels that depend on k + k' along z (its mirror image above the surface), times powers 0, 1, 2 of the target's depth.
@@ -46,7 +46,7 @@ __all__ = ["VolumeField", "check_request", "local_matrix"]
 
 
 class VolumeField:
-    """Stress, strain or displacement in a box from the eigenstrain in a box of cells, spectra made once.
+    """Stress, strain or displacement in a box by the eigenstrain in a box of cells, with spectra made once.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ class VolumeField:
 
     @property
     def kernels(self) -> int:
-        """Number of spectra held."""
+        """Number of stored spectra."""
         return len(self._kernels)
 
     @property
@@ -181,13 +181,13 @@ class VolumeField:
 
 
 def _turned(kernel: Kernel) -> Kernel:
-    """Kernel with x and y exchanged: potentials of a cell do not know which axis is which."""
+    """Kernel with x and y exchanged, because the potentials of a cell treat all axes alike."""
     origin, name, (x, y, z) = kernel
     return origin, name, (y, x, z)
 
 
 def check_request(source: Cells, target: Cells, quantity: str, space: str) -> None:
-    """Refuse what has no meaning."""
+    """Refuse invalid combinations of arguments."""
     require(quantity in QUANTITIES, "volume", "quantity", quantity, f"one of {', '.join(QUANTITIES)}")
     require(space in ("half", "full"), "volume", "space", space, "'half' or 'full'")
     if space == "half":
@@ -209,7 +209,7 @@ def local_matrix(forms: Forms) -> FloatArray:
 def add_local(
     out: NDArray[np.floating], local: FloatArray, strain: NDArray[np.floating], origin: FloatArray | tuple[float, ...]
 ) -> None:
-    """Add what the eigenstrain at the points themselves contributes; half of it on a face, from either side."""
+    """Add the local contribution of the eigenstrain at the points; on a face half of it from either side."""
     taps = [
         _taps(points, cells, start)
         for points, cells, start in zip(out.shape[1:], strain.shape[1:], origin, strict=True)
@@ -223,7 +223,7 @@ def add_local(
 
 
 def _taps(points: int, cells: int, start: float) -> list[tuple[slice, slice, float]]:
-    """Targets, the cells they lie in and the weight: one cell, or two halves where targets lie on faces."""
+    """Targets, their cells and weights: one cell, or two halves for targets on faces."""
     fraction = start - np.floor(start)
     lower = int(np.floor(start))
     if fraction == 0.5:  # noqa: SIM108

@@ -182,7 +182,7 @@ class PeriodicHalfSpace:
     def _axis(
         self, numbers: NDArray[np.intp], shift: int, n: int, pitch: float, fraction: float
     ) -> tuple[NDArray[np.intp], FloatArray, ComplexArray]:
-        """Waves of one axis moved by whole sampling rates: which of `numbers` remain, wavenumbers, weights.
+        """Waves of one axis shifted by whole sampling rates: remaining `numbers`, wavenumbers, weights.
 
         The set of all is symmetric: of the two shortest waves, which look alike, each gets half.
         """
@@ -198,7 +198,7 @@ class PeriodicHalfSpace:
     def _sum(
         self, eigenstrain: ComplexArray, quantity: str, planes: list[Plane], ky: FloatArray, kx: FloatArray
     ) -> ComplexArray:
-        """Amplitudes ``(3 or 6, nd, rows, columns)`` of waves from those of the eigenstrain; 0 where k = 0."""
+        """Amplitudes ``(3 or 6, nd, rows, columns)`` of waves by those of the eigenstrain; 0 at k = 0."""
         k = np.hypot(ky, kx).ravel()
         mean = k == 0.0
         k[mean] = 1.0

@@ -50,7 +50,7 @@ _TOGETHER = 100_000
 
 
 class PlaneFields:
-    """Stress, strain or displacement on planes z = const from the eigenstrain in a box of cells, spectra made once.
+    """Stress, strain or displacement on planes z = const by the eigenstrain in a box of cells, with spectra made once.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ class PlaneFields:
 
     @property
     def kernels(self) -> int:
-        """Number of spectra held."""
+        """Number of stored spectra."""
         return sum(s is not None for plane in self._spectra for row in plane for layer in row for s in layer)
 
     @property
@@ -237,7 +237,7 @@ class PlaneFields:
         return out
 
     def _layers_at(self, depth: float) -> list[tuple[int, float]]:
-        """Layers that a depth lies in, with weights: two halves on a face between two, all of the first on z = 0."""
+        """Layers at a depth, with weights: two halves on a face between two, the first on z = 0."""
         dz = self.source.pitch[2]
         # Rounded as for the tables: what they take for a face must be one here too.
         place = snapped(depth / dz) - snapped(self.source.first[2] / dz)

@@ -1,4 +1,4 @@
-"""Zone of a body in which elastic stress under a contact exceeds the limit of a law.
+"""Zone of a body in which the elastic stress under a contact exceeds the limit of a law.
 
 The search samples boxes around the contact, each twice as large and twice as coarse as the one before. All have equally
 many places, so that the work is bounded however far the stress exceeds the limit.
@@ -54,7 +54,7 @@ class Influence(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """Bounds (x, y, z) [m] of a zone; `closed` where none of it lies at the rim of the largest box."""
+    """Bounds (x, y, z) [m] of a zone; `closed` if it does not reach the rim of the largest box."""
 
     low: FloatArray
     high: FloatArray
@@ -62,7 +62,7 @@ class Zone:
 
 
 class ElasticStress:
-    """Stress by the tractions of coarse contacts, kept for loads and factors that ask again: it is most of the work."""
+    """Stress by the tractions of coarse contacts, cached for repeated loads and factors."""
 
     def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
         self._influences, self._material, self._room = influences, material, _KEPT
@@ -104,7 +104,7 @@ class ElasticStress:
 
 
 def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, factor: float) -> Zone | None:
-    """Zone in which `factor` times the elastic stress under tractions exceeds a limit; None where it nowhere does."""
+    """Zone in which `factor` times the elastic stress under tractions exceeds a limit; None without such a zone."""
     place = _loaded(load)
     if place is None:
         return None
@@ -128,7 +128,7 @@ def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, fact
 
 
 def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float:
-    """Ratio of the elastic stress to the largest multiple of it that a law bears elastically, within a tenth."""
+    """Ratio of the elastic stress to the largest multiple of it within the elastic range of a law, within a tenth."""
     place = _loaded(load)
     if place is None:
         return 0.0
@@ -152,7 +152,7 @@ def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float
 
 
 def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str, FloatArray]] | None:
-    """Middle (x, y) [m] and edges (dx, dy) [m] of the cells under pressure, and the tractions there."""
+    """Centre (x, y) [m] and edges (dx, dy) [m] of the cells under pressure, and their tractions."""
     window, fields = load
     box = Box.around(fields["p"] > 0)
     if box is None:
@@ -176,7 +176,7 @@ def _places(loaded: Mapping[str, FloatArray]) -> int:
 def _coarser(
     middle: FloatArray, edges: tuple[float, float], loaded: Mapping[str, FloatArray]
 ) -> tuple[FloatArray, tuple[float, float], dict[str, FloatArray]]:
-    """Loaded cells joined two by two each way: the forces remain, and far away nothing else counts."""
+    """Loaded cells merged two by two in each direction with the same forces, which suffices far away."""
     odd_y, odd_x = (size % 2 for size in loaded["p"].shape)
     joined = {}
     if edges[1] == np.inf:
@@ -198,7 +198,7 @@ def _inside(
     count: int,
     factor: float,
 ) -> BoolArray:
-    """Whether stress exceeds the limit in coarse cells ``(nz, count or 1, count)`` about the loaded ones."""
+    """Whether stress exceeds the limit in coarse cells ``(nz, count or 1, count)`` around the loaded ones."""
     depths, rows = (np.arange(count // 2) + 0.5) * edges[0], _rows(edges, count)
     out = np.empty((depths.size, rows, count), dtype=bool)
     # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
@@ -224,7 +224,7 @@ def _bounds(inside: BoolArray, middle: FloatArray, edges: tuple[float, float]) -
 
 
 def _convolved(table: FloatArray, field: FloatArray) -> FloatArray:
-    """Sum over loaded cells where the table covers all of them."""
+    """Sum over loaded cells if the table covers all of them."""
     shape = [fft.next_fast_len(size, real=True) for size in table.shape]
     product = fft.irfft2(fft.rfft2(table, shape) * fft.rfft2(field, shape), shape)
     return np.asarray(product[field.shape[0] - 1 : table.shape[0], field.shape[1] - 1 : table.shape[1]])

@@ -55,7 +55,7 @@ class StressOperator(Protocol):
 
 
 class InhomogeneousCells(InclusionSystem):
-    """The linear system of one arrangement of materials; `solve` takes fields ``(6, nz, ny, nx)``.
+    """Linear system of one arrangement of materials; `solve` accepts fields ``(6, nz, ny, nx)``.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ class InhomogeneousCells(InclusionSystem):
         return np.negative(out, out=out)
 
     def _shift(self, prestrain: FloatArray) -> FloatArray | float:
-        """Contribution of a prestrain to the conditions of cut cells, where only one part of the cell has it."""
+        """Contribution of a prestrain to the conditions of cut cells, in which only one material has it."""
         if self._offset is None or not prestrain.any():
             return 0.0
         out = np.zeros((6, self._cells.size))
@@ -171,7 +171,7 @@ class InhomogeneousCells(InclusionSystem):
 
 
 def _by_component(matrices: NDArray[np.floating]) -> FloatArray:
-    """Matrices of cells, ``(n, 6, 6)``, as ``(6, 6, n)``; one for all, ``(6, 6)``, as it is."""
+    """Matrices of cells, ``(n, 6, 6)``, as ``(6, 6, n)``; a single matrix ``(6, 6)`` unchanged."""
     return np.ascontiguousarray(matrices if matrices.ndim == 2 else np.moveaxis(matrices, 0, 2), dtype=float)
 
 

@@ -1,4 +1,4 @@
-"""Generalised minimal residuals: the linear solver for operators that cost far more than vectors.
+"""Generalised minimal residuals (GMRES), the linear solver for operators much more expensive than vectors.
 
 Written here because the stop is absolute, the count of applications is part of the answer, and the orthogonalisation
 is two products with a block of vectors in place of a loop over them.

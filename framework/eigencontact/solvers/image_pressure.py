@@ -1,4 +1,4 @@
-"""Approximate half-space: full space, plus the mirror image, minus the pressure they leave on the surface.
+"""Approximate half-space: full space, plus the mirror image, minus their pressure on the surface.
 
 In an infinite body the eigenstrain and its image ``s_i s_j e_ij``, s = (1, 1, -1), leave no shear on the plane z = 0
 but twice the normal traction of the eigenstrain alone. That traction is sampled at the middles of the cells and
@@ -66,13 +66,13 @@ class PressureKernel(Protocol):
 
 
 def reflected(quantity: str, field: FloatArray) -> FloatArray:
-    """Components ``(3 or 6, ...)`` as a mirror in z = 0 shows them; the points are mirrored by the caller."""
+    """Components ``(3 or 6, ...)`` reflected in z = 0; the caller reflects the points."""
     return np.asarray(_SIGNS[quantity].reshape(-1, *(1,) * (field.ndim - 1)) * field)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ImagePressure:
-    """Field of the pressure that takes the place of the doubled normal traction of source and image.
+    """Field of the pressure in place of the doubled normal traction of source and image.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class ImagePressure:
             out[:, k] += self._as(quantity, unit * convolver.apply(load[None], spectra))
 
     def _as(self, quantity: str, values: FloatArray) -> FloatArray:
-        """Strain from stress by Hooke's law where strain is asked for: the pressure's part is elastic."""
+        """Strain from stress by Hooke's law if strain is requested: the contribution of the pressure is elastic."""
         if quantity != "strain":
             return values
         nu, mu = self.material.poisson_ratio, self.material.shear_modulus
@@ -148,7 +148,7 @@ def _kernel_of(quantity: str) -> str:
 
 
 class ImagePressureVolume:
-    """The scheme for eigenstrain that is constant in each cell of a box, at the points of a lattice.
+    """Image-pressure method for eigenstrain that is uniform in each cell of a box, at the points of a lattice.
 
     Parameters
     ----------

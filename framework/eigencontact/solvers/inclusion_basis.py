@@ -72,7 +72,7 @@ class InclusionBasis:
 
     @cached_property
     def amplitudes(self) -> FloatArray:
-        """Amplitudes ``(n, 6 densities)`` of an eigenstrain per density; functions without eigenstrain have none."""
+        """Amplitudes ``(n, 6 densities)`` of an eigenstrain per density; zero for functions without eigenstrain."""
         return np.asarray(np.linalg.pinv(self.unknowns.reshape(self.size, -1).T, rcond=1e-11), dtype=float)
 
 

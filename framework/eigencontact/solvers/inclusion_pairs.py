@@ -1,4 +1,4 @@
-"""Interactions of whole inclusions: each with itself, near pairs by all functions, distant ones by their means."""
+"""Interactions of whole inclusions: self-interaction, near pairs by all functions, distant pairs by means."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class InclusionPairs:
         return out
 
     def _interactions(self) -> dict[Hashable, _Blocks]:
-        """Matrices of near pairs, each inclusion with itself first; those of like pairs once."""
+        """Matrices of near pairs, each inclusion with itself first; equal pairs are computed once."""
         blocks: dict[Hashable, _Blocks] = {}
         for number, basis in enumerate(self._system.bases):
             key = self._system.key_of(number)
@@ -86,7 +86,7 @@ class InclusionPairs:
         return blocks
 
     def _near_pairs(self) -> list[tuple[int, int]]:
-        """Pairs (lower, higher) that act on each other by all their functions; others by their mean eigenstrain."""
+        """Pairs (lower, higher) that interact by all functions; other pairs interact by mean eigenstrains."""
         count = len(self._system.shapes)
         if self._distant is None:
             return [(target, source) for source in range(count) for target in range(source)]
@@ -100,7 +100,7 @@ class InclusionPairs:
 
     @staticmethod
     def _take_out(blocks: Iterable[_Blocks], distant: DistantWork) -> None:
-        """Take out of near pairs what the sum over mean eigenstrains, of all pairs, holds of them."""
+        """Subtract the near pairs from the sum over mean eigenstrains, which contains all pairs."""
         by_source: dict[int, list[_Blocks]] = {}
         for block in blocks:
             by_source.setdefault(block.sources[0], []).append(block)
@@ -150,7 +150,7 @@ class InclusionPairs:
         return np.asarray(first.mix @ work @ second.mix.T)
 
     def _distance(self, target: int, source: int) -> float:
-        """Distance of the middles of two inclusions, or of one to the other's image if that is closer."""
+        """Distance of the centres of two inclusions, or of one and the other's image if that is smaller."""
         offset = self._system.centers[source] - self._system.centers[target]
         gap = float(np.linalg.norm(offset))
         if self._system.space == "half":

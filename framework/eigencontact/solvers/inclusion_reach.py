@@ -1,4 +1,4 @@
-"""How strongly two inclusions, or an inclusion and the surface, reflect each other, and what that asks of a solution.
+"""Strength of the interaction of two inclusions, or of an inclusion and the surface, and the necessary degree.
 
 Fields of two balls are multipoles that reflect between them, so the error of polynomial eigenstrain falls per degree by
 ``q = exp(-α)``: for a ball of radius r at the depth d of its centre, cosh α = d/r; for two equal balls at distance D,
@@ -97,7 +97,7 @@ def contrast_of(inclusion: Elasticity, matrix: Material) -> float:
 
 
 def stated_error(contrast: float, quality: float, degree: int) -> float:
-    """Error of an answer of a degree that is foretold, in parts of the load.
+    """Predicted error of a solution of a degree, relative to the load.
 
     Parameters
     ----------

@@ -125,7 +125,7 @@ class InclusionSystem(ABC):
         max_iterations: int | None = None,
         progress: Progress | None = None,
     ) -> EquivalentInclusions:
-        """Find the eigenstrain under a load.
+        """Solve for the eigenstrain under a load.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-r"""Law of a cell that a boundary cuts: two materials as one, each with its own strain, stress and memory.
+r"""Law of a cell cut by a boundary: two materials, each with its own strain, stress and internal variables.
 
 Of the cell a share f is of the first material, the rest of the second. With the jump d of their strains,
 
@@ -39,7 +39,7 @@ _ROUND_OFF = 1e-14
 
 
 class Cut(Protocol):
-    """Points, as `eigencontact.plugin.LawStep` has them, and how a boundary cuts their cells."""
+    """Points, as in `eigencontact.plugin.LawStep`, and the boundary in their cells."""
 
     x: FloatArray
     y: FloatArray
@@ -92,7 +92,7 @@ class Laminate:
 
     @property
     def variables(self) -> dict[str, Any]:
-        """What both remember, those of the second material under their `stored` names."""
+        """Variables of both materials, those of the second under their `stored` names."""
         second = self.second.variables
         return {**self.first.variables, **{name: second[law_name] for law_name, name in self.stored.items()}}
 
@@ -138,7 +138,7 @@ def resistance(matrix: Material, normals: FloatArray) -> FloatArray:
 
 
 class _State(NamedTuple):
-    """Jump of the strains in each cell, and how far the stresses are from what it asks for."""
+    """Jump of the strains in each cell, and the residual of its condition."""
 
     jump: FloatArray
     strains: tuple[FloatArray, FloatArray]
@@ -182,7 +182,7 @@ class _Question:
         return _State(jump, strains, (first, second), residual, error, np.finfo(float).tiny + _ROUND_OFF * scale)
 
     def nearer(self, state: _State) -> _State:
-        """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
+        """Newton's step, halved in the cells where it does not reduce the residual, except within round-off."""
         try:
             change = -np.linalg.solve(self._jacobian(state), state.residual.T[..., None])[..., 0].T
         except np.linalg.LinAlgError:

@@ -1,4 +1,4 @@
-"""Answers of constitutive laws as solvers use them; what is no answer is refused by the name of the law."""
+"""Results of constitutive laws for the solvers; invalid results are refused with the name of the law."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FAR = 1.0
 
 
 class Law(Protocol):
-    """Constitutive law as the solvers use it; see `eigencontact.plugin.ConstitutiveLaw`."""
+    """Constitutive law in the form of the solvers; see `eigencontact.plugin.ConstitutiveLaw`."""
 
     @property
     def key(self) -> Any:
@@ -33,7 +33,7 @@ class Law(Protocol):
 
     @property
     def variables(self) -> Any:
-        """Mapping of names to what is remembered, with ``components`` each."""
+        """Mapping of the names of the internal variables, with ``components`` each."""
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
         """Stress, tangent and variables after."""
@@ -41,7 +41,7 @@ class Law(Protocol):
 
 @runtime_checkable
 class AnsweringLaw(Protocol):
-    """Law that answers as cells; see `eigencontact.plugin.HasCellAnswer`."""
+    """Law with a response of cells; see `eigencontact.plugin.HasCellAnswer`."""
 
     def cell_answer(
         self, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
@@ -51,7 +51,7 @@ class AnsweringLaw(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """Answer of a law at n points.
+    """Response of a law at n points.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Answer:
 
 
 def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Answer:
-    """Ask a law.
+    """Call a law and check its response.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
 def cell_answer_of(
     law: Any, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Ask an `AnsweringLaw` for the eigenstrain of its cells, and what they would remember.
+    """Call an `AnsweringLaw` for the eigenstrain of its cells, and their internal variables.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def cell_answer_of(
 
 
 def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
-    """Refuse an answer that is not finite at some point.
+    """Refuse a result that is not finite at some point.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def _name_of(law: Any) -> str:
 
 @contextmanager
 def _of_its_form(where: str) -> Iterator[None]:
-    """Blame the law where its answer cannot be taken apart."""
+    """Report the law whose result has an invalid form."""
     try:
         yield
     except (AttributeError, TypeError, ValueError) as problem:
@@ -165,7 +165,7 @@ def _of_its_form(where: str) -> Iterator[None]:
 
 
 def _declared(law: Any, returned: dict[str, Any], count: int) -> dict[str, FloatArray]:
-    """Variables that a law returns, as it declares them."""
+    """Variables returned by a law, in their declared form."""
     where = _name_of(law)
     if set(returned) != set(law.variables):
         raise PluginError(

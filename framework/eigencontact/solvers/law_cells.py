@@ -1,4 +1,4 @@
-"""Cells with a constitutive law: each cell finds the eigenstrain that satisfies its law under the others' stress.
+"""Cells with a constitutive law: each eigenstrain satisfies the law of its cell under the stress of the others.
 
 The stress of a cell is ``σ = σ_f + A e``: that by the other cells, and that by its own eigenstrain e. Its strain is
 ``M σ + e``, M the compliance of the matrix. The law must return σ for the strain less the prestrain: six equations for
@@ -31,11 +31,11 @@ Remembered = dict[str, FloatArray]
 
 
 class Around(Protocol):
-    """The matrix around a cell; see `eigencontact.plugin.Surroundings`."""
+    """Matrix around a cell; see `eigencontact.plugin.Surroundings`."""
 
     @property
     def shear_stiffness(self) -> float:
-        """Deviatoric stress that a unit of its own eigenstrain takes from a ball [Pa]."""
+        """Deviatoric stress reduction of a ball per unit of its own eigenstrain [Pa]."""
 
     @property
     def bulk_stiffness(self) -> float:
@@ -139,7 +139,7 @@ class LawCells:
         records: Mapping[str, FloatArray],
         step: Any,
     ) -> Remembered:
-        """Write the answers of a law for its cells to `out`, chunk by chunk; returns their history variables."""
+        """Write the responses of a law for its cells to `out`, chunk by chunk; returns their history variables."""
         count = out.shape[1]
         after = {name: np.empty((variable.components, count)) for name, variable in law.variables.items()}
         several: list[int] = []
@@ -165,7 +165,7 @@ class LawCells:
         return after
 
     def words(self, law: Law, cell: int, step: Any) -> str:
-        """Words for the cell of a law, counted among those of the law, with its index in the box and its place."""
+        """Text for a cell: its number among the cells of the law, its index in the box and its position."""
         cells = next(cells for candidate, cells in self.groups if candidate is law)
         index = int(self.cells[cells][cell])
         where = index if self._shape is None else tuple(int(n) for n in np.unravel_index(index, self._shape))
@@ -173,7 +173,7 @@ class LawCells:
 
     @contextmanager
     def _naming_cells(self, law: Law, cells: slice, step: Any) -> Iterator[None]:
-        """Cells without a unique answer are named, and what helps."""
+        """Add the cells without a unique solution, and remedies, to the error."""
         try:
             yield
         except NotUnique as problem:
@@ -194,7 +194,7 @@ class LawCells:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
     ) -> float:
-        """Largest difference of the stress of the cells from what their laws answer to their strain [Pa].
+        """Largest difference between the stress of the cells and the stress of their laws at their strain [Pa].
 
         A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
         the parameters.
@@ -212,7 +212,7 @@ class LawCells:
         return worst
 
     def _ball(self, eigenstrain: FloatArray) -> FloatArray:
-        """Stress that its own eigenstrain takes from a ball [Pa]."""
+        """Stress reduction of a ball by its own eigenstrain [Pa]."""
         assert self._around is not None
         shear, bulk = self._around.shear_stiffness, self._around.bulk_stiffness
         out = shear * eigenstrain
@@ -241,7 +241,7 @@ class _Question:
         return _State(eigenstrain, strain, answer, residual, error)
 
     def limit(self, state: _State) -> FloatArray:
-        """Residual that is round-off."""
+        """Residual of the size of round-off."""
         sizes = [np.linalg.norm(tensor, axis=0) for tensor in (state.eigenstrain, self.prestrain, self.foreign)]
         strain = sizes[0] + sizes[1] + sizes[2] / self.body.modulus
         stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
@@ -251,7 +251,7 @@ class _Question:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
-    """Eigenstrain of the cells, and how far the stress of their law is from theirs."""
+    """Eigenstrain of the cells, and the difference between the stress of their law and their stress."""
 
     eigenstrain: FloatArray
     strain: FloatArray
@@ -292,7 +292,7 @@ def _solved(question: _Question, start: FloatArray) -> _State:
 
 
 def _nearer(question: _Question, state: _State, change: FloatArray) -> _State:
-    """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
+    """Newton's step, halved in the cells where it does not reduce the residual, except within round-off."""
     fraction, enough = np.ones(change.shape[1]), np.maximum(state.error, question.limit(state))
     for _ in range(_HALVINGS):
         trial = question.at(state.eigenstrain + fraction * change)

@@ -14,7 +14,7 @@ COARSEST = 16
 
 
 def coarse_factors(grid: Grid) -> tuple[int, int] | None:
-    """Cells to merge along (y, x) for the next coarser grid; None where the grid is coarse enough.
+    """Cells to merge along (y, x) for the next coarser grid; None if the grid is coarse enough.
 
     Only the finer direction of stretched cells is merged, until they are nearly square.
     """
@@ -25,7 +25,7 @@ def coarse_factors(grid: Grid) -> tuple[int, int] | None:
 
 
 def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
-    """Mean of each pair or square of merged cells; a left-over row or column is dropped."""
+    """Mean of each pair or square of merged cells; drops a remaining row or column."""
     if factors[0] == 2:
         rows = field.shape[0] // 2 * 2
         field = field[0:rows:2] + field[1:rows:2]
@@ -36,7 +36,7 @@ def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
 
 
 def restrict_springs(springs: FloatArray, factors: tuple[int, int], compliance: float) -> FloatArray:
-    """Springs of merged cells: what cells in parallel do, each a spring on the `compliance` of one cell by itself.
+    """Springs of merged cells: springs of cells in parallel, each on the `compliance` of a single cell.
 
     Beside a cell without a spring, one that gives way to any pressure carries nothing, and the other carries all.
     """

@@ -61,7 +61,7 @@ class MeanVolumeField(VolumeField):
 
 
 def _rule(slenderness: float) -> list[tuple[float, float]]:
-    """Points and weights on (-1/2, 1/2) along an edge that is so many times the shortest."""
+    """Points and weights on (-1/2, 1/2) along an edge by its ratio to the shortest edge."""
     count = min(_MOST, max(_FEWEST, int(np.ceil(slenderness - 1e-9)) + 1))
     points, weights = np.polynomial.legendre.leggauss(count)
     return [(0.5 * float(point), 0.5 * float(weight)) for point, weight in zip(points, weights, strict=True)]

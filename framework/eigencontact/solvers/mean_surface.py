@@ -176,5 +176,5 @@ class SurfaceAndCells:
 
 
 def _mirrored(indices: str) -> float:
-    """Sign of a component seen from the other side, by a half turn about z."""
+    """Sign of a component after a half turn about z."""
     return (-1.0) ** (indices.count("x") + indices.count("y"))

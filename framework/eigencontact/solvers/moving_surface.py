@@ -1,4 +1,4 @@
-"""A surface worn by its own pressure, over many cycles at once: implicit sub-steps, doubled and extrapolated.
+"""Worn depth of a surface over many cycles under its own pressure: implicit sub-steps, doubled and extrapolated.
 
 A sub-step of n cycles that ends with the pressure p wears ``n rate p``. As long as p is unknown that is a layer of
 springs n rate on the surface, so that each sub-step is one solve of the contact (backward Euler): stable for any n, and
@@ -175,7 +175,7 @@ def _lengths(count: int) -> FloatArray:
 
 
 def _extrapolated(coarse: _State, fine: _State, count: int, *, bounded: bool) -> _State:
-    """To ever smaller sub-steps; where bounded, at each cell only as far as leaves a pressure of zero at least.
+    """Extrapolation to zero sub-step size; if bounded, at each cell only until its pressure is zero.
 
     The error is as the sum of the squares of the sub-steps, hence the factor; near one for equal or many of them. What
     is bounded twice agrees with itself too well to tell an error.

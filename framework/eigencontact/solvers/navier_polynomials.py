@@ -1,4 +1,4 @@
-"""Polynomial strains that an elastic inclusion can have: those of displacements in equilibrium.
+"""Polynomial strains of an elastic inclusion, from displacements in equilibrium.
 
 A homogeneous inclusion without body forces is strained by a displacement u with div C' grad u = 0. Polynomials of that
 kind are 6, 21, 42, 69, 102, 141, 186 in number up to strain degree 0 ... 6, where all polynomials are 6, 24, 60, ...:
@@ -32,7 +32,7 @@ Monomial = tuple[int, int, int]
 def equilibrated_polynomials(
     soft: FloatArray, stiff: FloatArray, around: tuple[FloatArray, FloatArray], degree: int, points: FloatArray
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Values of g at points, ``(n, 6, m)``, those of lower degree first, and the degree of each.
+    """Values of g at points, ``(n, 6, m)``, lower degrees first, and the degree of each.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def equilibrated_polynomials(
 
 
 def all_polynomials(densities: FloatArray, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Values ``(n, 6, m)`` of every component of every density, those of lower degree first, and their degrees."""
+    """Values ``(n, 6, m)`` of every component of every density, lower degrees first, and their degrees."""
     values = np.einsum("ij,nm->nijm", np.eye(6), densities).reshape(-1, 6, densities.shape[1])
     counts = [(total + 1) * (total + 2) // 2 * 6 for total in range(degree + 1)]
     return values, np.repeat(np.arange(degree + 1), counts)

@@ -1,4 +1,4 @@
-"""Means over a neighbourhood in some cells of a box: what a softening material needs to have a width of its own."""
+"""Means over a neighbourhood in cells of a box, for softening materials."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROUNDING = 1e-12
 
 
 def reach_of(radius: float, edges: tuple[float, float, float]) -> tuple[int, int, int]:
-    """Cells along z, y, x, beyond its own, that a neighbourhood reaches [cells]; the bell is zero at its radius."""
+    """Cells along z, y, x, beyond its own, in a neighbourhood [cells]; the weight is zero at its radius."""
     k, j, i = (max(int(np.ceil(radius / edge)) - 1, 0) for edge in edges)
     return k, j, i
 

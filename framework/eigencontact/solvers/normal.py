@@ -20,7 +20,7 @@ __all__ = ["NormalOptions", "NormalSolution", "NormalSolver"]
 
 
 class NormalSolver:
-    """Normal contact on one grid for any number of solves: coefficients, spectra and FFT plans are kept.
+    """Normal contact on one grid for any number of solutions; coefficients, spectra and FFT plans are reused.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class NormalSolver:
         tolerance: float | None = None,
         progress: Progress | None = None,
     ) -> NormalSolution:
-        """Find p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x``.
+        """Solve p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x``.
 
         Thesis eqs 2.67-2.72, there without k.
 
@@ -104,7 +104,7 @@ class NormalSolver:
 
     @property
     def convolutions(self) -> int:
-        """Applications of the compliance so far, on all grids."""
+        """Number of applications of the compliance, on all grids."""
         return sum(compliance.convolutions for compliance in self._compliances.values())
 
     def compliance(self, grid: Grid) -> Compliance:
@@ -118,7 +118,7 @@ class NormalSolver:
         return self._compliances[grid]
 
     def circulant(self, compliance: Compliance, box: Box) -> Circulant:
-        """Circulant of one grid for preconditioners; that of the last box is kept."""
+        """Circulant of one grid for preconditioners; that of the last box is cached."""
         key = compliance.grid
         cached = self._circulants.get(key)
         if cached is None or cached[0] != box:

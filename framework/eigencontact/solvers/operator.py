@@ -24,7 +24,7 @@ class Coefficients(Protocol):
     """Influence coefficients of one response to one traction; of the normal problem even in x and y."""
 
     def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
-        """Response at offsets x, y [m] of a rectangle of the given half-widths under unit traction, ``(ny, nx)``."""
+        """Response at offsets x, y [m] of a rectangle with half-widths under unit traction, ``(ny, nx)``."""
 
     def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
         """Amplitude of the response to a unit traction wave, ``(nky, nkx)``; for periodic contact."""
@@ -63,12 +63,12 @@ class BoxOperator:
 
     @property
     def convolutions(self) -> int:
-        """Convolutions done so far."""
+        """Number of convolutions."""
         return self._convolver.count
 
 
 class Compliance:
-    """Normal compliance of a surface on one grid: a table of coefficients, and operators cut from it on demand.
+    """Normal compliance of a surface on one grid: a table of coefficients, and operators made from it on demand.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class Compliance:
 
     @property
     def convolutions(self) -> int:
-        """Convolutions done on this grid so far."""
+        """Number of convolutions on this grid."""
         return self._retired + sum(operator.convolutions for operator in self._operators.values())
 
     def table(self, ny: int, nx: int) -> FloatArray:
@@ -115,7 +115,7 @@ class Compliance:
         return self._table[:ny, :nx]
 
     def between(self, source: Box, target: Box) -> BoxOperator:
-        """Operator from the pressure on one box to the displacement on another; the last few are kept."""
+        """Operator from the pressure on one box to the displacement on another; the last few are cached."""
         if (source, target) not in self._operators:
             if len(self._operators) >= _KEPT:
                 self._retired += self._operators.pop(next(iter(self._operators))).convolutions
@@ -135,18 +135,18 @@ class Compliance:
         return BoxOperator(self.convolver(layout), layout.spectrum(table, (1, 1), precision=self.options.precision))
 
     def reserve(self, source: Box, target: Box) -> None:
-        """Sample at once what both this pair of boxes and smaller ones will need."""
+        """Sample the coefficients of this pair of boxes and of smaller ones at once."""
         if not self.options.periodic:
             y, x = offsets(layout_between(source, target))
             self.table(int(y.max()) + 1, int(x.max()) + 1)
 
     def convolver(self, layout: Layout) -> Convolver:
-        """Convolver of one spectrum, with threads where they save time."""
+        """Convolver of one spectrum, with threads if they save time."""
         threads = self.options.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
         return Convolver(layout, precision=self.options.precision, threads=threads)
 
     def _sample_periodic(self) -> None:
-        """Spectrum of the whole window, and the coefficients of one period from it."""
+        """Spectrum of the whole window, and the coefficients of one period."""
         from scipy import fft
 
         layout = Layout(self.grid.shape, self.grid.shape, periodic=True)

@@ -70,7 +70,7 @@ class PolynomialAnswer:
 
 
 class PolynomialInclusions:
-    """The linear system of one set of inclusions.
+    """Linear system of one set of inclusions.
 
     Parameters
     ----------
@@ -138,11 +138,11 @@ class PolynomialInclusions:
 
     @cached_property
     def rules(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Points ``(m, 3)`` [m] and weights [m^3] of each inclusion for a stress that comes from elsewhere."""
+        """Points ``(m, 3)`` [m] and weights [m^3] of each inclusion for the stress of a load."""
         return self._rules(1.0)
 
     def refine_rules(self, factor: float) -> None:
-        """Take rules with `factor` times the points in each direction."""
+        """Use rules with `factor` times the points in each direction."""
         self.rules = self._rules(factor)
 
     def _rules(self, factor: float) -> list[tuple[FloatArray, FloatArray]]:
@@ -155,7 +155,7 @@ class PolynomialInclusions:
 
     @property
     def points(self) -> FloatArray:
-        """Points ``(3, m)`` [m] at which the stress of a load is asked for by `moments`."""
+        """Points ``(3, m)`` [m] of the stress of a load for `moments`."""
         return np.concatenate([points for points, _ in self.rules]).T
 
     def moments(self, stress: FloatArray) -> FloatArray:
@@ -179,7 +179,7 @@ class PolynomialInclusions:
         max_iterations: int | None = None,
         progress: Progress | None = None,
     ) -> PolynomialAnswer:
-        """Find the eigenstrain under a load.
+        """Solve for the eigenstrain under a load.
 
         Parameters
         ----------
@@ -284,7 +284,7 @@ class PolynomialInclusions:
         return np.concatenate(parts).astype(float)
 
     def _inverted(self, forces: FloatArray, lower: int) -> FloatArray:
-        """What each inclusion would answer to forces if it were alone."""
+        """Response of each inclusion to forces without the others."""
         out = np.zeros_like(forces)
         for number, basis in enumerate(self.bases):
             key = self.key_of(number), lower
@@ -320,7 +320,7 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
 
 
 def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
-    """Inverse of a symmetric matrix on what it does not take to zero."""
+    """Inverse of a symmetric matrix without its null space."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
     regular = np.abs(values) > _ROUNDING * volume
     return np.asarray((vectors[:, regular] / values[regular]) @ vectors[:, regular].T)

@@ -73,7 +73,7 @@ def cell_kernels(forms: Forms) -> list[Kernel]:
 
 
 def kernel_groups(kernels: Iterable[Kernel], table_bytes: int) -> Iterator[list[Kernel]]:
-    """Kernels of one potential that are sampled together, as many as memory for their tables allows."""
+    """Kernels of one potential that are sampled together, within the memory for their tables."""
     most = max(1, _GROUP_BYTES // table_bytes)
     by_potential: dict[tuple[str, str], list[Kernel]] = {}
     for kernel in kernels:
@@ -141,7 +141,7 @@ def sample_tables(
     around = _AROUND * min(float(axis[1] - axis[0]) for axis in (x, y, z))
 
     def slab(first: int, stop: int) -> None:
-        """Tables between the nodes `first` and `stop` along x; a few planes at a time, so that they stay in cache."""
+        """Tables between the nodes `first` and `stop` along x; a few planes at a time, to fit into the cache."""
         last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
@@ -172,7 +172,7 @@ def _around_edges(
     axes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
     distance: float,
 ) -> None:
-    """Replace values at nodes that lie on an edge, two coordinates zero, by the mean of four points around it."""
+    """Replace values at nodes on an edge, with two zero coordinates, by the mean of four points around it."""
     zeros = [np.flatnonzero(axis == 0.0) for axis in axes]
     for first, second in ((0, 1), (0, 2), (1, 2)):
         if not (zeros[first].size and zeros[second].size):
@@ -191,7 +191,7 @@ def _around_edges(
 
 
 def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> NDArray[np.longdouble]:
-    """Nodes between and around ascending offsets in cells, in units of length; one that is zero is exactly so."""
+    """Nodes between and around ascending offsets in cells, in units of length; a zero is exact."""
     cells = np.append(offsets - 0.5, offsets[-1] + 0.5)
     cells[np.abs(cells) < ON_FACE] = 0.0
     return cells * np.longdouble(pitch / unit)
@@ -203,7 +203,7 @@ def seen_from_inside(nodes: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
 
 
 def far_apart(source: Cells, low: Sequence[float], high: Sequence[float]) -> bool:
-    """Whether the box of points (x, y, z) lies so far from all cells that sums over corners lose digits that count.
+    """Whether all cells are so far from the box of points (x, y, z) that sums over corners lose digits.
 
     Where some cell is near some point, its field is so much larger that nothing is lost.
     """

@@ -83,7 +83,7 @@ class Circulant:
 
 
 class SpringPreconditioner:
-    """Inverse of a circulant plus springs that differ from cell to cell: a few uniform ones, interpolated.
+    """Inverse of a circulant plus springs that vary from cell to cell: a few uniform ones, interpolated.
 
     ``z = Σ √θj (C + kj)⁻¹ √θj r`` with weights θj(k) that interpolate ``1/(s + k)`` linearly in ``1/(s0 + k)``, s0 the
     smallest eigenvalue: exact at s = s0 and nearly so for s far above k, hence for every wave where k varies slowly.
@@ -120,7 +120,7 @@ class SpringPreconditioner:
         self._parts = [(np.sqrt(w), circulant.shifted(k)) for w, k in zip(weights, nodes, strict=True)]
 
     def __call__(self, residual: Array) -> Array:
-        """Pressure correction for a gap residual that is zero at cells not loaded."""
+        """Pressure correction for a gap residual that is zero at unloaded cells."""
         total = np.zeros_like(residual)
         for weight, inverse in self._parts:
             share = weight.astype(residual.dtype)

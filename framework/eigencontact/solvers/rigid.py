@@ -1,4 +1,4 @@
-"""Rigid modes of one box: fields that a prescribed force leaves free, kept as rows and columns, not full arrays."""
+"""Rigid modes of one box that a prescribed force leaves free, stored as rows and columns."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def dot(a: Array, b: Array) -> float:
 
 
 class RigidModes:
-    """The modes 1, y, -x (those that are free), scaled to order one.
+    """Free modes among 1, y, -x, scaled to order one.
 
     Parameters
     ----------
@@ -72,17 +72,17 @@ class RigidModes:
         return self.amounts(self.gram(loaded), self.project(field))
 
     def amounts(self, gram: Array, projection: Array) -> Array:
-        """Amounts of the modes whose `project` over cells of this `gram` is given, (m,); none without such cells."""
+        """Amplitudes (m,) of the modes from their `project` and `gram` over cells; None without cells."""
         if len(projection) == 1:
             return projection / gram[0, 0] if gram[0, 0] else np.zeros(1)
         return np.asarray(np.linalg.lstsq(gram, projection, rcond=1e-13)[0])
 
     def of_rows(self, rows: slice) -> RigidModes:
-        """The modes on some rows of the box; what `project` and `gram` find on all rows is the sum over such parts."""
+        """Modes on some rows of the box; `project` and `gram` of all rows are sums over such parts."""
         return RigidModes([field[rows] if field.shape[0] > 1 else field for field in self.fields])
 
     def factor(self, carried: Array, forces: Array) -> float | None:
-        """Factor that scales the resultants of a pressure to the forces; None where no factor does."""
+        """Factor that scales the resultants of a pressure to the forces; None without such a factor."""
         if not self.fields:
             return 1.0
         if not self._only_uniform:
@@ -90,13 +90,13 @@ class RigidModes:
         return float(forces[0] / carried[0]) if carried[0] > 0 else 1.0
 
     def remove(self, field: Array, loaded: Array) -> None:
-        """Take the rigid part out of a field that is zero at cells not loaded, in place."""
+        """Subtract the rigid part from a field that is zero at unloaded cells, in place."""
         if len(self):
             field -= self.combine(self.fit(field, loaded), field.dtype)
             field *= loaded
 
     def level(self, residual: Array, loaded: Array, share: Array) -> None:
-        """Take the rigid part out of a gap residual, in place, by a fit that weighs each loaded cell with its share.
+        """Subtract the rigid part from a gap residual, in place, by a fit weighted with the load share of each cell.
 
         What is left does no work on a pressure ``share * mode``: the counterpart of `unload`.
         """
@@ -105,13 +105,13 @@ class RigidModes:
             residual *= loaded
 
     def unload(self, pressure: Array, share: Array) -> None:
-        """Take the forces out of a pressure, in place, each cell giving up by its share (zero at cells not loaded)."""
+        """Subtract the forces from a pressure, in place, in proportion to the share of each cell (zero if unloaded)."""
         if len(self):
             amounts = np.linalg.lstsq(self.gram(share), self.project(pressure), rcond=1e-13)[0]
             pressure -= self.combine(amounts, pressure.dtype) * share
 
     def carry(self, pressure: Array, forces: Array) -> Array:
-        """Scale a pressure by ``1 + c . modes`` so that it carries the forces; it stays positive where it was."""
+        """Scale a pressure by ``1 + c . modes`` to the forces; positive values remain positive."""
         if self._only_uniform:
             carried = float(self.project(pressure)[0])
             return pressure * pressure.dtype.type(forces[0] / carried) if carried > 0 else pressure
@@ -124,7 +124,7 @@ class RigidModes:
         return pressure
 
     def shortage(self, pressure: Array, forces: Array) -> float:
-        """Largest part of the forces that a pressure does not carry; 0 for a normal load without moments.
+        """Largest missing part of the forces of a pressure; 0 for a normal load without moments.
 
         Relative to a force, or to what the pressure would exert if all of it pushed one way.
         """
@@ -145,7 +145,7 @@ def _margins(field: Array) -> tuple[Array, Array]:
 
 
 def _sum(mode: Array, rows: Array, columns: Array) -> float:
-    """Sum of a mode, constant or varying one way only, times a field given by its row and column sums."""
+    """Sum of the product of a mode, constant or linear in one direction, with a field by its row and column sums."""
     if mode.size == 1:
         return float(rows.sum()) * float(mode[0, 0])
     return float(np.sum(rows * mode[:, 0]) if mode.shape[1] == 1 else np.sum(columns * mode[0]))

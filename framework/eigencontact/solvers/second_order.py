@@ -24,7 +24,7 @@ _SHARE = 1.0 / 24.0
 
 
 def linked_faces(groups: Sequence[IntArray], shape: tuple[int, int, int]) -> Faces | None:
-    """Faces between neighbours of one group, along z, y, x; None where there are none.
+    """Faces between neighbours of one group, along z, y, x; None without faces.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
     weights = [_SHARE if linked.all() else _SHARE * linked for linked in faces]
 
     def centre(index: tuple[int, ...]) -> None:
-        """One field: it fits a cache."""
+        """One field, which fits into the cache."""
         place = _place(means[index])
         field, into = means[index][place], out[index][place]
         for axis, weight in enumerate(weights):
@@ -83,7 +83,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
 
 
 def _place(field: FloatArray) -> tuple[slice, slice, slice]:
-    """Box around all that is not zero, and the cells next to it: eigenstrain of a plastic zone fills a part alone."""
+    """Box around all nonzero cells and their neighbours."""
     present, spans = field != 0.0, []
     for axes in ((1, 2), (0, 2), (0, 1)):
         cells = np.flatnonzero(present.any(axis=axes))

@@ -109,7 +109,7 @@ class SectionStress:
         return np.expand_dims(out, 2 + self._across)
 
     def _waves(self, tractions: Sequence[FloatArray]) -> NDArray[np.complex128]:
-        """Transformed tractions ``(components, tractions, rows across, wavenumbers)``, as each component feels them."""
+        """Transformed tractions ``(components, tractions, rows across, wavenumbers)``, with parities of components."""
         row, images = self._row, self._images
         loads = np.array([np.moveaxis(traction[self.source.slices], self._across, 0) for traction in tractions])
         loads = loads[:, ::-1]  # offsets (target minus source) ascend

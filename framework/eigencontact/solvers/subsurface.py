@@ -1,4 +1,4 @@
-"""Stress or displacement below the surface from tractions on it, at chosen depths or points and nowhere else."""
+"""Stress or displacement below the surface by tractions, at selected depths or points."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class HasDepths(Protocol):
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> TableAt:
-        """Prepare tables at depths ``(nz,)`` for offsets up to `reach` [m]; they may be asked for in threads."""
+        """Prepare tables at depths ``(nz,)`` for offsets up to `reach` [m]; the tables may be requested in threads."""
 
     def responses(
         self, components: list[str], kx: FloatArray, ky: FloatArray, depths: FloatArray
@@ -76,7 +76,7 @@ class HasDepths(Protocol):
 
 @runtime_checkable
 class HasSums(Protocol):
-    """Optional ability of a kernel that need not make a table to sum a load over it."""
+    """Optional ability of a kernel: sums of a load without a table."""
 
     def sums_at(
         self,
@@ -86,7 +86,7 @@ class HasSums(Protocol):
         reach: float,
         load: FloatArray,
     ) -> SumAt | None:
-        """Prepare sums of a load ``(ny, nx)``, else as `HasDepths.at_depths`; None where tables are as good."""
+        """Prepare sums of a load ``(ny, nx)``, like `HasDepths.at_depths`; None if tables are as efficient."""
 
 
 def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
@@ -146,20 +146,20 @@ def _responses(
 
 
 def mirrored(offsets: FloatArray) -> int:
-    """Number of ascending offsets that mirror others: half of them where they are symmetric about 0."""
+    """Number of ascending offsets that are mirror images of others: half of them if symmetric about 0."""
     symmetric = offsets.size > 1 and np.abs(offsets + offsets[::-1]).max() <= 1e-12 * offsets[-1]
     return offsets.size // 2 if symmetric else 0
 
 
 def _with_images(table: FloatArray, images: int, axis: int, sign: int) -> FloatArray:
-    """Table with the mirror images of its last values, by their parity, before it."""
+    """Table extended by the mirror images of its last values, by their parity."""
     if not images:
         return table
     return np.concatenate([sign * np.flip(table.take(range(-images, 0), axis), axis), table], axis)
 
 
 def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[Any]:
-    """Values at the offsets that are left when those of the first, mirror images, are added by their parity."""
+    """Values at the remaining offsets after adding the mirror images, by their parity."""
     if not images:
         return values
     along = np.moveaxis(values, axis, 0)
@@ -169,7 +169,7 @@ def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[A
 
 
 class SubsurfaceStress:
-    """Stress, or displacement, on a lattice of points at several depths: a convolution whose spectra are made once.
+    """Stress or displacement on a lattice of points at several depths: a convolution with spectra made once.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ class SubsurfaceStress:
 
     @property
     def kernels(self) -> int:
-        """Number of spectra held."""
+        """Number of stored spectra."""
         return sum(len(row) for depth in self._spectra for row in depth)
 
     def covers(self, box: Box) -> bool:
@@ -288,7 +288,7 @@ class SubsurfaceStress:
         return np.moveaxis(stacked, 1, 0)
 
     def _shifted(self, traction: FloatArray) -> FloatArray:
-        """Periodic traction moved by the fraction of a cell by which targets lie off the cell centres."""
+        """Periodic traction shifted by the offset of the targets from the cell centres."""
         if not any(self._fraction):
             return traction
         from scipy import fft

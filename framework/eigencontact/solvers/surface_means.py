@@ -30,7 +30,7 @@ _PLACES = (-2.0 / 3.0, 2.0 / 3.0)
 
 
 def depth_of_means(grid: Grid) -> float:
-    """Depth above which the stress by tractions on these cells is a mean over cells [m]."""
+    """Depth above which the stress by tractions is a mean over cells [m]."""
     return _SHALLOW * min(grid.edges)
 
 

@@ -1,4 +1,4 @@
-"""Sweeps over a field in blocks of rows that stay in cache, shared out to threads."""
+"""Loops over a field in blocks of rows that fit into the cache, distributed to threads."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class Sweeps:
         self._scratch = [np.empty((2, step, shape[1]), dtype) for _ in range(self._threads)]
 
     def scratch(self, number: int) -> NDArray[Any]:
-        """Two fields of the shape of a block, for the work on that block alone."""
+        """Two scratch fields of the shape of a block."""
         rows = self.blocks[number]
         return self._scratch[number % self._threads][:, : rows.stop - rows.start]
 
     def __call__(self, work: Callable[[int, slice], T]) -> list[T]:
-        """Call ``work(number, rows)`` for every block; the results in order."""
+        """Call ``work(number, rows)`` for every block; returns the results in order."""
         if self._threads == 1:
             return [work(k, rows) for k, rows in enumerate(self.blocks)]
         results: list[Any] = [None] * len(self.blocks)

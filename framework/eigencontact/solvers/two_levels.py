@@ -1,4 +1,4 @@
-"""Stress in a box of cells of which a part, the patch, is divided into finer cells.
+"""Stress in a box of cells, a part of which (the patch) is divided into finer cells.
 
 Outside the patch every cell has an eigenstrain. So has every fine cell inside it, but for a rim one coarse cell wide,
 in which fine cells carry the eigenstrain of their coarse cell. The field of the coarse box is exact far from its
@@ -103,7 +103,7 @@ class TwoLevels:
         return _mapped(coarse[..., *self.place], self._along)
 
     def spread(self, fine: FloatArray) -> FloatArray:
-        """Eigenstrain ``(6, nz, ny, nx)`` of all coarse cells that stands for that of fine cells."""
+        """Eigenstrain ``(6, nz, ny, nx)`` of all coarse cells that represents the fine cells."""
         out = np.zeros((len(fine), *self._coarse.source.shape))
         out[:, *self.place] = _mapped(fine, [matrix.T / self.ratio for matrix in self._along])
         return out

@@ -1,4 +1,4 @@
-"""Sums over layers of eigenstrain for a batch of waves in the plane, and what turns them into a field.
+"""Sums over layers of eigenstrain for a batch of plane waves, and the fields from these sums.
 
 A field at a depth needs four sums: of e^-t and t e^-t, t = k |z - z'|, over the layers above and over those below. They
 are carried from interface to interface and never grow. In axes along and across a wave, and in lengths of 1/k, the
@@ -37,7 +37,7 @@ class Plane:
 
 
 def plane_at(interfaces: FloatArray, depth: float) -> Plane:
-    """Place of a depth [m] among ascending interfaces [m]; a plane in the surface sees the layer below it alone."""
+    """Index of a depth [m] among ascending interfaces [m]; a plane in the surface belongs to the layer below."""
     layers = interfaces.size - 1
     last = int(np.searchsorted(interfaces, depth, side="right")) - 1
     first = int(np.searchsorted(interfaces, depth, side="left"))
@@ -102,7 +102,7 @@ def _decay(kernel: Kernel, *, upward: bool) -> tuple[float, float]:
 
 
 def _local(kernel: Kernel) -> float:
-    """Factor of the eigenstrain at the point itself: Psi,zzzz and Phi,zz of a layer have a delta function there."""
+    """Factor of the eigenstrain at the point: Psi,zzzz and Phi,zz of a layer contain a delta function."""
     _, name, order = kernel
     return {("psi", 4): -8.0 * np.pi, ("phi", 2): -4.0 * np.pi, ("", 0): 1.0}.get((name, order[2]), 0.0)
 
@@ -143,7 +143,7 @@ class LayerSums:
         self._out[:, number] += _product(matrix, sums.reshape(12, -1))
 
     def _stepped(self, sums: ComplexArray, distance: float, layer: int) -> ComplexArray:
-        """Sums of k e^-t and k t e^-t (times dz) a distance further on, through one layer or (-1, nz) through none."""
+        """Sums of k e^-t and k t e^-t (times dz) a distance further, through one layer or (-1, nz) through none."""
         if distance == 0.0:
             return sums
         path = self._k * distance
@@ -160,7 +160,7 @@ class LayerSums:
         return out
 
     def _image(self, sums: ComplexArray) -> None:
-        """Field of the image from the sums as seen from the surface: a polynomial in k z times e^-kz."""
+        """Field of the image from the sums at the surface: a polynomial in k z times e^-kz."""
         powers = [_product(matrix, sums.reshape(12, -1)) for matrix in self._weights.image]
         for number, plane in enumerate(self._planes):
             path = self._k * plane.depth

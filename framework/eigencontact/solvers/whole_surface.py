@@ -30,7 +30,7 @@ Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 @dataclass(slots=True)
 class _Group:
-    """Inclusions with one table: which, and the first column and row of each in it."""
+    """Inclusions with a common table: their numbers, and the first column and row of each in the table."""
 
     members: list[int] = field(default_factory=list)
     cells: list[tuple[int, int]] = field(default_factory=list)
@@ -90,7 +90,7 @@ class WholeSurface:
         return out
 
     def _parts(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
-        """Part of the table that stands for the window, of each member."""
+        """Part of the table in the window, of each member."""
         ny, nx = self._grid.shape
         right, high = (max(cell[axis] for cell in group.cells) for axis in (0, 1))
         return [
@@ -122,13 +122,13 @@ class WholeSurface:
 
 
 def table_key(bounds: Bounds, grid: Grid) -> Hashable:
-    """Key that inclusions of one shape share if one table serves them: the same depth and the same place in a cell."""
+    """Key of inclusions of one shape with a common table: equal depth and equal position in a cell."""
     low, high = bounds
     return round((low[2] + high[2]) / (_ALIKE * grid.dx)), _place(bounds, grid)[1]
 
 
 def _place(bounds: Bounds, grid: Grid) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Cell (column, row) below which the middle of an inclusion lies, and where in it."""
+    """Cell (column, row) below which the centre of an inclusion lies, and the position in it."""
     low, high = bounds
     column, row = (
         (0.5 * (low[axis] + high[axis]) - first) / edge

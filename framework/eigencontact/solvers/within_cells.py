@@ -1,4 +1,4 @@
-"""Stress and strain between the middles of cells, where the eigenstrain goes on smoothly from one cell to the next.
+"""Stress and strain between the centres of cells, for an eigenstrain that varies smoothly from cell to cell.
 
 An eigenstrain that is uniform in each cell steps at their faces, and so do the fields at points between the middles.
 What it has too much there is a sawtooth along each axis n, with every cell another tooth. Its field hardly leaves the
@@ -95,7 +95,7 @@ class WithinCells:
         return out
 
     def inside(self, eigenstrain: FloatArray) -> tuple[IntArray, NDArray[np.int_], FloatArray]:
-        """Points within one region, its number at each, and the eigenstrain there, without the sawtooth, ``(6, n)``.
+        """Points in a region, its number at each, and their eigenstrain ``(6, n)`` without the cell-wise steps.
 
         A point on a face counts where both sides are of the region.
         """
@@ -110,7 +110,7 @@ class WithinCells:
         return points, number[points], smooth[:, points]
 
     def _sides(self) -> Iterator[tuple[IntArray, FloatArray, Cell]]:
-        """Points, their weights, and the cell (x, y, z) of a region that they lie in: on a face once for each side."""
+        """Points, weights, and the cell (x, y, z) of a region that contains them: on a face once for each side."""
         lower = [np.ceil(at - 0.5 - _ON_FACE).astype(int) for at in self._places]
         upper = [np.floor(at + 0.5 + _ON_FACE).astype(int) for at in self._places]
         on_face = [low != high for low, high in zip(lower, upper, strict=True)]
@@ -140,7 +140,7 @@ def _at(padded: NDArray[Any], cell: Cell) -> NDArray[Any]:
 
 
 def _layer(axis: int, poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
-    """Of an eigenstrain that varies along an axis alone: Q / 2G and 1 - M Q, ``(6, 6)``."""
+    """Q / 2G and 1 - M Q, ``(6, 6)``, of an eigenstrain that varies along one axis only."""
     flat = [k for k, name in enumerate(COMPONENTS) if "xyz"[axis] not in name]
     stress, strain = np.zeros((6, 6)), np.eye(6)
     stress[flat, flat] = 1.0

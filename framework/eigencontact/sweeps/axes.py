@@ -22,14 +22,14 @@ _MOST = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A key of the scene, dotted as ``--set`` takes it, and its values as a scene holds them."""
+    """Key of the scene, dotted as in ``--set``, and its values as in a scene."""
 
     key: str
     values: tuple[Any, ...]
 
     @property
     def name(self) -> str:
-        """Name of the coordinate: the key with ``_`` for what a name cannot hold."""
+        """Name of the coordinate: the key with ``_`` for characters that names cannot contain."""
         return re.sub(r"\W+", "_", self.key).strip("_")
 
 
@@ -134,7 +134,7 @@ def _number(key: str, text: str) -> tuple[float, str]:
 
 
 def _split(text: str) -> list[str]:
-    """Parts between commas that stand in no brackets, braces or quotes."""
+    """Parts between commas outside brackets, braces and quotes."""
     pieces, depth, quote = [""], 0, ""
     for letter in text:
         if quote:

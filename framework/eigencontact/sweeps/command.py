@@ -80,7 +80,7 @@ def _run(
     scene: str, vary: list[str] | None, changes: list[str], output: Path | None,
     cluster: tuple[str | None, float | None, int | None], options: dict[str, Any], *, as_json: bool,
 ) -> None:  # fmt: skip
-    """Run a sweep of the options that are given, on a cluster of an address, memory and threads of a task."""
+    """Run a sweep with options, on a cluster with an address, memory and threads of a task."""
     import json
 
     from eigencontact.app import load_scene
@@ -116,7 +116,7 @@ def _run(
 
 @contextmanager
 def _progress(*, enabled: bool) -> Iterator[Any]:
-    """Bar on a terminal, else a line for each variant."""
+    """Bar on a terminal, else one line for each variant."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 

@@ -1,4 +1,4 @@
-"""Folder of a sweep, which belongs to one scene by its hash; foreign files in it are never replaced."""
+"""Folder of a sweep, which belongs to one scene by its hash; the program never replaces other files in it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def open_folder(
     folder: Path, digest: str, axes: Sequence[Axis], variants: Sequence[Variant], pictures: Iterable[str], *,
     overwrite: bool,
 ) -> None:  # fmt: skip
-    """Make the folder of a sweep with its parents and write its description, before any variant is run.
+    """Make the folder of a sweep with its parents and write its description, before the first run.
 
     `digest` is the hash of what all variants share (`sweep_digest`), `pictures` the names of figures that may be drawn.
 
@@ -92,12 +92,12 @@ def _refuse_another(folder: Path, digest: str) -> None:
 
 
 def scene_digest(scene: Scene) -> str:
-    """Hash of the tables of a scene, and of the data and plugin files that it names."""
+    """Hash of the tables of a scene, and of its data and plugin files."""
     return _digest(scene, scene.resolved())
 
 
 def sweep_digest(scene: Scene, axes: Sequence[Axis], *, grid: str) -> str:
-    """Hash of what all variants of a sweep share: the scene but for its varied keys, these keys, and the kind of grid.
+    """Hash of the common input of all variants: the scene without its varied keys, these keys, the kind of grid.
 
     The values are left out, so that a sweep goes on with further ones.
     """
@@ -126,5 +126,5 @@ def checksum(path: Path) -> str:
 
 @lru_cache(maxsize=256)
 def _unchanged(path: Path, changed: int, size: int) -> str:  # noqa: ARG001 - they tell a changed file apart
-    """Checksum of a data file, which all variants of a process share."""
+    """Checksum of a data file, cached for all variants of a process."""
     return checksum(path)

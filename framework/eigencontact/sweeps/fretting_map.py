@@ -74,7 +74,7 @@ def fretting_map(
     folder: str | Path | None = None,
     told: Told | None = None,
 ) -> FrettingMap:
-    """Map of running regimes of a fretting scene: every normal load with every amplitude.
+    """Map of running regimes of a fretting scene: all normal loads with all amplitudes.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def _driven(tables: Mapping[str, Any]) -> str:
 
 
 def _steps(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Steps and those of their cycles."""
+    """Steps, and those of their cycles."""
     return [inner for step in steps for inner in (step, *_steps(step.get("cycle") or []))]
 
 

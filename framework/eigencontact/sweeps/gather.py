@@ -70,7 +70,7 @@ def gathered(
 
 
 def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Numbers of a summary: those of the last step, sums, those of observers, and errors where they were estimated."""
+    """Numbers of a summary: those of the last step, sums, those of observers, and error estimates if any."""
     errors = {error_name(name): bar["error"] for name, bar in summary.get("errors", {}).items()}
     plain = {**summary, **summary.get("observed", {}), **errors}
     return {name: float(value) for name, value in plain.items()
@@ -78,7 +78,7 @@ def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, dict[str, str]]:
-    """Values of an axis in SI units, as the scenes hold them; texts where they are no numbers."""
+    """Values of an axis in SI units, as in the scenes; texts if they are not numbers."""
     values, unit = _in_si(axis, variants, k)
     attrs = {"long_name": axis.key, **({"units": unit} if unit else {})}
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
@@ -107,7 +107,7 @@ def _in_si(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[list[Any], 
 
 
 def values_in_words(axes: Sequence[Axis], variants: Sequence[Variant]) -> list[str]:
-    """One line for each axis: its values as they were understood, with their unit, and a hint at a decimal comma."""
+    """One line for each axis: its values with unit, and a hint at a decimal comma."""
     lines = []
     for k, axis in enumerate(axes):
         values, unit = _in_si(axis, variants, k)
@@ -165,7 +165,7 @@ def _with_fields(
 
 
 def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[Outcome]) -> str:
-    """One line a variant: its values as they were given, numbers in SI units, why it failed, codes of its warnings."""
+    """One line per variant: its values, numbers in SI units, reason of failure, codes of warnings."""
     rows = {outcome.place: _numbers(outcome.summary) for outcome in results}
     names = list(dict.fromkeys(name for row in rows.values() for name in row))
     text = io.StringIO()

@@ -43,7 +43,7 @@ def fretting_map(
     ] = None,
     quiet: QuietOption = False,
 ) -> None:
-    """Map the regimes of fretting over normal load and amplitude: every load with every amplitude, in memory.
+    """Map the regimes of fretting over normal load and amplitude: all loads with all amplitudes, in memory.
 
     Example: `eigencontact map fretting-mode-1 --load "5 N:20 N:6" --amplitude "0.1 um:2 um:8"`
     """

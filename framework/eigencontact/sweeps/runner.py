@@ -92,7 +92,7 @@ def outcomes(
     overwrite: bool = False,
     measure: Measure | None = None,
 ) -> Iterator[Outcome]:
-    """Outcome of each variant as it is finished.
+    """Outcome of each variant in the order of completion.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ class _Held:
 
     @classmethod
     def within(cls, share: Share, texts: Mapping[str, str] | None = None) -> _Held:
-        """Set up shared data for a share of a machine; `texts` replace plugin files that the machine cannot read."""
+        """Set up shared data for a part of a machine; `texts` replace plugin files that it cannot read."""
         if texts is not None:
             from eigencontact.hooks.files import hold_texts
 
@@ -177,7 +177,7 @@ def _outcome(task: _Task, state: _Held) -> Outcome:
 
 
 def _record(task: _Task, failed: str) -> None:
-    """Record in the folder of a variant why it has no results."""
+    """Record the reason of failure in the folder of a variant."""
     assert task.folder is not None
     task.folder.mkdir(parents=True, exist_ok=True)
     refuse_foreign_file(task.folder / _FAILED)
@@ -187,7 +187,7 @@ def _record(task: _Task, failed: str) -> None:
 
 
 def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
-    """Summary and fields of a variant, and any damage of its earlier results; run the variant unless it is finished."""
+    """Summary and fields of a variant, and any damage of its earlier results; runs an unfinished variant."""
     from eigencontact.app import run
     from eigencontact.postprocess.stored_run import open_results
 
@@ -227,7 +227,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
 
 
 def _is_of_sweep(folder: Path, task: _Task) -> bool:
-    """Whether the sweep may replace the results in a folder; it protects results of other runs."""
+    """Whether the sweep may replace the results in a folder; results of other runs are protected."""
     marked = any(is_ours(folder / name) for name in (_MARK, _FAILED))
     return marked or task.overwrite or not any((folder / name).exists() for name in (RESULTS, STEPS))
 

@@ -79,7 +79,7 @@ def sweep(
     told: Told | None = None,
     say: Callable[[str], None] | None = None,
 ) -> SweepResult:
-    """Run every variant of a scene; bring all numbers together.
+    """Run every variant of a scene and collect all numbers.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def sweep(
 
 
 def _as_netcdf(dataset: xarray.Dataset) -> bytes:
-    """Bytes of the dataset's file; by way of a file, as older versions of xarray do not write netCDF-4 to memory."""
+    """Bytes of the dataset's file, written by a temporary file for older versions of xarray."""
     from tempfile import TemporaryDirectory
 
     try:
@@ -260,7 +260,7 @@ def _write(
 
 
 def _scalars_to_draw(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
-    """Numbers to draw: those named, else headlines that differ between variants."""
+    """Numbers to draw: the named ones, else main results that differ between variants."""
     numbers = [
         str(name)
         for name, variable in dataset.data_vars.items()
@@ -278,7 +278,7 @@ def _scalars_to_draw(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[st
 
 
 def read_sweep_file(path: Path) -> dict[str, Any]:
-    """Arguments of `sweep` from a TOML file: ``scene``, the table ``vary``, and what else it holds.
+    """Arguments of `sweep` from a TOML file: ``scene``, the table ``vary``, and the other keys.
 
     Raises
     ------

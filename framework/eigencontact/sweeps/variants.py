@@ -1,4 +1,4 @@
-"""Variants of a scene: one for each combination of values, their names, and one grid for all of them."""
+"""Variants of a scene: one for each combination of values, their names, and a common grid."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Variant:
 
 
 def variants_of(scene: Scene, axes: Sequence[Axis], *, pairs: bool, pictures: bool) -> list[Variant]:
-    """All combinations, the last axis fastest; or the values of all axes in step with each other.
+    """All combinations, the last axis fastest; or the values of all axes paired.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def _label(values: dict[str, Any]) -> str:
 
 
 def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
-    """Variants with the window that holds all their windows, in the finest of their cells.
+    """Variants on a common window that contains all their windows, in the finest of their cells.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Animations of a load history: which pictures a frame holds, and the frames one by one."""
+"""Animations of a load history: choice of the pictures in a frame, and the frames."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ ROOM = 0.09
 
 @dataclass(frozen=True)
 class Subject:
-    """Content of the frames of an animation: pictures, what they show, and whether they lie below one another.
+    """Content of the frames of an animation: pictures, description, and whether they are stacked.
 
     Each picture is a function that draws when called with ``step`` (a position) and ``on`` (a `Frame`).
     """
@@ -98,7 +98,7 @@ def subject_of(dataset: Results) -> Subject | None:
 
 
 def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
-    """Positions along ``step``, evenly spaced, the first and the last among them, at most so many.
+    """At most a number of evenly spaced positions along ``step``, with the first and the last.
 
     Of cycles that wear they are the ends of those that were solved, unless the geometry travels in them.
     """
@@ -109,7 +109,7 @@ def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
 
 
 def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
-    """Note on steps or cycles without a frame; empty where each of them has a frame."""
+    """Note about steps or cycles without a frame; empty if all have a frame."""
     if "cycles" in dataset and wears(dataset):
         most = float(np.diff(np.asarray(dataset["cycles"].values, dtype=float)[list(steps)]).max(initial=0.0))
         if most > 1:
@@ -119,7 +119,7 @@ def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
 
 
 def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
-    """One figure, drawn anew for every frame, with the same size, axes and colours."""
+    """Figure that is drawn again for every frame, with the same size, axes and colours."""
     film = Film(dataset, thinned(dataset))
     sizes = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
     along, across = (1, 0) if subject.stacked else (0, 1)
@@ -164,7 +164,7 @@ def _axes(figure: Figure) -> list[Axes]:
 
 
 def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
-    """Write the animation of a history into an existing folder; returns its file name and a sentence on what it shows.
+    """Write the animation of a history into an existing folder; returns its file name and a description.
 
     `kind` is ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed. `SceneError` where there is nothing
     to animate (`subject_of`); `ResultsError` when it cannot be stored, or ffmpeg is missing or fails.

@@ -55,7 +55,7 @@ _AXES = {"x": "along x", "y": "along y", "z": "into the body"}
 
 @dataclass(frozen=True)
 class Field:
-    """A field that results hold in one place.
+    """Field of results with a common place of its values.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Field:
     components: tuple[str, ...] = ()
 
     def component(self, symbol: str | None) -> str:
-        """Component of a name, the first where none is given; hyphens and the order of two indices do not matter.
+        """Component by name, by default the first; hyphens and the order of two indices do not matter.
 
         Raises
         ------
@@ -111,7 +111,7 @@ def surface_fields(dataset: Results) -> dict[str, Field]:
 
 
 def region_fields(dataset: Results, region: str) -> dict[str, Field]:
-    """Fields of a region, by name; what follows from its stress among them."""
+    """Fields of a region by name, with the scalars of its stress."""
     stored_fields = json.loads(dataset.attrs["regions"])[region]["fields"]
     by_name: dict[str, Field] = {}
     if "stress" in stored_fields:
@@ -132,7 +132,7 @@ def region_fields(dataset: Results, region: str) -> dict[str, Field]:
 
 
 def cell_fields(dataset: Results) -> dict[str, Field]:
-    """History fields in the cells of bodies by name: with the number of the body, and without it for the first body."""
+    """History fields in the cells of bodies by name: with the number of the body, and without it for the first."""
     fields: dict[str, Field] = {}
     for name in map(str, dataset.data_vars):
         variable = dataset[name]
@@ -149,7 +149,7 @@ def cell_fields(dataset: Results) -> dict[str, Field]:
 
 
 def choose(name: str, fields: dict[str, Field], place: str, pictures: Sequence[str] = ()) -> Field:
-    """Field of a name; hyphens and case do not matter. `place` says in words where the fields lie.
+    """Field by name; hyphens and case do not matter. `place` is the text of its place for messages.
 
     `SceneError` names what there is, standard `pictures` among it, and the nearest name.
     """
@@ -214,7 +214,7 @@ def region_numbers(dataset: Results, region: str, field: Field, component: str, 
 
 
 def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
-    """Numbers that the cells of a body remember after a step.
+    """History fields in the cells of a body after a step.
 
     Raises
     ------
@@ -242,12 +242,12 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
 
 
 def _part(errors: NDArray[Any] | None, at: int) -> NDArray[Any] | None:
-    """Errors of one component, where there are some."""
+    """Errors of one component, if any."""
     return None if errors is None else errors[at]
 
 
 def _component_of(values: NDArray[Any], component: str) -> NDArray[Any]:
-    """One component of stress or strain; zero where it is round-off relative to the other components."""
+    """Component of stress or strain; zero if it is round-off relative to the other components."""
     field = values[COMPONENTS.index(component)]
     small = np.nanmax(np.abs(field), initial=0.0) <= ROUND_OFF * np.nanmax(np.abs(values), initial=0.0)
     return np.zeros_like(field) if small else field

@@ -1,4 +1,4 @@
-"""One picture that a user chooses: a field, in a place, after a step, of a part of it, in given colours."""
+"""Single picture of a chosen field, place, step, range and colour map."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ __all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
 
 @dataclass(frozen=True)
 class Chosen:
-    """A picture that can be drawn: its name for a file, without an ending, what it shows, and its figure."""
+    """Picture to draw: its file name without extension, its description, and its figure."""
 
     name: str
     sentence: str
@@ -65,7 +65,7 @@ def chosen_picture(
     zoom: str | Sequence[Any] | None = None,
     cmap: str | None = None,
 ) -> Chosen:
-    """Draw one field; the arguments are those of `eigencontact.plot`, but that `step` is a position along ``step``.
+    """Draw one field; arguments like `eigencontact.plot`, except that `step` is a position along ``step``.
 
     `SceneError` names what is unknown, with the nearest valid choice.
     """
@@ -119,7 +119,7 @@ def _standard(dataset: Results, step: int) -> dict[str, tuple[str, Callable[[], 
 def _place_and_field(
     dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]
 ) -> tuple[str, Field]:
-    """Place of a field, empty for the cells of bodies, and the field there."""
+    """Place of a field, empty for the cells of bodies, and the field."""
     regions = [name for name in json.loads(dataset.attrs["regions"]) if kind_of(dataset, name)]
     surface, cells = surface_fields(dataset), cell_fields(dataset)
     places = [*regions, SURFACE, *SURFACE_LINES]
@@ -201,7 +201,7 @@ def _zoomed(dataset: Results, box: Box, view: View) -> Box:
 
 
 def zoom_of(zoom: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
-    """Ends [m] of what is seen, along the horizontal and the vertical of a picture.
+    """Limits [m] of a picture along the horizontal and the vertical.
 
     The vertical may be left out. `SceneError` for anything but a text or pairs of numbers as below.
 
@@ -228,7 +228,7 @@ def zoom_of(zoom: str | Sequence[Any] | None) -> tuple[Range | None, Range | Non
 
 
 def _metres(end: Any) -> Any:
-    """Number of metres where a text is a number alone: zero needs no unit."""
+    """Length in metres of a text that is a number without unit; zero needs no unit."""
     try:
         return float(end)
     except ValueError:

@@ -44,7 +44,7 @@ IN_A_DECADE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 
 
 def colour_ends(values: FloatArray) -> tuple[float, float]:
-    """Smallest and largest value, without those that stand out at few points, as at an edge or beside a void."""
+    """Smallest and largest value without outliers at few points, such as at an edge or near a void."""
     size = np.abs(values[np.isfinite(values)])
     end = min(float(size.max()), OUTLYING * float(np.quantile(size, COMMON)) or np.inf) if size.size else 0.0
     return extremes(np.clip(values, -end, end))
@@ -62,7 +62,7 @@ def contours_by_side(
     visible: FloatArray,
     cmap: str | None = None,
 ) -> Any:
-    """Filled contours with round levels, each side by its own values and up to the border itself.
+    """Filled contours with round levels, each side from its own values up to the border.
 
     The axes have z downwards already, where it is shown.
 
@@ -108,7 +108,7 @@ def contours_by_side(
 
 
 def growing_levels(end: float) -> FloatArray:
-    """Levels 0, ..., 1, 1.5, 2, 3, ... up to the first beyond the end of the colours, for fields that are mostly small.
+    """Levels 0, ..., 1, 1.5, 2, 3, ... up to the end of the colours, for fields with mostly small values.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def grows(filled: Any) -> bool:
 
 
 def name_largest(bar: Any, filled: Any, largest: float, text: str) -> None:
-    """Say the largest value beside the end of a colour bar that does not reach it."""
+    """Write the largest value beside the end of a colour bar that does not reach it."""
     if largest > filled.levels[-1]:
         at: dict[str, Any] = {"xy": (0.5, 1.0), "xytext": (0, 11), "ha": "center", "va": "bottom"}
         if bar.orientation == "horizontal":
@@ -148,7 +148,7 @@ def draw_sides(
     lines: dict[str, Any] | None = None,
     norm: Any = None,
 ) -> Any:
-    """Filled contours between given levels, each side by its own values; thin lines at some of them."""
+    """Filled contours between levels, each side from its own values; thin lines at some levels."""
     x, y = length(at[0]), length(at[1])
     lowest = None
     for number, side in enumerate(sides.parts):
@@ -170,7 +170,7 @@ def draw_sides(
 def contour_lines(
     axes: Axes, at: tuple[FloatArray, FloatArray], values: FloatArray, sides: Sides, *, length: Scale, level: float
 ) -> list[Any]:
-    """Line at one level, each side by its own values and up to its border; the lines of each side."""
+    """Line at one level, each side from its own values up to its border; returns the lines of each side."""
     contours = []
     for side in sides.parts:
         field = sides.filled(values, side)
@@ -183,7 +183,7 @@ def contour_lines(
 
 
 def _border_with_holes(sides: Sides, side: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:
-    """Border of a side, around inclusions with holes for them: paths of opposite turns."""
+    """Border of a side with holes for inclusions: paths of opposite orientation."""
     from matplotlib.path import Path
 
     paths = [_border(side, at, length)]

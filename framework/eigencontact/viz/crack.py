@@ -1,4 +1,4 @@
-"""Picture of a crack: ranges of stress intensity over its length, threshold, and where it stops."""
+"""Picture of a crack: ranges of the stress intensity factors over its length, threshold, and arrest."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _CURVES = (
 
 
 def draw_crack(answer: xarray.Dataset, summary: Mapping[str, Any], path: Path) -> str:
-    """Store the picture of `eigencontact.crack`; returns what it shows."""
+    """Store the picture of `eigencontact.crack`; returns its description."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     lengths = answer["length"].values

@@ -1,4 +1,4 @@
-"""A section as pictures show it: its points and values, the sides they lie on, and the part that is seen."""
+"""Section for pictures: its points and values, their sides, and the visible part."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ FIRST_CELL = 0.75
 
 @dataclass(frozen=True)
 class Shown:
-    """Values at every point of a region, or every cell of the surface, in one step.
+    """Values at all points of a region, or all cells of the surface, in one step.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class View:
-    """Choices of a user for a picture: ends [m] of what is seen, and the colour map; None where nothing is chosen."""
+    """Options of a picture: visible range [m] and colour map; None by default."""
 
     horizontal: Range | None = None
     vertical: Range | None = None
@@ -122,7 +122,7 @@ class Cut:
 
     @property
     def normal(self) -> str:
-        """Normal axis of the plane; empty where the results do not give it."""
+        """Normal axis of the plane; empty if the results lack it."""
         return next((axis for axis in "xyz" if axis in self.cut), "")
 
     def largest(self, points: tuple[slice, slice]) -> tuple[int, int]:
@@ -140,7 +140,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Seen:
-    """Part of a section that a picture shows: its ends [m], the smaller first, and rows and columns of its points."""
+    """Visible part of a section: its limits [m], the smaller first, and rows and columns of its points."""
 
     horizontal: Range
     vertical: Range
@@ -152,13 +152,13 @@ class Seen:
         return self.horizontal[1] - self.horizontal[0], self.vertical[1] - self.vertical[0]
 
     def clipped(self, runs: FloatArray) -> FloatArray:
-        """Parts of runs along the horizontal that are seen."""
+        """Visible parts of runs along the horizontal."""
         clipped_runs = np.clip(runs, *self.horizontal)
         return np.asarray(clipped_runs[clipped_runs[:, 1] > clipped_runs[:, 0]])
 
     @staticmethod
     def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> Seen:
-        """Limits of a section: the choice of the user, else the frame of its large values or the whole section."""
+        """Limits of a section: those of the user, else those of its large values or of the whole section."""
         h, v = section.h, section.v
         limits = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
         if view.horizontal is None and view.vertical is None:
@@ -191,7 +191,7 @@ def _framed(dataset: Results, section: Cut, step: int, limits: tuple[Range, Rang
 
 
 def _within(places: FloatArray, ends: Range) -> slice:
-    """Points between two ends; the nearest one where there is none."""
+    """Points between two limits; the nearest point if there is none."""
     slack = 1e-9 * float(np.ptp(places))
     inside = np.flatnonzero((places >= ends[0] - slack) & (places <= ends[1] + slack))
     if not inside.size:

@@ -1,4 +1,4 @@
-"""Estimated errors in pictures: bands along curves, and words above maps; nothing where none are stored."""
+"""Estimated errors in pictures: bands along curves, and text above maps, if errors are stored."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ _FAINT = 0.25
 
 
 def errors_of(dataset: Results, variable: str, step: int) -> NDArray[np.float64] | None:
-    """Errors of a field at every point in one step; None where none are stored."""
+    """Errors of a field at every point in one step; None if none are stored."""
     return _values(dataset, error_name(variable), step)
 
 
 def history_errors(dataset: Results, number: str) -> NDArray[np.float64] | None:
-    """Errors of a number in all steps; None where none are stored."""
+    """Errors of a number in all steps; None if none are stored."""
     name = error_name(number)
     return np.asarray(dataset[name].values, dtype=float) if name in dataset else None
 
 
 def _values(dataset: Results, name: str, step: int) -> NDArray[np.float64] | None:
-    """Values of a variable after a step; None where there are none: of cells of a body not every step is kept."""
+    """Values of a variable after a step; None if they are not stored, as for cells of earlier steps."""
     if name not in dataset:
         return None
     variable = dataset[name]
@@ -47,14 +47,14 @@ def _values(dataset: Results, name: str, step: int) -> NDArray[np.float64] | Non
 
 
 def with_error(title: str, dataset: Results, variable: str, step: int) -> str:
-    """Title of a map of the surface, or of cells of a body, with the error of its field in a line of its own."""
+    """Title of a map of the surface, or of cells of a body, with the error of its field on a separate line."""
     values, errors = _values(dataset, variable, step), errors_of(dataset, variable, step)
     line = "" if values is None else _line(values, errors, values.ndim)
     return f"{title}\n{line}" if line else title
 
 
 def error_line(numbers: Shown, edged: int = 0) -> str:
-    """Error of what a picture shows, in words; along `edged` of its dimensions it has edges."""
+    """Text about the error of the displayed field, which has edges along `edged` of its dimensions."""
     return _line(numbers.values, numbers.errors, edged)
 
 
@@ -73,6 +73,6 @@ def draw_band(
     *,
     across: bool = False,
 ) -> None:
-    """Band of a curve of `values` over places `at`, or across the places where these lie along the vertical axis."""
+    """Error band of a curve of `values` over coordinates `at`, also along the vertical axis."""
     fill = axes.fill_betweenx if across else axes.fill_between
     fill(at, scale(values - errors), scale(values + errors), color=colour, alpha=_FAINT, linewidth=0, label=BAND)

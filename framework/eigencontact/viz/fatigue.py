@@ -32,7 +32,7 @@ _NAME = "_fatigue_"
 
 
 def draw_fatigue(results: Results, answer: xarray.Dataset, summary: Mapping[str, Any], path: Path) -> str:
-    """Store a picture of utilisation; returns what it shows, nothing where the region is no section.
+    """Store a picture of the utilisation; returns its description, empty for a region that is not a section.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _sentence(summary: Mapping[str, Any]) -> str:
 
 
 def _mark_hot_spot(axes: Axes, summary: Mapping[str, Any]) -> list[str]:
-    """Mark the hot spot by a cross, and its plane by the line in which it cuts the section; returns the two axes."""
+    """Mark the hot spot by a cross and its plane by a line in the section; returns the two axes."""
     names = [axes.get_xlabel()[0], axes.get_ylabel()[0]]
     horizontal, vertical = (np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
     unit = axes.get_xlabel().partition("[")[2].rstrip("]")

@@ -65,7 +65,7 @@ def draw_all(
     kind: str = "png",
     dpi: int | None = None,
 ) -> dict[str, str]:
-    """Draw the pictures of one step, and of the history where there are several; returns names and sentences of all.
+    """Draw the pictures of one step, and of a history of several steps; returns names and descriptions.
 
     Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution.
 
@@ -148,7 +148,7 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
 
 
 def _regions(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
-    """Pictures of the stress in regions; sections also under the largest load where that is another step."""
+    """Pictures of the stress in regions; sections also at the largest load if that is another step."""
     when = moment(dataset, step)
     for region, how in drawable(dataset).items():
         field = f"{region}_{equivalent_of(dataset, region)}"
@@ -251,5 +251,5 @@ def _along(dataset: Results) -> str:
 
 
 def _holds(dataset: Results, name: str, step: int) -> bool:
-    """Whether a closed form is stored and holds at this step."""
+    """Whether a closed form is stored and valid at this step."""
     return name in dataset and not np.isnan(dataset[name][step].values).any()

@@ -24,7 +24,7 @@ def draw_run(
     vtk: bool,
     animation: Literal[False, True, "gif", "mp4"],
 ) -> dict[str, str]:
-    """Draw pictures and an animation and write VTK files of a finished run; each file and what it shows."""
+    """Draw pictures and an animation and write VTK files of a finished run; returns files and descriptions."""
     files: dict[str, str] = {}
     if painter is not None and pictures:
         painter.begin(results, folder, solid=vtk)

@@ -22,14 +22,14 @@ __all__ = ["Film", "Frame", "draw_way", "extremes"]
 
 
 def extremes(values: NDArray[Any]) -> tuple[float, float]:
-    """Smallest and largest number; zeros where there is none."""
+    """Smallest and largest number; zeros without any."""
     finite = values[np.isfinite(values)]
     return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Film:
-    """Fields of the steps of an animation (positions along ``step``, in order), one by one, and what all share."""
+    """Fields of the steps of an animation (positions along ``step``, in order), and their common data."""
 
     dataset: Results
     steps: tuple[int, ...]
@@ -43,7 +43,7 @@ class Film:
         return np.asarray(self._cache[name, of])
 
     def touched(self, name: str) -> NDArray[np.bool_]:
-        """Cells (ny, nx) in which a field differs from zero in any of the frames."""
+        """Cells (ny, nx) in which a field is nonzero in at least one frame."""
         if name not in self._cache:
             cells = np.zeros(self.dataset[name].shape[-2:], dtype=bool)
             for step in self.steps:
@@ -66,7 +66,7 @@ class Frame:
 def draw_way(
     axes: Axes, x: ArrayLike, y: ArrayLike, until: int, *, colour: str = COLOURS[0], line: bool = True
 ) -> None:
-    """Draw a curve as far as a point: the whole of it faint, its part up to there, and a dot at the point."""
+    """Draw a curve up to a point: the whole curve faint, the part up to the point, and a dot at the point."""
     x, y = np.asarray(x), np.asarray(y)
     axes.plot(x, y, "-", color="0.82", linewidth=1.0, zorder=1, label="_")
     if line:

@@ -24,7 +24,7 @@ _NAMES = ("stick", "partial slip", "gross slip")
 
 
 def draw_fretting_map(dataset: xarray.Dataset, path: Path) -> str:
-    """Store the picture of `eigencontact.fretting_map`; returns what it shows."""
+    """Store the picture of `eigencontact.fretting_map`; returns its description."""
     from matplotlib.colors import ListedColormap
 
     table = dataset.transpose("load", "amplitude", ...)
@@ -59,7 +59,7 @@ def draw_fretting_map(dataset: xarray.Dataset, path: Path) -> str:
 
 
 def _worn(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> str:
-    """Lines of equal worn depth after the history, of a scene that wears; returns what they show."""
+    """Lines of equal worn depth after the history, for a scene with wear; returns their description."""
     if _WORN not in table or not np.isfinite(depth := table[_WORN].values).all() or np.ptp(depth) == 0:
         return ""
     unit = scale_for(depth, "m")
@@ -70,7 +70,7 @@ def _worn(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> st
 
 
 def _limits(axes: Axes, table: xarray.Dataset, x: FloatArray, y: FloatArray) -> str:
-    """Line of the fatigue limit, and hatching where a crack grows without end; returns what it shows."""
+    """Line of the fatigue limit, and hatching where a crack does not stop; returns their description."""
     words = ""
     if "utilisation" in table:
         use = table["utilisation"].values

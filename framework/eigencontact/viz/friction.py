@@ -138,7 +138,7 @@ def _thinned(low: int, side: int, spacing: int) -> NDArray[np.int_]:
 
 
 def _strongest(size: NDArray[Any], distance: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Cells of largest values, none closer to another than so many cells."""
+    """Cells with the largest values, at a minimum distance in cells."""
     row, column = np.nonzero(size)
     order = np.argsort(-size[row, column], kind="stable")
     free = np.ones(size.shape, dtype=bool)
@@ -194,7 +194,7 @@ def dissipation_profile(dataset: Results, step: int = -1) -> Figure:
 
 
 def _density(dataset: Results, step: int) -> NDArray[Any]:
-    """Work of friction for each area; what the error of the solver leaves is not work."""
+    """Work of friction per area, without values of the size of the solver's error."""
     density = _field(dataset, "dissipated_energy_density", step)
     return np.where(density > 1e-6 * density.max(), density, 0.0)
 
@@ -295,7 +295,7 @@ def _field(dataset: Results, name: str, step: int) -> NDArray[Any]:
 
 
 def _optional(dataset: Results, name: str, step: int) -> NDArray[Any] | None:
-    """Surface field of one step, None where it is not stored or does not hold."""
+    """Surface field of one step, None if it is not stored or not valid."""
     if name not in dataset:
         return None
     values = _field(dataset, name, step)

@@ -45,7 +45,7 @@ _COARSE = 0.02
 
 
 def is_a_loop(dataset: Results) -> bool:
-    """Whether load and displacement along or about the surface close a cycle, or cycles are drawn over each other."""
+    """Whether load and tangential displacement close a cycle, or cycles are drawn over each other."""
     history, motions = history_of(dataset), driven(dataset)
     closed = any(last_cycle(history, "twist" if motion == "twist" else "shift") for motion in motions)
     return closed or len(cycles_with_loops(dataset)) > 1
@@ -77,14 +77,14 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
 
 
 def cycles_with_loops(dataset: Results) -> list[SolvedCycle]:
-    """Solved cycles of enough increments to show a loop."""
+    """Solved cycles with enough increments for a loop."""
     if not driven(dataset):
         return []
     return [cycle for cycle in solved_cycles(dataset) if cycle.last - cycle.first + 1 >= LOOP_STEPS]
 
 
 def strands_of(cycles: Sequence[SolvedCycle]) -> list[Strand]:
-    """Curve of each cycle, from where the cycle solved before it ended."""
+    """Curve of each cycle, from the end of the previous solved cycle."""
     return [Strand(max(cycle.first - 1, 0), cycle.last, cycle.done) for cycle in cycles]
 
 

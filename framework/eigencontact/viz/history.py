@@ -1,4 +1,4 @@
-"""Histories: which pictures are informative, curves of load and motion, strokes and cycles drawn over each other."""
+"""Pictures of a history: choice of informative pictures, curves of load and motion, cycles drawn over each other."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ STRAND_MARKERS = 60
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number in each step, what it is, its unit, and its errors where they were estimated."""
+    """Number in each step, with description, unit, and errors if they were estimated."""
 
     values: NDArray[np.float64]
     words: str
@@ -83,7 +83,7 @@ class Quantity:
         return replace(self, values=self.values[steps], errors=None if self.errors is None else self.errors[steps])
 
     def from_start(self, start: float | None) -> Quantity:
-        """The same with a value before the first step, which has no error."""
+        """Quantity with a value before the first step, which has no error."""
         if start is None:
             return self
         errors = None if self.errors is None else np.append(0.0, self.errors)
@@ -109,7 +109,7 @@ class Panel:
         return f"{self.y.words} over {self.x.words.lower()}"
 
     def draw(self, axes: Axes, step: int | None) -> None:
-        """Draw the curve, in an animation as far as a position along ``step``."""
+        """Draw the curve, in an animation up to a position along ``step``."""
         scales = scale_for(self.x.values, self.x.unit), scale_for(self.y.values, self.y.unit)
         x, y = scales[0](self.x.values), scales[1](self.y.values)
         if step is not None:
@@ -129,7 +129,7 @@ class Panel:
 
 
 def history_panels(dataset: Results) -> list[Panel]:
-    """Curves of a load history; none where loads and displacements are constant.
+    """Curves of a load history; empty if loads and displacements are constant.
 
     Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
     moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
@@ -174,7 +174,7 @@ def history_words(panels: list[Panel]) -> str:
 
 
 def first_touch(dataset: Results) -> float | None:
-    """Approach [m] at first touch; None where the results do not give it.
+    """Approach [m] at first touch; None if the results lack it.
 
     Eigenstrain and a tilt move the surfaces before anything is loaded.
     """
@@ -231,7 +231,7 @@ def area_varies(dataset: Results) -> bool:
 
 
 def axis_from_zero(values: ArrayLike) -> bool:
-    """Whether the axis of values of one sign begins at zero: for values that fall far or change by noise only.
+    """Whether the axis of values of one sign begins at zero: for values that fall far or vary only by noise.
 
     Examples
     --------
@@ -308,7 +308,7 @@ def draw_strands(
 
 
 def _ticks(numbers: Sequence[float], norm: Normalize) -> list[float]:
-    """Numbers that have room on the colour bar, the last one among them."""
+    """Numbers that fit on the colour bar, with the last one."""
     ticks = [numbers[-1]]
     for number in reversed(numbers[:-1]):
         if float(norm(ticks[-1])) - float(norm(number)) >= TICK_ROOM:

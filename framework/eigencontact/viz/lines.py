@@ -116,7 +116,7 @@ def lines_through(dataset: Results, cell: tuple[int, int], view: Box | None = No
 
 
 def drawn_once(dataset: Results, lines: list[SurfaceLine], fields: Iterable[NDArray[Any]]) -> list[SurfaceLine]:
-    """Lines, or the one along x alone where profiles of fields along y show the same on cells of the same edge."""
+    """Lines, or only the one along x if the profiles along y are equal on cells of the same edge."""
     cells = np.atleast_1d(dataset.attrs["cell_size"])
     if len(lines) != 2 or abs(cells[0] - cells[-1]) > ALIKE * cells[0]:
         return lines
@@ -128,19 +128,19 @@ def drawn_once(dataset: Results, lines: list[SurfaceLine], fields: Iterable[NDAr
 
 
 def line_figure(count: int, height: float, on: Frame | None = None) -> Figure:
-    """Empty figure for panels of `count` lines beside each other, `height` high [inch]."""
+    """Empty figure for panels of `count` lines side by side, `height` high [inch]."""
     return new_figure(3.3 * count + (0.3 if count > 1 else 1.2), height, on)
 
 
 def legend_of_panels(figure: Any, panels: Iterable[Axes], order: Any, most: int | None = None) -> None:
-    """Legend below all panels with what they name, each once, ordered by a key; at most so many columns."""
+    """Legend below all panels with each entry once, ordered by a key, in a limited number of columns."""
     entries = {name: item for axes in panels for item, name in zip(*axes.get_legend_handles_labels(), strict=True)}
     labels = sorted(entries, key=order)
     legend_below(figure, [entries[label] for label in labels], labels, most or len(labels))
 
 
 def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
-    """Row and column of profiles: through the middle of the window where the pressure is symmetric about it.
+    """Row and column of profiles: through the middle of the window if the pressure is symmetric about it.
 
     Symmetric is what differs from its mirror image by at most a part `symmetric` of its largest value; any other
     pressure has its profiles through that value.
@@ -155,7 +155,7 @@ def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
 
 
 def contact_middle(pressure: NDArray[Any]) -> tuple[int, int, bool]:
-    """Row and column of profiles of a contact, and whether they pass through its middle.
+    """Row and column of profiles of a contact, and whether they pass through its centre.
 
     They do where it is one patch; through the largest pressure where it is in patches, or open in its middle.
     """
@@ -205,14 +205,14 @@ def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: 
 
 
 def runs_of(touched: NDArray[np.bool_], edges: NDArray[Any]) -> NDArray[np.float64]:
-    """Ends (n, 2) of the runs of cells that are touched, given the edges of all cells."""
+    """Ends (n, 2) of the runs of touched cells, from the edges of all cells."""
     padded = np.concatenate([[False], touched, [False]])
     begins, ends = (np.flatnonzero(padded[1:] & ~padded[:-1]), np.flatnonzero(~padded[1:] & padded[:-1]))
     return np.stack([edges[begins], edges[ends]], axis=1)
 
 
 def contact_runs(dataset: Results, step: int, normal: str, at: float) -> NDArray[np.float64]:
-    """Ends (n, 2) [m] of the contact along the line in which a plane normal to x or y cuts the surface.
+    """Ends (n, 2) [m] of the contact on the line where a plane normal to x or y meets the surface.
 
     None where the plane passes beside the window. The contact is that of the row or column of cells that holds the
     place, so its ends lie on edges of cells.
@@ -231,7 +231,7 @@ def contact_runs(dataset: Results, step: int, normal: str, at: float) -> NDArray
 
 
 def draw_contact_above(axes: Axes, runs: NDArray[np.float64], length: Scale) -> None:
-    """Bar along the upper edge of a section over every run of the contact."""
+    """Bar above the upper edge of a section over every run of the contact."""
     for ends in runs:
         axes.plot(
             length(ends), [1.0, 1.0], transform=axes.get_xaxis_transform(), color="black", linewidth=3.2,
@@ -240,7 +240,7 @@ def draw_contact_above(axes: Axes, runs: NDArray[np.float64], length: Scale) -> 
 
 
 def draw_contact_ends(axes: Axes, runs: NDArray[np.float64], length: Scale) -> None:
-    """Faint line at both ends of every run of the contact, unless they are many."""
+    """Faint line at both ends of every run of the contact, unless there are many."""
     if len(runs) > MOST_ENDS:
         return
     for at in np.unique(runs):

@@ -137,11 +137,11 @@ class Look:
 
     @property
     def compact(self) -> bool:
-        """Whether figures are made higher than they need be, and are cut to what they hold."""
+        """Whether figures are drawn with extra height and cropped to their content."""
         return self.column or self.growth[1] > self.growth[0]
 
     def size(self, width: float, height: float) -> tuple[float, float]:
-        """Width and height [inch] of a figure that has the given ones on the screen.
+        """Width and height [inch] of a figure with a given size on the screen.
 
         Examples
         --------
@@ -203,7 +203,7 @@ def are_shown() -> bool:
 
 @contextmanager
 def figure_look(look: Look | None = None) -> Iterator[None]:
-    """Settings of figures, for the block only; figures that are made in it have this look, by default that in use."""
+    """Settings of figures within the block; figures made in it have this look, by default the present one."""
     import matplotlib as mpl
     from cycler import cycler
 
@@ -217,7 +217,7 @@ def figure_look(look: Look | None = None) -> Iterator[None]:
 
 
 def finish(figure: Figure) -> None:
-    """Lay a figure out: titles inside its width, and in a column of a paper no higher than what it holds."""
+    """Lay out a figure: titles within its width, and in a column of a paper without empty height."""
     engine = figure.get_layout_engine()
     if engine is None:
         return
@@ -232,7 +232,7 @@ def finish(figure: Figure) -> None:
 
 
 def fit_titles(figure: Figure) -> bool:
-    """Break titles that reach beyond the figure, once its layout is known; whether one was broken."""
+    """Break titles wider than the figure, after its layout; returns whether one was broken."""
     renderer = _renderer(figure)
     panels = [axes for axes in figure.axes if axes.get_title()]
     titles: list[tuple[Text, float, float]] = [(axes.title, *_room_for(axes, panels)) for axes in panels]
@@ -254,7 +254,7 @@ def fit_titles(figure: Figure) -> bool:
 
 
 def _room_for(axes: Axes, panels: list[Axes]) -> tuple[float, float]:
-    """Left and right end of the room for a title: the figure's, or half the way to a panel beside."""
+    """Left and right end of the space of a title: the figure's, or half of the gap to a neighbouring panel."""
     title_box = axes.get_window_extent()
     boxes = [panel.get_window_extent() for panel in panels if panel is not axes]
     before = [0.5 * (box.x1 + title_box.x0) for box in boxes if box.x1 <= title_box.x0]

@@ -39,7 +39,7 @@ ALIKE = 5
 
 
 def refuse_animation(file_format: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
-    """Refuse ``output.animation`` of a scene where it could not be written after a run of so many load steps.
+    """Refuse ``output.animation`` of a scene if it cannot be written after a run of `steps` load steps.
 
     `shows` says whether there is contact or a plane of stress. The `SceneError` says what to write instead.
     """
@@ -53,7 +53,7 @@ def refuse_animation(file_format: Literal[True, "gif", "mp4"], steps: int, *, sh
 
 
 def _ffmpeg(setting: str, error: type[EigencontactError]) -> str:
-    """Path of the program; refuses MP4 where it is missing."""
+    """Path of ffmpeg; refuses MP4 if it is missing."""
     program = shutil.which("ffmpeg")
     if program is None:
         raise error(
@@ -64,7 +64,7 @@ def _ffmpeg(setting: str, error: type[EigencontactError]) -> str:
 
 
 def write_movie(figures: Iterable[Figure], path: Path) -> None:
-    """Write frames of one size as ``.gif`` or ``.mp4``, as the ending says; each is drawn before the next is taken.
+    """Write frames of one size as ``.gif`` or ``.mp4``, by the extension; each is drawn before the next is requested.
 
     The file appears complete or not at all, and names this package. `ResultsError` when it cannot be stored, or ffmpeg
     is missing or fails.
@@ -117,7 +117,7 @@ def _colours(image: Image) -> tuple[NDArray[np.uint8], NDArray[np.intp]]:
 
 
 def _palette(images: list[Image]) -> NDArray[np.uint8]:
-    """At most 256 colours (n, 3): the most frequent ones, of those that are alike one."""
+    """At most 256 colours (n, 3): the most frequent ones, with similar colours merged."""
     from PIL import Image
 
     colours, place = _colours(Image.fromarray(np.concatenate([np.asarray(image) for image in images])))
@@ -130,7 +130,7 @@ def _palette(images: list[Image]) -> NDArray[np.uint8]:
 
 
 def _mp4(images: list[Image], pause: int) -> bytes:
-    """MP4 (H.264) of frames, the last one held."""
+    """Write an MP4 (H.264) of frames, with the last one held."""
     width, height = images[0].size
     rate = f"1000/{pause}"
     held_frames = [*images, *[images[-1]] * (LAST // pause)]

@@ -1,4 +1,4 @@
-"""Borders of inclusions as results store them, and outlines of inclusions and interfaces over a picture."""
+"""Stored borders of inclusions, and outlines of inclusions and interfaces over a picture."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def draw_segments(axes: Axes, segments: NDArray[Any], length: Scale) -> None:
 
 
 def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
-    """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed.
+    """Draw the outlines from above of inclusions below the displayed surface, faint and dashed.
 
     Segments along the rim of the surface are left out.
     """
@@ -60,7 +60,7 @@ def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
 
 
 def _without_rim(segments: NDArray[Any], dataset: Results) -> NDArray[Any]:
-    """Segments without those along the rim of the surface, where a layer ends with the model and not in the body."""
+    """Segments without those along the rim of the surface, where only the model of a layer ends."""
     cells = np.minimum(np.resize(np.atleast_1d(dataset.attrs["cell_size"]), 2), widest_edge(dataset))
     along_rim = np.zeros(len(segments), dtype=bool)
     for axis, cell in enumerate(cells):
@@ -89,7 +89,7 @@ def _draw(axes: Axes, segments: NDArray[Any], length: Scale, strokes: tuple[Any,
 
 
 def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
-    """Join segments (number, end, coordinate), (n, 2, 2), at their ends to lines (m, 2); of those that coincide, one.
+    """Join segments (number, end, coordinate), (n, 2, 2), at their ends to lines (m, 2), without duplicates.
 
     Closed lines end where they began.
     """
@@ -118,7 +118,7 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
 
 @dataclass(frozen=True)
 class Coating:
-    """Inclusion at the surface of body 1 or 2: its position among those of the results, and its largest depth [m]."""
+    """Inclusion at the surface of body 1 or 2: its index in the results, and its largest depth [m]."""
 
     number: int
     body: int
@@ -126,7 +126,7 @@ class Coating:
 
 
 def inclusion_segments(dataset: Results, body: int, normal: str, at: float, number: int | None = None) -> FloatArray:
-    """Borders (n, 2, 2) [m] on a plane, of all inclusions of a body or of one, by its position among those stored.
+    """Borders (n, 2, 2) [m] on a plane, of all inclusions of a body or of one, by its stored index.
 
     `normal` is the axis normal to the plane, `at` where the plane cuts it [m].
     """

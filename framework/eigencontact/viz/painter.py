@@ -1,4 +1,4 @@
-"""Pictures drawn by a process of their own, which loads matplotlib while the run computes.
+"""Process that draws pictures and loads matplotlib while the run computes.
 
 The process reads what to draw as one line of JSON and answers with one; it ends when the run does, however that ends.
 Where it may fork it draws on all cores.
@@ -31,7 +31,7 @@ _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM
 
 
 def painter_of(threads: int | None, *, pictures: bool) -> AbstractContextManager[Painter | None]:
-    """Process for the pictures of a run; none where the run draws none, or the process has no core of its own.
+    """Process for the pictures of a run; None if the run draws none or no processor core is free.
 
     The arguments are ``numerics.threads`` and ``output.pictures`` of the scene.
     """
@@ -63,7 +63,7 @@ class Painter:
         self._process.communicate()
 
     def begin(self, results: Path, folder: Path, *, solid: bool) -> None:
-        """Start to draw; see `eigencontact.viz.figures.draw_all`."""
+        """Begin to draw; see `eigencontact.viz.figures.draw_all`."""
         order = {"results": str(results.resolve()), "folder": str(folder.resolve()), "solid": solid}
         try:
             self._process.stdin.write(json.dumps(order) + "\n")  # type: ignore[union-attr]
@@ -72,7 +72,7 @@ class Painter:
             return
 
     def finish(self) -> dict[str, str] | None:
-        """File names and what they show, when all are drawn; None where the process came to grief.
+        """Wait for the file names and descriptions of all pictures; None if the process failed.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class Painter:
 
 
 def main() -> None:
-    """Run as a process: load what pictures take, wait for an order, carry it out."""
+    """Run as a process: load the libraries, wait for a request, perform it."""
     from eigencontact.results.stored import open_stored
     from eigencontact.viz.figures import draw_all
 
@@ -118,7 +118,7 @@ def main() -> None:
 
 
 def _warm_up() -> None:
-    """Load h5py, fonts and what matplotlib loads when it first draws."""
+    """Load h5py, fonts and the modules of matplotlib's first drawing."""
     import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: F401
 
     from eigencontact.viz.style import new_figure, paper_style

@@ -87,7 +87,7 @@ def unloads(dataset: Results) -> bool:
 
 
 def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Normal load over approach from the first touch; loading, unloading and a load that is held told apart.
+    """Normal load over approach from the first touch, with distinct loading, unloading and constant load.
 
     The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two ends
     of an unloading in one increment, between which nothing was computed.
@@ -131,7 +131,7 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
 
 
 def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
-    """First and last point of each piece of a history in which the load rises (1), falls (-1) or is held (0)."""
+    """First and last point of each part of a history with rising (1), falling (-1) or constant (0) load."""
     if loads.size < 2:
         return []
     change = np.diff(loads)
@@ -190,7 +190,7 @@ def plastic_section(
 
 
 def plastic_history(dataset: Results, prefix: str) -> Figure:
-    """Largest plastic strain and plastic volume, and what each step adds to the strain, against the number of the step.
+    """Largest plastic strain, plastic volume, and increment of the strain, over the number of the step.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Pictures of what lies along a line below the surface, and of means over each depth of a volume."""
+"""Pictures of fields along a line below the surface, and of means over each depth of a volume."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FEW = 60
 
 
 class Line:
-    """Points of a region of shape line, and where curves along it break: at interfaces and borders of inclusions.
+    """Points of a region of shape line, and the breaks of its curves at interfaces and borders of inclusions.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Line:
         self.jumps = first + sides.shares * (last - first)
 
     def draw(self, axes: Axes, values: Any, length: Scale, *style: Any, **more: Any) -> None:
-        """Curve of values, one piece for each side of the jumps, without points on borders and in cells they cut."""
+        """Draw a curve of values, one piece for each side of a jump, without points on borders and in cut cells."""
         values = np.where(self.whole, values, np.nan) if self.whole.any() else values
         places, numbers = (
             np.insert(np.asarray(curve, dtype=float), self._breaks, np.nan) for curve in (self.at, values)
@@ -79,7 +79,7 @@ class Line:
         axes.plot(*pair, *style, **more)
 
     def band(self, axes: Axes, values: Any, errors: Any, length: Scale, scale: Scale, colour: str) -> None:
-        """Band of the errors of such a curve."""
+        """Draw the error band of such a curve."""
         if self.whole.any():
             values = np.where(self.whole, values, np.nan)
         places, numbers, widths = (
@@ -107,7 +107,7 @@ class Line:
 
 
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Stresses of one step along a region of shape line: depth downwards, or across over what varies more than depth.
+    """Stresses of one step along a region of shape line: depth downwards, or the coordinate that varies most across.
 
     Equivalent stresses that were stored, and the components of more than 1 % of the largest.
     """
@@ -180,7 +180,7 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
 
 
 def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view: View) -> Figure:
-    """Numbers at the points of a region of shape line: depth downwards, or across over what varies more than depth.
+    """Numbers at the points of a region of shape line: depth downwards, or the coordinate that varies most across.
 
     ``vertical`` of the view is the part of the line that is seen where it is deep, else ``horizontal``.
     """

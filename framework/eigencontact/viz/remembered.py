@@ -82,7 +82,7 @@ class CellField:
         return float(places[1] - places[0]) if places.size > 1 else 2.0 * abs(float(places[0]))
 
     def cut(self, normal: str, at: float) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None:
-        """Values, and places along the vertical and horizontal axes, in the plane of cells that holds a place [m].
+        """Values, and coordinates along the vertical and horizontal axes, in the plane of cells at a coordinate [m].
 
         Cells at the surface are continued up to z = 0, beyond all other rims of the box there is one more cell of
         zeros. None where the plane passes beside the box.
@@ -103,7 +103,7 @@ class CellField:
 
     @property
     def largest(self) -> tuple[float, dict[str, float]]:
-        """Largest value and its place; of several alike the one nearest to the z axis."""
+        """Largest value and its position; of several equal values the one nearest to the z axis."""
         top = float(self.values.max())
         k, j, i = np.nonzero(self.values >= (1.0 - 1e-9) * top)
         away = self.axes["x"][i] ** 2 + self.axes["y"][j] ** 2
@@ -113,7 +113,7 @@ class CellField:
 
 
 def yields(dataset: Results) -> bool:
-    """Whether a run remembers plastic strain or damage."""
+    """Whether the results contain plastic strain or damage."""
     return any(f"{name}_{body}" in dataset for body in (1, 2) for name in (STRAIN, DAMAGE))
 
 
@@ -123,7 +123,7 @@ def plastic_strains(dataset: Results, step: int) -> Iterator[CellField]:
 
 
 def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[CellField]:
-    """History field of each body at a position along ``step``, where it is stored and not zero."""
+    """History field of each body at a position along ``step``, if it is stored and not zero."""
     for body in (1, 2):
         name = f"{quantity}_{body}"
         if name not in dataset or dataset[name].ndim != 4:
@@ -138,7 +138,7 @@ def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[Ce
 
 
 def zone_field(dataset: Results, field: CellField, normal: str, at: float, step: int) -> tuple[Any, Any, Any] | None:
-    """Places (horizontal, vertical), values and sides of the plane of cells that holds a place; None beside the box."""
+    """Coordinates (horizontal, vertical), values and sides of a plane of cells; None outside the box."""
     section = field.cut(normal, at)
     if section is None:
         return None

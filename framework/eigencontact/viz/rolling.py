@@ -82,7 +82,7 @@ def passing_varies(dataset: Results) -> bool:
 
 
 def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Strand]:
-    """Pieces of a path that go one way in contact; a turn belongs to both its pieces, a lift to none.
+    """Parts of a path in one direction in contact; a turning point belongs to both parts, a lift to none.
 
     The arguments, (steps,), are the position along the path and whether the bodies touch.
     """
@@ -133,7 +133,7 @@ def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
 
 
 def impacts(dataset: Results) -> list[int]:
-    """Positions along ``step`` of the largest load of each impact: what lies between steps without pressure."""
+    """Positions along ``step`` of the largest load of each impact; steps without pressure separate impacts."""
     loaded = np.asarray(dataset["max_pressure"].values) > 0
     loads = np.asarray(dataset["normal_load"].values, dtype=float)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], loaded, [False]]).astype(int)))

@@ -74,7 +74,7 @@ def stress_section(
     numbers: Shown | None = None,
     view: View = WHOLE,
 ) -> Figure:
-    """One number of one step on a section, z downwards where the section contains it, equal scales.
+    """One scalar of one step on a section, z downwards if the section contains it, equal scales.
 
     Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
     largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
@@ -153,12 +153,12 @@ def stress_section(
 
 
 def equivalent_of(dataset: Results, region: str) -> str | None:
-    """First equivalent stress that is stored of a region."""
+    """First stored equivalent stress of a region."""
     return next((field for field in EQUIVALENT if f"{region}_{field}" in dataset), None)
 
 
 def default_field(dataset: Results, region: str, step: int) -> Shown:
-    """Equivalent stress that a section shows by default."""
+    """Equivalent stress of a section by default."""
     field = equivalent_of(dataset, region) or next(iter(EQUIVALENT))
     name = f"{region}_{field}"
     values = np.asarray(dataset[name][step].values, dtype=float)

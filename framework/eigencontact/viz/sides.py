@@ -48,7 +48,7 @@ ON_A_BORDER = 0.05
 
 @dataclass(frozen=True)
 class Plane:
-    """Points of a section of body 1 or 2: vertical and horizontal axis, and places along them, (m,) and (n,) [m]."""
+    """Points of a section of body 1 or 2: vertical and horizontal axis, and coordinates along them, (m,), (n,) [m]."""
 
     body: int
     dims: tuple[str, str]
@@ -77,7 +77,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Sides:
-    """Sides of a section, in the order in which they are drawn over each other, and its whole cells.
+    """Sides of a section, in drawing order, and its whole cells.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Sides:
     interfaces: tuple[float, ...]
 
     def filled(self, values: FloatArray, side: Side) -> FloatArray:
-        """Values (m, n) with those of other sides and of points without trust continued from the others of one side.
+        """Values (m, n) of one side, extrapolated to the other sides and to points without valid values.
 
         A side without trusted points keeps the values of its whole cells; without those, all of its values.
         """
@@ -127,7 +127,7 @@ def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float
 
 
 def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -1) -> Sides:
-    """Sides of a section, given the borders (n, 2, 2) [m] of inclusions in it: (horizontal, vertical), as stored."""
+    """Sides of a section, from the stored borders (n, 2, 2) [m] of its inclusions: (horizontal, vertical)."""
     layer = np.zeros((plane.v.size, plane.h.size), dtype=int)
     cuts: tuple[float, ...] = ()
     if plane.dims[0] == "z":
@@ -150,7 +150,7 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
 
 
 def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.bool_]) -> FloatArray:
-    """Values that are harmonic at unknown points of a side, given elsewhere; nothing crosses the end of the side."""
+    """Harmonic extension of values to the unknown points of a side, without flux across its border."""
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import spsolve
 
@@ -199,7 +199,7 @@ def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
 def _uncut_points(
     dataset: Results, plane: Plane, paths: list[FloatArray]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Points outside of the cells that paths cut, and the trusted points among them; all without stored cells."""
+    """Points outside the cells that paths cut, and the valid points among them; all without stored cells."""
     uncut = np.ones((plane.v.size, plane.h.size), dtype=bool)
     grids = [f"cells_{plane.body}_{axis}" for axis in plane.dims]
     if not paths or any(name not in dataset.variables for name in grids):
@@ -245,7 +245,7 @@ def _on_border(plane: Plane, paths: list[FloatArray]) -> NDArray[np.bool_]:
 
 
 def _touching(cells: NDArray[np.bool_], places: list[FloatArray], first: NDArray[Any]) -> NDArray[np.bool_]:
-    """Points (row, column), in edges of cells, that lie in some cells or on their faces; `first` is cell (0, 0)."""
+    """Points (row, column), in edges of cells, in or on the faces of some cells; `first` is cell (0, 0)."""
     ends = []
     for at, start, count in zip(places, first, cells.shape, strict=True):
         sides = [np.floor(at + side).astype(int) - start for side in (-ON_A_FACE, ON_A_FACE)]

@@ -1,4 +1,4 @@
-"""Borders of regions of cells as smooth lines, for maps whose cells are large enough to be seen."""
+"""Smooth borders of regions of cells, for maps with large cells."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ FEWEST = 6
 
 
 def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> Path | None:
-    """Closed smooth lines around a region of cells; None where the cells are too few or smoothing changes the region.
+    """Closed smooth lines around a region of cells; None if it has too few cells or smoothing changes the region.
 
     `x` and `y`, (nx + 1,) and (ny + 1,), are the edges of the cells. There is one line around each part and each hole;
     lines around holes run the other way.
@@ -65,7 +65,7 @@ def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -
 
 
 def extended(field: NDArray[Any], region: NDArray[np.bool_]) -> NDArray[Any]:
-    """Field whose values outside of a region are those of the nearest cell inside, to interpolate at its border."""
+    """Field with the values of the nearest cell inside a region in all cells outside, to interpolate at its border."""
     from scipy.ndimage import distance_transform_edt
 
     index = distance_transform_edt(~region, return_distances=False, return_indices=True)

@@ -69,7 +69,7 @@ class Scale:
         return np.asarray(values) * self.factor
 
     def label(self, words: str) -> str:
-        """Words for an axis or a colour bar with the unit in brackets, if there is one."""
+        """Text of an axis or a colour bar with the unit in brackets, if there is one."""
         return f"{words} [{self.unit}]" if self.unit else words
 
     def text(self, value: float, digits: int = 3) -> str:
@@ -79,7 +79,7 @@ class Scale:
 
 
 def scale_for(values: ArrayLike, unit: str) -> Scale:
-    """Engineering unit in which the largest magnitude of `values` lies in 1 ... 1000.
+    """Engineering unit in which the largest magnitude of `values` is between 1 and 1000.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def scale_for(values: ArrayLike, unit: str) -> Scale:
 
 
 def is_line(dataset: Results) -> bool:
-    """Whether the results are those of a line contact, whose surface is one row of strips."""
+    """Whether the results belong to a line contact, whose surface is one row of strips."""
     return bool(dataset.attrs.get("line", 0))
 
 
@@ -131,7 +131,7 @@ def colour_range(values: ArrayLike) -> tuple[str, float, float]:
 
 
 def lift_colours(low: float, high: float, out: int = 1) -> tuple[Colormap, float, float]:
-    """Colour map and limits for a displacement of the surface: red where it is lifted, blue where it sinks.
+    """Colour map and limits for an uplift of the surface: red upwards, blue downwards.
 
     `low` and `high` are the smallest and largest value. `out` is 1 where positive values lift the surface out of the
     body, -1 where negative ones do. Where (nearly) all of it goes one way the map is that half, from white on. Zeros
@@ -158,7 +158,7 @@ def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3
 
 
 def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
-    """Empty figure [inch] with a canvas of its own; the part of a frame where one is given.
+    """Empty figure [inch] with its own canvas, or a part of a frame.
 
     Pyplot does not know it, except in a block of `eigencontact.viz.looks.shown_figures`.
     """
@@ -187,7 +187,7 @@ def plane_figure(
     bar: bool = True,
     narrowest: float = 0.0,
 ) -> tuple[Figure, Axes, bool]:
-    """Figure for a plane of equal scales, at least `narrowest` wide [inch]; whether its colour bar lies below.
+    """Figure for a plane of equal scales, at least `narrowest` wide [inch]; and whether its colour bar lies below.
 
     Without a bar there is room for a legend below. See `box_size` for the other lengths.
     """
@@ -200,7 +200,7 @@ def plane_figure(
 
 
 def colour_bar(figure: Figure, axes: Axes, mapped: Any, label: str, *, wide: bool, shrink: float, **more: Any) -> Any:
-    """Colour bar of a plane: right of it, or below a wide one as the part `shrink` of its width."""
+    """Colour bar of a plane: on the right, or below a wide one with the fraction `shrink` of its width."""
     side: dict[str, Any] = {"location": "bottom" if wide else "right", "aspect": 30 if wide else 22}
     bar = figure.colorbar(mapped, ax=axes, shrink=shrink if wide else 1.0, pad=0.03, **side, **more)
     bar.set_label(label)
@@ -211,13 +211,13 @@ def draw_cross(
     axes: Axes, at: tuple[Any, Any], black: tuple[float, float] = (9, 2.6), white: tuple[float, float] = (8, 1.2),
     **style: Any,
 ) -> None:  # fmt: skip
-    """Cross at a point, white on black so that it shows on all colours; size and width of both [points]."""
+    """Cross at a point, white on black for contrast on all colours; size and width of both [points]."""
     for colour, (size, width) in (("black", black), ("white", white)):
         axes.plot(*at, "+", color=colour, markersize=size, markeredgewidth=width, **style)
 
 
 def label_plane(axes: Axes, x: str, y: str) -> None:
-    """Label the axes of a map of equal scales; the short side has the ticks of the long one if that gives two."""
+    """Label the axes of a map of equal scales; the short side has the ticks of the long one if at least two fit."""
     from matplotlib.ticker import MaxNLocator, MultipleLocator
 
     axes.set_xlabel(x)
@@ -245,7 +245,7 @@ def heading(dataset: Results, step: int, subject: str) -> str:
 
 
 def instant(dataset: Results, step: int) -> str:
-    """End of the title of a picture: the number of cycles of surfaces that wear, or the step unless it is the last."""
+    """End of the title of a picture: the number of wear cycles, or the step unless it is the last."""
     if cycles := _cycles(dataset, step):
         return f", {cycles}"
     last = dataset.sizes["step"] - 1

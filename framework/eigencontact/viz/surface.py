@@ -46,7 +46,7 @@ _STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
 def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Contact pressure of one step as a map, cut to the contact and some room around it.
+    """Contact pressure of one step as a map, restricted to the contact with a margin.
 
     Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
     below it are dashed.
@@ -71,7 +71,7 @@ def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> F
 
 
 def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
-    """Contact pressure of one step along x and along y, beside the closed form where the run has one.
+    """Contact pressure of one step along x and along y, with the closed form if the run has one.
 
     Beside a contact with layers, inclusions or eigenstrain it is the closed form without them, under the same load.
 
@@ -135,7 +135,7 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
 
 
 def homogeneous_words(dataset: Results) -> str:
-    """Body that the closed form beside a contact of inhomogeneous bodies describes; empty without a closed form."""
+    """Text about the body of the closed form in a contact of inhomogeneous bodies; empty without a closed form."""
     if "homogeneous_pressure" not in dataset:
         return ""
     return "homogeneous body" if "residual_displacement_z" in dataset else "bare substrate"
@@ -282,7 +282,7 @@ def _middle(uplift: NDArray[Any]) -> tuple[int, int]:
 
 
 def _largest(uplift: NDArray[Any]) -> tuple[int, int]:
-    """Row and column of the largest magnitude; of several alike, the one nearest the middle of the window."""
+    """Row and column of the largest magnitude; of several equal ones, the one nearest the middle of the window."""
     size = np.abs(uplift)
     rows, columns = np.nonzero(size >= (1.0 - 1e-9) * size.max())
     middle = [(n - 1) / 2 for n in uplift.shape]

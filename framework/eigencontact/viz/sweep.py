@@ -1,4 +1,4 @@
-"""Figures of a sweep: a number against what was varied, as curves or as a map; profiles of a field of all variants."""
+"""Figures of a sweep: a number over the varied parameters, as curves or as a map; profiles of a field."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _MARKS = "os^Dv<"
 
 
 def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
-    """Figure of one number, with bars of its errors where they were estimated; above a map stands the largest.
+    """Figure of one number, with error bars if they were estimated; the title of a map states the largest error.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def _scale(values: Any) -> Scale:
 
 
 def _largest_error(values: xarray.DataArray, errors: xarray.DataArray | None) -> str:
-    """Largest error of the values of a map, in parts of each."""
+    """Largest relative error of the values of a map."""
     if errors is None or not np.isfinite(errors.values).any():
         return ""
     return f"estimated errors up to ± {100 * float(np.nanmax(errors.values / np.abs(values.values))):.2g} %"
@@ -103,7 +103,7 @@ def _curves(
     marks: str = "",
     errors: xarray.DataArray | None = None,
 ) -> None:
-    """Draw a curve over the last dimension for each variant of the others, as many as a legend can hold.
+    """Draw a curve over the last dimension for each variant of the others, as many as the legend permits.
 
     Without marks variants without values are left out.
     """
@@ -125,7 +125,7 @@ def _curves(
 
 
 def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[float, float] | None, str]:
-    """Limits of the axis of values that differ by less than their error or `_LEAST_RANGE`, and a sentence about it."""
+    """Limits of the axis for values that differ by less than their error or `_LEAST_RANGE`, and a note."""
     finite = values.values[np.isfinite(values.values)]
     largest = float(np.abs(finite).max()) if finite.size else 0.0
     if finite.size < 2 or not largest:
@@ -164,7 +164,7 @@ def _along(dataset: xarray.Dataset, dim: str) -> Any:
 
 
 def _axis(axes: Axes, letter: str, along: Any) -> Any:
-    """Label and scale of an axis; returns its positions. Texts stand side by side."""
+    """Label and scale of an axis; returns its positions. Texts have equal spacing."""
     label = str(along.attrs.get("long_name", along.name))
     if along.dtype.kind != "f":
         getattr(axes, f"set_{letter}label")(label)
@@ -189,7 +189,7 @@ def _by_ratio(values: Any) -> bool:
 
 
 def _edges(order: Any) -> Any:
-    """Borders of the cells of a map, half way between the values, by ratio on a logarithmic axis."""
+    """Borders of the cells of a map, at the arithmetic or (logarithmic axis) geometric mean of the values."""
     ratio = _by_ratio(order)
     at = np.log(order) if ratio else order
     middle = 0.5 * (at[1:] + at[:-1])

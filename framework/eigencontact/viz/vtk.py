@@ -43,7 +43,7 @@ _IN_PLANE = ("shear", "slip")
 
 
 def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
-    """Write every step of stored results as VTK files into a folder, which is made where missing.
+    """Write every step of stored results as VTK files into a folder, which is made if missing.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
 
 
 def _series(folder: Path, name: str, times: dict[int, float], steps: list[int], meshes: Iterable[Mesh]) -> list[Path]:
-    """Write a file for each of some steps, and the collection of them with the times of the load history."""
+    """Write a file for each of some steps, and their collection with the times of the load history."""
     series = [_save(mesh, folder, f"{name}_{step:04d}") for step, mesh in zip(steps, meshes, strict=True)]
     collection = folder / f"{name}.pvd"
     with replacing(collection, f"collection {collection.name}") as sink:

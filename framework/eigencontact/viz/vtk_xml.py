@@ -35,7 +35,7 @@ Arrays = dict[str, "NDArray[Any]"]
 
 @dataclass(kw_only=True, slots=True)
 class Mesh:
-    """Mesh and the fields on it.
+    """Mesh with its fields.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Mesh:
         return {"ImageData": ".vti", "RectilinearGrid": ".vtr", "PolyData": ".vtp"}[self.kind]
 
     def write(self, sink: Sink) -> None:
-        """Write it into an empty file."""
+        """Write the mesh into an empty file."""
         order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
         mark = " ".join(str(byte) for byte in f"{__version__}\0".encode())
         maker = f'<Array type="String" Name="eigencontact" NumberOfTuples="1" format="ascii">{mark}</Array>'
@@ -89,7 +89,7 @@ class Mesh:
         sink.write(b"\n</AppendedData>\n</VTKFile>\n")
 
     def _section(self, name: str, arrays: Arrays, appended: list[NDArray[Any]]) -> str:
-        """XML of one section; its arrays join those that lie behind."""
+        """XML of one section; its arrays are appended to the binary data."""
         rows = []
         for key, values in arrays.items():
             attributes = {"type": _type(values.dtype), "Name": key}
@@ -105,7 +105,7 @@ class Mesh:
 
 
 def image(size: Sequence[int], spacing: Sequence[float], origin: Sequence[float]) -> Mesh:
-    """Evenly spaced points, (x, y, z): their number, their distance and the first of them."""
+    """Evenly spaced points, (x, y, z): number, spacing and first point."""
     extent = _extent(size)
     root_attributes = {"WholeExtent": extent, "Origin": _joined(origin), "Spacing": _joined(spacing)}
     return Mesh(kind="ImageData", whole=root_attributes, piece={"Extent": extent})
@@ -143,7 +143,7 @@ def _joined(numbers: Sequence[float]) -> str:
 
 
 def quoted(value: str) -> str:
-    """Value of an XML attribute; the standard library's own function loads the modules of the network."""
+    """Value of an XML attribute, without the standard library's function, which loads network modules."""
     return f'"{html.escape(value)}"'
 
 

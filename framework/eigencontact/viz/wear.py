@@ -79,7 +79,7 @@ def _heading(dataset: Results, step: int) -> str:
 
 
 def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Surfaces of both bodies before and after they wore, not pressed on each other; below them the worn depth.
+    """Surfaces of both bodies before and after wear, without load; below them the worn depth.
 
     The lines pass through the middle where the worn depth is symmetric about it, else through its largest value. Body 1
     is drawn flat: body 2 has all of the separation that they had at first.
@@ -116,7 +116,7 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
 
 
 def worn_coating(dataset: Results, step: int = -1) -> Figure:
-    """Worn surfaces over the interfaces of layers and coatings, which stay where they were, along x and along y.
+    """Worn surfaces over the unchanged interfaces of layers and coatings, along x and along y.
 
     z points into body 1, downwards, and has a scale of its own.
     """
@@ -135,7 +135,7 @@ def worn_coating(dataset: Results, step: int = -1) -> Figure:
 
 
 def _legend(figure: Figure, panels: Iterable[Axes], columns: int = 4) -> None:
-    """Legend of all panels without repetitions, below them."""
+    """Legend of all panels without duplicates, below them."""
     entries = {name: item for axes in panels for item, name in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=min(columns, len(entries)))
 
@@ -169,7 +169,7 @@ class _Section:
         return {body: values[line.where] for body, values in self._worn.items()}
 
     def ends(self, *, layers: bool = False) -> tuple[float, float]:
-        """Smallest and largest z [m] to show, the same in all frames of an animation."""
+        """Smallest and largest displayed z [m], the same in all frames of an animation."""
         high = self._height + self.most.get(2, 0.0)
         deep = self.most.get(1, 0.0)
         if layers:
@@ -192,7 +192,7 @@ class _Section:
         return curves
 
     def draw(self, axes: Axes, line: SurfaceLine, ends: tuple[float, float]) -> None:
-        """Both bodies, what they have lost, and the interfaces of their layers."""
+        """Draw both bodies, their worn material, and the interfaces of their layers."""
         z, at = scale_for(ends, "m"), self.length(line.at)
         lost = self.worn(line)
         none = np.zeros(line.at.size)
@@ -220,7 +220,7 @@ class _Section:
 
 
 def _between(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Coordinates of a path, with points between its own."""
+    """Coordinates of a path with additional points between its own."""
     finer, corners = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
     return np.interp(finer, corners, path[:, 0]), np.interp(finer, corners, path[:, 1])
 
@@ -291,7 +291,7 @@ def loop_cycles(dataset: Results) -> list[SolvedCycle]:
 
 
 def worn_loops(dataset: Results) -> Figure:
-    """Loops of chosen cycles over each other, coloured by how many cycles were done."""
+    """Loops of selected cycles drawn over each other, coloured by the number of cycles."""
     mode = driven(dataset)[0]
     load, way, words = MODES[mode]
     forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))

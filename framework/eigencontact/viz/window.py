@@ -49,7 +49,7 @@ MARGIN = 0.25
 
 
 class Window:
-    """Part of the surface that a picture shows: its cells, the edges of them and the unit of length.
+    """Visible part of the surface: its cells, their edges and the unit of length.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Window:
         label_plane(axes, f"x [{self.length.unit}]", f"y [{self.length.unit}]")
 
     def outline(self, axes: Axes, contact: NDArray[np.bool_]) -> None:
-        """Line around the contact, given for the cells shown, unless it is ragged."""
+        """Line around the contact of the visible cells, unless it is ragged."""
         draw_contact_outline(axes, contact, *self.edges)
 
     @property
@@ -173,7 +173,7 @@ def masked_map(
 def zone_map(
     window: Window, field: NDArray[Any], title: str, names: tuple[str, ...], colours: tuple[str, ...]
 ) -> Figure:
-    """Map of a field of whole numbers, each with a name and a colour of its own."""
+    """Map of a field of whole numbers, each with its name and colour."""
     visible = np.rint(field[window.view.slices]).astype(int)
     with paper_style():
         figure, axes, _ = window.axes_of_map(bar=False)
@@ -193,7 +193,7 @@ def class_patches(classes: Iterable[tuple[str, str]]) -> list[Patch]:
 
 
 def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours: tuple[str, ...]) -> None:
-    """Colour each cell shown by its number; regions of numbers that lie inside each other have smooth borders."""
+    """Colour each visible cell by its number; nested regions have smooth borders."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import PathPatch
 
@@ -208,7 +208,7 @@ def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours:
 
 
 def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
-    """Smooth border of a region of the cells shown, in the unit of the axes."""
+    """Smooth border of a region of the visible cells, in the unit of the axes."""
     return None if region.shape != window.shape else smooth_border(region, *window.edges)
 
 
@@ -228,7 +228,7 @@ def cell_edges(centres: NDArray[Any], dataset: Results, axis: int) -> NDArray[An
 
 
 def view_of(mask: NDArray[np.bool_]) -> Box:
-    """Cells to show: those of the mask and room around them, all cells where the mask is empty."""
+    """Visible cells: those of the mask with a margin; all cells for an empty mask."""
     box = Box.around(mask)
     rows, columns = mask.shape
     if box is None:
@@ -243,7 +243,7 @@ def contact_window(dataset: Results, mask: NDArray[np.bool_]) -> Window:
 
 
 def is_ragged(contact: NDArray[np.bool_]) -> bool:
-    """Whether the border of the contact is much longer than that of the box around it, or there is no contact.
+    """Whether the border of the contact is much longer than that of its box, or there is no contact.
 
     The border of one convex patch is as long as that of its box.
     """
@@ -255,7 +255,7 @@ def is_ragged(contact: NDArray[np.bool_]) -> bool:
 def draw_contact_outline(
     axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any], *, faint: bool = False
 ) -> None:
-    """Line around the contact (`x`, `y`: edges of the cells), unless it is ragged; along the edges of few cells."""
+    """Line around the contact (`x`, `y`: edges of the cells), unless ragged; along the edges of few cells."""
     from matplotlib.collections import LineCollection
     from matplotlib.patches import PathPatch
 

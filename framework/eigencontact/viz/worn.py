@@ -41,7 +41,7 @@ def wears(dataset: Results) -> bool:
 
 
 def solved_cycles(dataset: Results) -> list[SolvedCycle]:
-    """Cycles of a history, in order; those that wear skipped are not among them."""
+    """Solved cycles of a history, in order, without skipped cycles."""
     if "load_cycle" not in dataset:
         return []
     number = np.asarray(dataset["load_cycle"].values)
@@ -97,6 +97,6 @@ def initial_separation(dataset: Results, step: int = -1) -> NDArray[np.float64]:
 
 
 def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
-    """Depths [m] below the first surface at which the layers of a body end."""
+    """Depths [m] of the interfaces of a body below the unworn surface."""
     layers = json.loads(dataset.attrs.get("layers", "{}")).get(str(body), [])
     return tuple(layer["bottom"] for layer in layers)

@@ -42,7 +42,7 @@ Row = Mapping[str, float]
 
 
 def noticed(model: Model, blocks: Sequence[Block], last: StepRecord, history: Sequence[Row]) -> tuple[Caution, ...]:
-    """Warnings of a finished run: those of its results, and those foreseen that the results do not replace.
+    """Warnings of a finished run: those of its results, and predicted ones that the results do not replace.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def _contact(model: Model, last: StepRecord) -> Iterator[Caution]:
 
 
 def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
-    """Load steps that are too large for the way, and rings of slip that the cells do not see."""
+    """Warn about load steps that are too large for the motion, and slip annuli narrower than a cell."""
     if model.friction is None:
         return
     for before, after in pairwise(history):
@@ -83,8 +83,9 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
         moved = any(before[name] != after[name] for name in ("shift_magnitude", "twist"))
         if moved and before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
             words = (
-                f"in load step {after['step']:.0f} the contact goes from {percent(before['slip_fraction'])} of it "
-                "slipping to all of it at once: the work of friction on the way is not seen; give more increments"
+                f"in load step {after['step']:.0f} the slipping part of the contact rises from "
+                f"{percent(before['slip_fraction'])} to all of it in one increment: the work of friction in between is "
+                "not resolved; increase the increments of the step"
             )
             yield Caution("load-steps", words)
             break
@@ -93,8 +94,8 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     width = max(rings, default=np.inf) / (2.0 * max(model.grid.edges))
     if width < 1.0:
         words = (
-            f"the ring that slips is {width:.2g} cells wide at most: stick radius, work of friction and loops are not "
-            "resolved; give finer cells"
+            f"the slip annulus is at most {width:.2g} cells wide: stick radius, work of friction and loops are not "
+            "resolved; use finer cells"
         )
         yield Caution("slip-cells", words)
 
@@ -104,13 +105,13 @@ def _degree(model: Model, last: StepRecord) -> Iterator[Caution]:
     whole, error = model.numerics.inclusion_resolution, last.scalars.get("inclusion_degree_error", 0.0)
     if isinstance(whole, Whole) and error > (whole.allowed if whole.is_asked else _DEGREE):
         words = (
-            f"the eigenstrain of whole inhomogeneities may be wrong by {percent(error)} of itself by its degree; give "
-            "a higher degree, or allow that error"
+            f"the degree of whole inhomogeneities is too low: the estimated error of their eigenstrain is "
+            f"{percent(error)}; set a higher degree, or allow this error"
         )
         if error >= 1.0:
             words = (
-                "the degree of whole inhomogeneities does not resolve their eigenstrain: its estimated error exceeds "
-                "the eigenstrain itself; give a higher degree, or cells"
+                "the degree of whole inhomogeneities does not resolve their eigenstrain: the estimated error exceeds "
+                "the eigenstrain; set a higher degree, or use cells"
             )
         yield Caution("inclusion-degree", words, error)
 
@@ -125,9 +126,9 @@ def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution
     reached, expected = max(row["max_pressure"] for row in history), contact.peak
     if reached > SAFETY * expected:
         words = (
-            f"the largest pressure is {readable(reached, 'Pa')} where {readable(expected, 'Pa')} was expected: where "
-            f"body {' and body '.join(map(str, bodies))} may yield was found from the latter; give the rest as an "
-            "inclusion with this law"
+            f"the largest pressure is {readable(reached, 'Pa')}, but the cells of the law of body "
+            f"{' and body '.join(map(str, bodies))} were chosen for {readable(expected, 'Pa')}: yielding outside these "
+            "cells is missing; add an inclusion with this law around them"
         )
         yield Caution("law-cells", words)
 
@@ -149,17 +150,17 @@ def _plastic_steps(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     excess = _EXCESS * end["normal_load"] * end["approach"] / count**_ORDER
     work = min(1.0, excess / end["dissipated_energy"]) if end["dissipated_energy"] > 0 else 0.0
     if max(along, work) > _PLASTIC:
-        friction = f", and up to {percent(work)} of its work of friction may be an error" if work else ""
+        friction = f", that of the work of friction up to {percent(work)}" if work else ""
         words = (
-            f"the contact that yields grows in {count:.0f} increments{' even in its radius' if graded else ''}: its "
-            f"residual displacement along the surface may be wrong by {percent(min(1.0, along))}{friction}; give the "
-            "loading more increments"
+            f"the yielding contact grows in {count:.0f} increments{' even in its radius' if graded else ''}: the "
+            f"estimated error of its residual tangential displacement is {percent(min(1.0, along))}{friction}; "
+            "increase the increments of the loading"
         )
         yield Caution("plastic-steps", words, min(1.0, max(along, work)))
 
 
 def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """Whether the largest von Mises stress lies where it converges slowly, or not at all."""
+    """Warn if the largest von Mises stress lies at a place where it converges slowly or not at all."""
     regions = [region for region in last.regions.values() if "von_mises" in region.fields]
     if not regions:
         return
@@ -171,14 +172,14 @@ def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
     if model.friction is not None and place[2] < 0.5 * edge and _at_the_edge(model, last, place):
         words = (
             f"the largest von Mises stress, at ({where}), lies at the edge of a contact with friction, where it "
-            "converges with the square root of the cells' size only; compare with finer cells"
+            "converges only with the square root of the cell size; compare with finer cells"
         )
         yield Caution("slow-place", words, number="max_von_mises", order=0.5)
     for source in model.sources:
         if source.body == region.body and not isinstance(source.shape, Patch) and _on_a_rim(source.shape, place, edge):
             words = (
                 f"the largest von Mises stress, at ({where}), lies on an edge of {source.name!r}, where stress grows "
-                "without bound as points and cells come closer: its value is that of their distance"
+                "without limit with finer cells and closer points; compare stress at a fixed distance from the edge"
             )
             yield Caution("slow-place", words, number="max_von_mises")
             return
@@ -211,7 +212,7 @@ def _at_the_edge(model: Model, last: StepRecord, place: tuple[float, float, floa
 
 
 def _on_a_rim(shape: object, place: tuple[float, float, float], edge: float) -> bool:
-    """Whether a place is on two faces of the bounds of a region at once, which bodies without edges never are."""
+    """Whether a place is on two faces of the bounds of a region at once (never for bodies without edges)."""
     low, high = shape.bounds  # type: ignore[attr-defined]
     near = [min(abs(at - lo), abs(at - hi)) < _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True)]
     within = all(lo - _NEAR * edge < at < hi + _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True))

@@ -54,7 +54,7 @@ _FLUSH = 1e-3
 
 
 def foreseen(model: Model, blocks: Iterable[Block]) -> tuple[Caution, ...]:
-    """Warnings that follow from a scene alone; each is one sentence with a code."""
+    """Warnings that follow from a scene before the run; each is one sentence with a code."""
     return (
         *_of_the_contact(model),
         *_of_the_surfaces(model),
@@ -70,8 +70,8 @@ def coarse_contact(cells: float) -> Caution:
     """Warning of a contact with few cells to a radius."""
     error = pressure_error(cells)
     words = (
-        f"the contact has {cells:.2g} cells to a radius, fewer than {FINE:g}: its largest pressure may be wrong by "
-        f"{percent(error)}, and area and edge are seen to a cell"
+        f"the contact has {cells:.2g} cells per radius, fewer than {FINE:g}: the estimated error of its largest "
+        f"pressure is {percent(error)}, and area and edge are resolved to one cell"
     )
     return Caution("contact-cells", words, error)
 
@@ -88,8 +88,8 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
     if contact.peak > _STIFF * modulus:
         words = (
             f"a pressure of {readable(contact.peak, 'Pa')} is expected, {percent(contact.peak / modulus)} of the "
-            f"contact modulus {readable(modulus, 'Pa')}: strains are not small, as this "
-            "theory takes them to be; look at the units of load, radius and modulus"
+            f"contact modulus {readable(modulus, 'Pa')}: strains are not small, as the "
+            "theory assumes; check the units of load, radius and modulus"
         )
         yield Caution("small-strain", words)
 
@@ -105,8 +105,8 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
         pitch, native_pitch = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
         if pitch > 1.001 * native_pitch:
             words = (
-                f"cells of {readable(pitch, 'm')} are wider than the {readable(native_pitch, 'm')} of the geometry "
-                f"{key!r}: roughness between them is not seen"
+                f"cells of {readable(pitch, 'm')} are wider than the spacing {readable(native_pitch, 'm')} of the "
+                f"geometry {key!r}: roughness within a cell is not resolved"
             )
             yield Caution("surface-cells", words)
     if not (native and (model.periodic or grid.repeats_y) and min(grid.shape) > 3):
@@ -124,8 +124,7 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     if ratio > _SEAM:
         words = (
             f"the surfaces have a step of {readable(step, 'm')} (root mean square) where the periodic window repeats "
-            f"along {axis}, and {readable(usual, 'm')} between the cells beside it: they do not fit to their own "
-            "repetition"
+            f"along {axis}, but only {readable(usual, 'm')} between the neighbouring cells: the surface is not periodic"
         )
         yield Caution("periodic-seam", words)
 
@@ -145,7 +144,7 @@ class Above:
 
 
 def worst_above(model: Model, body: int) -> Above | None:
-    """The inhomogeneity of a body whose cells cause the largest error of the pressure above it.
+    """Inhomogeneity of a body whose cells cause the largest error of the pressure above it.
 
     None without a contact, and where every inhomogeneity touches the surface, has no cells, or has no linear law.
     """
@@ -172,9 +171,9 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
         worst = worst_above(model, body)
         if worst is not None and worst.error > PROMISE:
             words = (
-                f"{worst.source.name!r} has {worst.cells:.2g} cells between its top and the surface: the pressure "
-                f"above it may be wrong by {percent(worst.error)} of itself, or of that without it if larger; "
-                f"{percent(PROMISE)} takes {cells_above(PROMISE, *worst.ratios):.2g} cells"
+                f"{worst.source.name!r} has {worst.cells:.2g} cells between its top and the surface: the estimated "
+                f"error of the pressure above it is {percent(worst.error)} of the larger of the pressures with and "
+                f"without it; {percent(PROMISE)} needs {cells_above(PROMISE, *worst.ratios):.2g} cells"
             )
             yield Caution("inclusion-cells", words, worst.error)
     coarse = [
@@ -185,8 +184,8 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
     cells, name = min(coarse, default=(np.inf, ""))
     if cells < _ACROSS * (1.0 - 1e-6):
         words = (
-            f"{name!r} has {cells:.2g} cells across its narrowest extent, fewer than {_ACROSS}: it acts by its "
-            "volume, and stress in it is seen by its mean alone"
+            f"{name!r} has {cells:.2g} cells across its narrowest extent, fewer than {_ACROSS}: only its volume and "
+            "its mean stress are resolved"
         )
         yield Caution("inclusion-cells", words)
 
@@ -203,14 +202,14 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
     if cells < _WIDE * (1.0 - 1e-6):
         words = (
             f"the length {readable(radius, 'm')} of the law of {name!r} is {cells:.2g} cells, fewer than {_WIDE}: its "
-            "means hardly reach beyond a cell, and where it softens the answer follows the cells; give a larger length "
-            "or finer cells"
+            "means hardly extend beyond a cell, and with softening the result depends on the cell size; set a larger "
+            "length or use finer cells"
         )
         yield Caution("law-length", words)
 
 
 def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
-    """Warn about yielding regions in a yielding body, whose part of the residual print converges slowly."""
+    """Warn about yielding regions in a yielding body, whose residual imprint converges slowly."""
     contact = model.window.expected
     sources = [
         source
@@ -227,8 +226,8 @@ def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
     error = _OF_THE_PRINT / cells
     if error > PROMISE:
         words = (
-            f"{name!r} yields by a law of its own in a body that yields, with {cells:.2g} cells to a radius of the "
-            f"contact: the residual imprint may be wrong by {percent(error)}; compare with finer cells"
+            f"{name!r} has its own yield law in a body that yields, with {cells:.2g} cells per contact radius: the "
+            f"estimated error of the residual imprint is {percent(error)}; compare with finer cells"
         )
         yield Caution("law-regions", words, error)
 
@@ -254,16 +253,16 @@ def _of_the_steps(model: Model) -> Iterator[Caution]:
         if worst is not None:
             count = steps[worst].increments
             words = (
-                f"the contact grows in {count} increment{'s' if count > 1 else ''} in {names[worst]}, and what comes "
-                "into contact within one sticks where it is: where pressure makes the surfaces slip, the radius that "
-                f"sticks may be wrong by {percent(errors[worst])}; give this step more increments"
+                f"the contact grows in {count} increment{'s' if count > 1 else ''} in {names[worst]}, and cells that "
+                "come into contact within an increment stick at once: the estimated error of the stick radius is "
+                f"{percent(errors[worst])}; increase the increments of this step"
             )
             yield Caution("load-steps", words, errors[worst])
     for number in _turns(steps):
         if steps[number].increments == 1:
             words = (
-                f"{names[number]} turns the motion along the surface in one increment: the way between its ends, and "
-                "the loop that it is part of, are not seen; give it more increments"
+                f"{names[number]} reverses the tangential motion in one increment: the path between its ends, and its "
+                "loop, are not resolved; increase its increments"
             )
             yield Caution("load-steps", words)
             return

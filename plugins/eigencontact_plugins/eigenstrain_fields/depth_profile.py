@@ -18,7 +18,7 @@ Direction = Literal["isotropic", "in-plane"] | Row
 
 @dataclass(frozen=True, kw_only=True)
 class DepthProfile(TimedField):
-    """Eigenstrain given at depths, linear between them and zero below the last.
+    """Eigenstrain by depth, linear between the given depths and zero below the last.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ __all__ = ["FromFile"]
 
 @dataclass(frozen=True, kw_only=True)
 class FromFile(TimedField):
-    """Eigenstrain at the points of a lattice, linear between them and zero outside.
+    """Eigenstrain at the points of a lattice from a file, linear between them and zero outside.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ __all__ = ["PeenedLayer"]
 
 @dataclass(frozen=True, kw_only=True)
 class PeenedLayer(TimedField):
-    """Equal stretch along x and y, largest at a depth below the surface, as peening leaves it.
+    """Eigenstrain of a peened layer: equal along x and y, largest at a depth below the surface.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ __all__ = ["Uniform"]
 
 @dataclass(frozen=True, kw_only=True)
 class Uniform(TimedField):
-    """The same eigenstrain everywhere; ``eigenstrain = 1e-3`` of an inclusion is short for it.
+    """Uniform eigenstrain; ``eigenstrain = 1e-3`` of an inclusion is short for it.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ __all__ = ["DangVan"]
 
 @dataclass(frozen=True, kw_only=True)
 class DangVan(WeightedNormalStress):
-    """``max over time of (Tresca shear of s - s* + slope p)``: the shear of a grain after shakedown, and p beside it.
+    """``max over time of (Tresca shear of s - s* + slope p)``: shear of a grain after shakedown, and mean stress.
 
     s is the deviator, s* the centre of the smallest ball around its path: the residual stress to which a grain shakes
     down. The plane is that of the largest shear at the worst time.

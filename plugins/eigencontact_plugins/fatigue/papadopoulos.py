@@ -71,7 +71,7 @@ class Papadopoulos(WeightedNormalStress):
 
 @cache
 def _directions() -> tuple[FloatArray, FloatArray]:
-    """Rows ``(n, 6)`` that give the shear along directions of planes from Mandel vectors, and their weights, sum 1."""
+    """Rows ``(n, 6)`` that map Mandel vectors to the shear along directions of planes, and their weights, sum 1."""
     cosines, gauss = np.polynomial.legendre.leggauss(_NODES)
     turns = np.pi * (np.arange(_NODES) + 0.5) / _NODES
     c, phi, chi = (part.ravel() for part in np.meshgrid(cosines, turns, turns, indexing="ij"))

@@ -1,4 +1,4 @@
-"""What several criteria share: rules of their parameters, and a limit with a weight of the mean or normal stress."""
+"""Common rules of criteria: checks of parameters, and a limit with a weight of the mean or normal stress."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["WeightedNormalStress", "check_positive", "check_slope"]
 
 
 def check_slope(where: str, name: str, value: float) -> None:
-    """Refuse a weight of the mean or normal stress that is negative: tension does not make a material endure more."""
+    """Refuse a negative weight of the mean or normal stress: tension must not increase the endurance."""
     require(0 <= value < np.inf, where, name, value, "zero or positive, and finite [-]")
 
 

@@ -15,7 +15,7 @@ __all__ = ["ByMaterial"]
 
 @dataclass(frozen=True, kw_only=True)
 class ByMaterial(FrictionLaw):
-    """Each column of the contact has the law of the material that is exposed there.
+    """Friction law by exposed material: each column of the contact has the law of its material.
 
     Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
 

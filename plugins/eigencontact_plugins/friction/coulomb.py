@@ -13,7 +13,7 @@ __all__ = ["Coulomb", "check_coefficient"]
 
 
 def check_coefficient(where: str, field: str, value: float) -> None:
-    """Refuse a coefficient of friction that is not zero or positive, and finite [-]."""
+    """Refuse a coefficient of friction that is negative or not finite [-]."""
     require(0 <= value < np.inf, where, field, value, "zero or positive, and finite [-]")
 
 

@@ -30,7 +30,7 @@ __all__ = ["CoulombMap", "Region"]
 
 @dataclass(frozen=True, kw_only=True)
 class Region:
-    """A part of the surface with a coefficient of its own: a rectangle by its size, or a circle by its radius.
+    """Region of the surface with its own coefficient: a rectangle by its size, or a circle by its radius.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Region:
             require(good, where, "size", self.size, "two positive and finite lengths")
 
     def contains(self, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
-        """Whether points [m] that broadcast lie in the region; its edge belongs to it."""
+        """Whether points [m] that broadcast lie in the region or on its edge."""
         if self.radius is not None:
             dx, dy = body_axes(x, y, self.center)
             return np.asarray(dx**2 + dy**2 <= self.radius**2)
@@ -131,7 +131,7 @@ class CoulombMap(FrictionLaw):
 
     @cached_property
     def _last(self) -> dict[tuple[bytes, bytes], FloatArray]:
-        """Coefficients at the last centres, which are the same throughout a run."""
+        """Coefficients at the last centres, which do not change during a run."""
         return {}
 
     def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:

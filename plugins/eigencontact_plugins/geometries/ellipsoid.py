@@ -15,7 +15,7 @@ __all__ = ["Ellipsoid", "axis_ratio"]
 
 @dataclass(frozen=True, kw_only=True)
 class Ellipsoid(Geometry):
-    """Paraboloid h = ξ²/(2 R_x) + η²/(2 R_y) with ξ, η along its own axes.
+    """Paraboloid h = ξ²/(2 R_x) + η²/(2 R_y) with ξ, η along the axes of the body.
 
     Parameters
     ----------

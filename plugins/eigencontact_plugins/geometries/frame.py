@@ -13,7 +13,7 @@ __all__ = ["body_axes", "check_angle", "check_center", "check_length"]
 def body_axes(
     x: ArrayLike, y: ArrayLike, center: tuple[float, float], angle: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Coordinates of points along the axes of a body, centred in it and turned by `angle` [rad] from x towards y.
+    """Coordinates of points along the axes of a body, relative to its centre, rotated by `angle` [rad] from x to y.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def check_length(where: str, field: str, value: float) -> None:
 
 
 def check_center(where: str, center: tuple[float, float]) -> None:
-    """Refuse a centre that is not two finite coordinates [m]."""
+    """Refuse a centre without two finite coordinates [m]."""
     require(len(center) == 2 and bool(np.isfinite(center).all()), where, "center", center, "two finite lengths (x, y)")
 
 

@@ -1,4 +1,4 @@
-"""Separation given as numbers at the points of a raster."""
+"""Separation from numbers at the points of a raster."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _EVEN = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class GapMap(Geometry):
-    """Separation of two surfaces at the points of an even raster, with its own datum.
+    """Separation of two surfaces at the points of a regular raster, with its own datum.
 
     Numbers are exact at the points of the raster, which are the cells of an automatic grid; bilinear between them, and
     beyond them that of the nearest border. The approach counts from a separation of 0, wherever the first touch is.

@@ -1,4 +1,4 @@
-"""Reading a measured surface: NumPy files, text with a matrix or with rows x y z, and what SurfaceTopography opens.
+"""Reader of measured surfaces: NumPy files, text with a matrix or rows x y z, and files that SurfaceTopography opens.
 
 Every reader returns the heights as they stand in the file, ``(ny, nx)`` with NaN where a point is missing, and the
 distances between points and the units if the file knows them. A refusal is one line: ``topography.file must be ...``.
@@ -102,14 +102,14 @@ def _read_numpy(path: Path, file: str) -> Measurement:
 
 
 def _is_foreign(path: Path) -> bool:
-    """Whether a text file is of a program that scales its numbers by rules of its own."""
+    """Whether a text file comes from a program with its own scaling of numbers."""
     with path.open("rb") as stream:
         begin = stream.read(2000).lower()
     return any(mark in begin for mark in (b"wyko ascii", b"bit2nm", b"wsxm"))
 
 
 def _read_text(path: Path, file: str) -> Measurement:
-    """Three columns are coordinates, unless the header says how wide the window is; more or fewer are a matrix."""
+    """Read three columns as coordinates, unless the header has the width of the window; else read a matrix."""
     table = read_table(path, lambda rule, reason: _refusal(rule, file, reason))
     header = read_header(table.header, lambda rule, reason: _refusal(rule, file, reason))
     lengths = [*header.spacing, *header.size]
@@ -131,7 +131,7 @@ def _read_text(path: Path, file: str) -> Measurement:
 
 
 def _refuse_labels(numbers: FloatArray, file: str) -> None:
-    """Refuse a matrix with its coordinates around it: they would be taken for heights."""
+    """Refuse a matrix with coordinates in its first row and column, which would be read as heights."""
     first = [numbers[0, 1:], numbers[1:, 0]]
     even = [line.size > 1 and np.allclose(np.diff(line), line[1] - line[0], rtol=1e-6, atol=0) for line in first]
     if np.isnan(numbers[0, 0]) and all(even) and all(line[1] != line[0] for line in first):

@@ -1,4 +1,4 @@
-"""A self-affine random surface of stated spectrum, the same on every grid.
+"""Self-affine random surface with a prescribed spectrum, the same on every grid.
 
 Every wave of the period has the amplitude of the spectrum and a random phase. The phase belongs to the wave, not to a
 cell of a grid, so that a finer grid sees the same surface, and a smaller cutoff adds waves without a change of others.
@@ -28,7 +28,7 @@ _PIECE = 4_000_000
 
 
 class _Waves(NamedTuple):
-    """Waves of the period; of q and -q one stands for both: 0 <= n, and 0 < m where n = 0."""
+    """Waves of the period; one of q and -q represents both: 0 <= n, and 0 < m if n = 0."""
 
     along_y: NDArray[np.intp]  #: n, periods along y, (ny,)
     along_x: NDArray[np.intp]  #: m, periods along x, (nx,)
@@ -172,7 +172,7 @@ class RandomRough(Geometry):
 
     @cached_property
     def _coefficients(self) -> NDArray[np.complex128]:
-        """Complex amplitude of every wave [m], 0 where there is none."""
+        """Complex amplitude of every wave [m], 0 without a wave."""
         present, q = self._waves.present, self._waves.q
         roll_off = 2 * np.pi / (max(self.size) if self.roll_off is None else self.roll_off)
         amplitude = np.where(present, (np.maximum(q, roll_off) / roll_off) ** -(1 + self.hurst), 0.0)
@@ -213,7 +213,7 @@ def _turns(numbers: NDArray[np.intp], periods: FloatArray) -> NDArray[np.complex
 
 
 def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray | None:
-    """Values along one of the last two axes of `shape`, if they change along no other; else None."""
+    """Values along one of the last two axes of `shape`, if they vary only along it; else None."""
     if len(shape) != 2:
         return None
     full = np.broadcast_to(values, shape)

@@ -10,7 +10,7 @@ __all__ = ["fitted_plane", "harmonic_fill"]
 
 
 def fitted_plane(height: FloatArray) -> FloatArray:
-    """Plane of least squares through the known points of ``height (ny, nx)``; same shape."""
+    """Least-squares plane through the known points of ``height (ny, nx)``; same shape."""
     ny, nx = height.shape
     row, column = np.linspace(-1, 1, ny)[:, None], np.linspace(-1, 1, nx)[None, :]
     basis = np.stack([np.ones((ny, nx)), row + 0 * column, column + 0 * row], axis=-1)

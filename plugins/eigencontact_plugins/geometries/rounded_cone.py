@@ -57,7 +57,7 @@ class RoundedCone(Revolution):
 
     @property
     def junction(self) -> float:
-        """Radius b [m] at which the tip goes over into the cone."""
+        """Radius b [m] of the transition from the tip to the cone."""
         return float(self.tip_radius / np.tan(self.half_angle))
 
     def height(self, r: FloatArray) -> FloatArray:
@@ -66,7 +66,7 @@ class RoundedCone(Revolution):
         return np.asarray((tip * (0.5 * tip) + (r - tip) * self.junction) / self.tip_radius)
 
     def rate(self, t: FloatArray) -> FloatArray:
-        """Growth of the approach; see `Revolution`."""
+        """Derivative of the approach; see `Revolution`."""
         b = self.junction
         outer = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
         return np.asarray((2.0 * (t - outer) + b * np.arctan2(outer, b)) / self.tip_radius)

@@ -58,7 +58,7 @@ class RoundedPunch(Revolution):
         return np.asarray(np.maximum(0.0, r - self.flat_radius) ** 2 / (2.0 * self.edge_radius))
 
     def rate(self, t: FloatArray) -> FloatArray:
-        """Growth of the approach; see `Revolution`."""
+        """Derivative of the approach; see `Revolution`."""
         b = self.flat_radius
         outer = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
         return np.asarray((2.0 * outer - b * np.arctan2(outer, b)) / self.edge_radius)

@@ -66,7 +66,7 @@ class Sphere(Revolution):
         return np.asarray(np.where(r < R, inside**2 / (R + np.sqrt((R - inside) * (R + inside))), r))
 
     def rate(self, t: FloatArray) -> FloatArray:
-        """Growth of the approach; see `Revolution`."""
+        """Derivative of the approach; see `Revolution`."""
         R = self.radius
         if self.profile == "parabola":
             return np.asarray(2.0 * t / R)
@@ -74,7 +74,7 @@ class Sphere(Revolution):
 
     @property
     def limit(self) -> float:
-        """Radius [m] at which a circle is upright."""
+        """Radius [m] at which the surface of a sphere is vertical."""
         return np.inf if self.profile == "parabola" else self.radius
 
     def reference_pressure(

@@ -45,7 +45,7 @@ _COLUMN = re.compile(r"\b([xyz])\s*[\[(/]\s*([^\])\s,;]+)")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Header:
-    """Entries of a header; None where one is missing.
+    """Entries of a header; None for missing ones.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
 
 
 def _entries(lines: list[str]) -> Iterator[tuple[str, str]]:
-    """Keys and the texts behind them."""
+    """Keys with their texts."""
     for line in lines:
         key, *texts = re.split(r"[:=,;\t]", REMARK.sub("", line).replace('"', ""), maxsplit=1)
         if texts:
@@ -114,7 +114,7 @@ def _entries(lines: list[str]) -> Iterator[tuple[str, str]]:
 def _lengths(
     entries: list[tuple[str, str]], keys: tuple[str, ...], refusal: Refusal
 ) -> Iterator[tuple[list[float], float | None]]:
-    """Numbers behind keys, one for both directions or two; and metres in their own unit, if they have one."""
+    """Numbers of keys, one for both directions or two; and their values in metres, if they have a unit."""
     for key, text in entries:
         numbers = [float(number) for number in _NUMBER.findall(text)]
         if key in keys and numbers:

@@ -1,4 +1,4 @@
-"""A table of numbers in a file of text, as programs of instruments write it, and its header.
+"""Table of numbers in a text file of an instrument's program, with its header.
 
 Numbers are parted by blanks, tabs, commas or semicolons; a decimal comma is read where commas part nothing. What stands
 above the first row, and every remark, is header. A cell that is empty or says that it holds nothing is NaN.
@@ -24,14 +24,14 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+|inf|infinity)(?:[eE][+-]?\d+)?", 
 
 
 class Table(NamedTuple):
-    """Numbers ``(rows, columns)``, NaN where a cell holds none, and the lines of the header."""
+    """Numbers ``(rows, columns)``, NaN for cells without a number, and the lines of the header."""
 
     numbers: FloatArray
     header: list[str]
 
 
 class _Marks(NamedTuple):
-    """Delimiter of numbers, None for blanks, and whether a comma is decimal."""
+    """Delimiter of numbers, None for blanks, and whether a comma is a decimal separator."""
 
     delimiter: str | None
     decimal_comma: bool

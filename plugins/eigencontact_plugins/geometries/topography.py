@@ -22,7 +22,7 @@ _MODES = {"far": "nearest", "mirror": "reflect", "repeat": "grid-wrap"}
 
 @dataclass(frozen=True, kw_only=True)
 class Topography(Geometry):
-    """Measured surface: separation max(height) - height, with heights that are positive towards the other body.
+    """Measured surface: separation max(height) - height, with heights positive towards the other body.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class Topography(Geometry):
 
     @cached_property
     def _surface(self) -> tuple[Grid, FloatArray, FloatArray | None, float]:
-        """Grid, separation at its points, 1.0 where a point is missing and stays so (or None), the far separation."""
+        """Grid, separation at its points, 1.0 at points that remain missing (or None), the far separation."""
         measurement = read_measurement(self.file)
         dx, dy, height_unit = self._lengths(measurement)
         height = measurement.heights * height_unit
@@ -172,7 +172,7 @@ class Topography(Geometry):
         return dx, dy, height_unit
 
     def _unit(self, name: str, file_unit: float | None, *, fixed: bool) -> float | None:
-        """Unit of the field, else of the file."""
+        """Unit of the field, or else of the file."""
         unit: float | None = getattr(self, name)
         if unit is None:
             return file_unit

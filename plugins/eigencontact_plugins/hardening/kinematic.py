@@ -1,4 +1,4 @@
-"""Back-stresses: Prager's, that of Armstrong and Frederick, and Chaboche's sum of those."""
+"""Back-stresses: laws of Prager and of Armstrong and Frederick, and Chaboche's sum of the latter."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Prager(KinematicHardening):
 
 @dataclass(frozen=True, kw_only=True)
 class ArmstrongFrederick(KinematicHardening):
-    """``dX = (2/3) C dε_p - γ X dp``: the back-stress saturates at C/γ. Several of them are Chaboche's law.
+    """``dX = (2/3) C dε_p - γ X dp``: the back-stress saturates at C/γ. Several of these laws are Chaboche's law.
 
     Parameters
     ----------

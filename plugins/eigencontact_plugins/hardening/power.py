@@ -82,7 +82,7 @@ class Ludwik(IsotropicHardening):
         require(0 < self.n <= 1, self.key, "n", self.n, "in (0, 1] [-]")
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `IsotropicHardening.flow_stress`; the slope at zero is that of a chord, since the law's is infinite."""
+        """See `IsotropicHardening.flow_stress`; the slope at zero, infinite in the law, is that of a chord."""
         first = self.strength * _FIRST ** (self.n - 1.0)
         early = p < _FIRST
         later = np.where(early, _FIRST, p)

@@ -23,7 +23,7 @@ __all__ = ["Tabulated"]
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(IsotropicHardening):
-    """Flow stress by points of a curve: lines between them, constant beyond the last.
+    """Flow stress by points of a curve: linear between them, constant after the last.
 
     Parameters
     ----------

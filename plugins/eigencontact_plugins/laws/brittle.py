@@ -36,7 +36,7 @@ _STRAINS = (1e-8, 1.0)
 
 @dataclass(frozen=True, kw_only=True)
 class Brittle(BodyConstants):
-    """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest stretch so far.
+    """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest equivalent strain so far.
 
     The stretch is Mazars' equivalent strain, the root of the sum of the squares of the positive principal strains; its
     largest value κ is remembered. D(κ) never falls: unloading goes straight to the origin, and loading again comes back
@@ -88,7 +88,7 @@ class Brittle(BodyConstants):
             self._require_gradual()
 
     def _require_gradual(self) -> None:
-        """Refuse damage by a mean that rises so steeply that no iteration finds it: cells flip to and fro."""
+        """Refuse nonlocal damage with a slope so steep that no iteration converges."""
         strain = np.geomspace(*_STRAINS, 1 + round(np.log(_STRAINS[1] / _STRAINS[0]) / np.log1p(_SHARE / _PARTS)))
         damage = self.damage.damage(strain)[0]
         rise = damage[_PARTS:] - damage[:-_PARTS]
@@ -113,7 +113,7 @@ class Brittle(BodyConstants):
         return f"brittle material ({self.damage.key})"
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
-        """See `ConstitutiveLaw.update`; the tangent is that of the increment, at given means without their change."""
+        """See `ConstitutiveLaw.update`; the tangent is that of the increment at constant means."""
         previous = before["equivalent_strain"][0]
         values, axes = principal(strain)
         stretched = np.maximum(values, 0.0)

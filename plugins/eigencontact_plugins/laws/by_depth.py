@@ -1,4 +1,4 @@
-"""Several laws, one below the other: a hardened layer, or a ground that alone yields."""
+"""Several laws by depth: a hardened layer, or a substrate that yields below an elastic layer."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class ByDepth(ConstitutiveLaw):
 
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
-        """See `ConstitutiveLaw.variables`: those of all; zero where a law does not know them."""
+        """See `ConstitutiveLaw.variables`: those of all laws; zero for laws without the variable."""
         return {name: variable for law in reversed(self.laws) for name, variable in law.variables.items()}
 
     @property

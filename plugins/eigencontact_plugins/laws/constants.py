@@ -1,4 +1,4 @@
-"""Isotropic constants of a law that may be those of the body around."""
+"""Isotropic constants of a law, which default to those of the body."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["BodyConstants"]
 
 @dataclass(frozen=True, kw_only=True)
 class BodyConstants(ConstitutiveLaw):
-    """Base of isotropic laws whose constants are by default those of the body.
+    """Base of isotropic laws whose constants default to those of the body.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class BodyConstants(ConstitutiveLaw):
 
     @property
     def _young_and_poisson(self) -> tuple[float, float]:
-        """E [Pa] and ν [-]; a law that has them neither of its own nor of a body is refused."""
+        """E [Pa] and ν [-]; refuses a law without its own constants and without a body."""
         E, nu = self.young_modulus, self.poisson_ratio
         if E is None or nu is None:
             name = "young-modulus" if E is None else "poisson-ratio"

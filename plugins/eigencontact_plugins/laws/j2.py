@@ -36,7 +36,7 @@ _DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class J2(BodyConstants):
-    """Isotropic elasticity up to the yield stress of von Mises; what is beyond flows along the deviator.
+    """Von Mises plasticity: isotropic elasticity up to the yield stress, and plastic flow along the deviator beyond it.
 
     The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
 
@@ -114,7 +114,7 @@ class J2(BodyConstants):
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]
-        """See `ConstitutiveLaw`: neither with damage nor with a back-stress that fades."""
+        """See `ConstitutiveLaw`: False with damage or with a back-stress that saturates."""
         return self.damage is None and all(law.recall(np.ones(1))[0][0] == 1.0 for law in self._kinematic)
 
     @property
@@ -189,7 +189,7 @@ class J2(BodyConstants):
         return eigenstrain, flowed.after
 
     def _drive(self, strain: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
-        """Drive by the deviator of a strain, in whose memory it is computed."""
+        """Trial state from the deviator of a strain, whose memory it overwrites."""
         strain[:3] -= strain[:3].sum(axis=0) / 3.0
         strain -= before["plastic_strain"]
         back_stresses = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
@@ -220,7 +220,7 @@ class J2(BodyConstants):
     def _after(
         self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]
     ) -> tuple[FloatArray, dict[str, FloatArray]]:
-        """Deviatoric stress, and what is remembered."""
+        """Deviatoric stress, and internal variables."""
         flowed = _ROOT * now.dp * now.flow
         stress = now.w * (drive.tau - flowed)
         after = {
@@ -258,7 +258,7 @@ class J2(BodyConstants):
         return work
 
     def _tangent(self, flowed: _Flowed, volume: FloatArray) -> FloatArray:
-        """Derivative of the stress by the strain, ``(6, 6, n)``, or ``(6, 6)`` where all is sound and none flows."""
+        """Derivative of the stress by the strain, ``(6, 6, n)``, or ``(6, 6)`` without damage and plastic flow."""
         pressed = self._constants[1] * np.outer(_UNIT, _UNIT)
         if self.damage is None:
             elastic = 2.0 * self._constants[0] * _DEVIATOR + pressed
@@ -292,7 +292,7 @@ class J2(BodyConstants):
 
 @dataclass(slots=True, eq=False)
 class _Flowed:
-    """State of n points after an increment, of which few flow.
+    """State of n points after an increment with few yielding points.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ __all__ = ["ElasticityMap"]
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticityMap(ConstitutiveLaw):
-    """Isotropic constants at the points of a lattice: linear between them, those of its border outside.
+    """Isotropic constants at the points of a lattice: linear between them, constant outside.
 
     Parameters
     ----------

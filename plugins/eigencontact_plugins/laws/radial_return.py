@@ -126,13 +126,13 @@ class RadialReturn:
     effective: bool = False
 
     def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
-        """State without a plastic increment: stiffness w [Pa], 1 - D, and which points go beyond their yield stress."""
+        """State without a plastic increment: stiffness w [Pa], 1 - D, and the points above their yield stress."""
         w, _, sound, _ = self._stiffness(drive, drive.p)
         size = w * _size(drive.tau) if not len(drive.back) else _size(w * drive.tau - drive.back.sum(axis=0))
         return w, sound, np.flatnonzero(_ROOT * size > self._yield_stress(drive.p))
 
     def _yield_stress(self, p: FloatArray) -> FloatArray:
-        """Yield stress [Pa] at plastic strains, of which most are zero: a power of each costs more than all else."""
+        """Yield stress [Pa] at plastic strains, most of which are zero; only nonzero points are evaluated."""
         (first, *_), _ = self.isotropic.flow_stress(np.zeros(1))
         out, hardened = np.full(p.shape, first), np.flatnonzero(p)
         out[hardened] = self.isotropic.flow_stress(p[hardened])[0]
@@ -196,7 +196,7 @@ class RadialReturn:
         return sound * double_shear / around, -growth * double_shear / around**2, sound, growth
 
     def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual f and its slope; without back-stresses they follow from the sizes |τ|, without tensors."""
+        """Residual f and its slope; without back-stresses from the norms |τ|, without tensors."""
         if self.kinematic:
             now = self.state(drive, dp)
             return now.residual, now.slope
@@ -205,7 +205,7 @@ class RadialReturn:
         return _ROOT * w * size - 1.5 * dp * w - flow_stress, _ROOT * dw * size - 1.5 * (w + dp * dw) - hardening
 
     def _root(self, drive: Drive, flows: NDArray[np.intp]) -> FloatArray:
-        """Root of f in a bracket by Newton's steps, with bisection where they do not improve."""
+        """Root of f in a bracket by Newton's steps, with bisection where they do not converge."""
         low, size = np.zeros_like(drive.p), _size(drive.tau)
         start, (w, dw, *_) = self._equation(drive, size, low), self._stiffness(drive, drive.p)
         # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.

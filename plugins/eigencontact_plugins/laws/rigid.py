@@ -14,7 +14,7 @@ __all__ = ["Rigid"]
 
 @dataclass(frozen=True, kw_only=True)
 class Rigid(LinearLaw):
-    """No strain but the prestrain, whatever the stress; the body around it may still move and turn it.
+    """Rigid material: no strain except the prestrain; the surrounding body may translate and rotate it.
 
     How the stress is distributed among rigid cells is not found as well as what they do to the body around: the steps
     of a boundary made of cells show in it.

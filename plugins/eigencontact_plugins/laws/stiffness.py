@@ -1,4 +1,4 @@
-"""Elasticity given as a matrix."""
+"""Elasticity by a stiffness matrix."""
 
 from __future__ import annotations
 

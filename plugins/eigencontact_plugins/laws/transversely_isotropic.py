@@ -1,4 +1,4 @@
-"""Elasticity that is isotropic across an axis."""
+"""Elasticity that is isotropic in the plane normal to an axis."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ __all__ = ["Void"]
 
 @dataclass(frozen=True, kw_only=True)
 class Void(LinearLaw):
-    """No material at all: it carries no stress."""
+    """Void: a region without material and stress."""
 
     key: ClassVar[str] = "void"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)

@@ -91,7 +91,7 @@ class State:
 
 
 class Waves:
-    """Waves in slabs on a substrate under a unit traction: what depends on the wave alone, and the state at any depth.
+    """Waves in layers on a substrate under a unit traction: wave-dependent data, and the state at any depth.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _decayed(d: FloatArray, traction: FloatArray) -> FloatArray:
 def _two_waves(
     distances: tuple[FloatArray, FloatArray, FloatArray], material: Material, B: FloatArray, traction: FloatArray
 ) -> FloatArray:
-    """State (G w, G a, p, q) ``(4, nz, n)`` inside a thick layer from the traction above, see the module."""
+    """State (G w, G a, p, q) ``(4, nz, n)`` inside a thick layer from the traction above; see the module."""
     d, up, thickness = distances
     A, swap = _half_space(material), np.array([1.0, -1.0])[:, None, None]
     P, R, Q = _reflection(thickness, material, B)

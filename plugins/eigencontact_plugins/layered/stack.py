@@ -78,7 +78,7 @@ class Substrate(_Solid):
 
 @dataclass(frozen=True, kw_only=True)
 class Layer(_Solid):
-    """One layer; it is bonded to what lies above and below.
+    """Layer bonded to the layers above and below.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ class BondedLayers(LayeredMedium):
         return replace(self, layers=layers) if layers else self.deep_material
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
-        """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""
+        """Material of the layer at the depth z; see `LayeredMedium.material_at`."""
         return self._materials[int(self._places(np.array([z], dtype=float), side)[0][0])]
 
     def response(
@@ -254,7 +254,7 @@ class BondedLayers(LayeredMedium):
         return (*(layer.material for layer in self.layers), self.deep_material)
 
     def _places(self, depths: FloatArray, side: str) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """Number of the layer that holds each depth; of the interface that it is on, or -1; depth under its top [m].
+        """Number of the layer at each depth; of its interface, or -1; depth below the top of the layer [m].
 
         Interface 0 is the surface, the substrate comes after the last layer.
         """

@@ -1,4 +1,4 @@
-"""Observer of the work of friction: how much, where most, how far spread."""
+"""Observer of the work of friction: its total, its largest value per area, and its distribution."""
 
 from __future__ import annotations
 

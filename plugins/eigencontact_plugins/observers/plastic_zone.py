@@ -1,4 +1,4 @@
-"""Observer of where a body has yielded, and how much."""
+"""Observer of the plastic zone of a body: its extent and its strain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Observer of the stick zone: its size, its widths and how far it lies from the middle of the contact."""
+"""Observer of the stick zone: its size, its widths and its distance from the centre of the contact."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class StressProbe(Observer):
         return {"points": {"shape": "points", "points": self.points, "body": self.body, "quantities": [self.quantity]}}
 
     def observe(self, step: StepView) -> Mapping[str, float]:
-        """Values at the points [Pa], and ``largest``, the one of largest magnitude."""
+        """Values at the points [Pa], and ``largest``, the value of largest magnitude."""
         values = step.regions["points"].fields[self.quantity]
         return dict(zip(self._names, values, strict=True)) | {"largest": values[np.abs(values).argmax()]}
 

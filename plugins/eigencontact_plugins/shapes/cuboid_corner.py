@@ -111,7 +111,7 @@ class Corner:
 
 
 class LineCorner(Corner):
-    """The same for y = ∞: the odd part along y of each expression, without terms in y alone or in x or z alone.
+    """Corner at y = ∞: the odd part along y of each expression, without terms in y alone or in x or z alone.
 
     The sum over the corners at ±∞ removes the rest. What formulas multiply with y has no such part: y counts as 0.
     """

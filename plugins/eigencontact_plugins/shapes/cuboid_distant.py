@@ -1,4 +1,4 @@
-"""Potentials of a cuboid where the sum over its corners cancels: exact along its longest edge, Gauss sums across it.
+"""Potentials of a cuboid far away, where corner sums lose digits: exact along its longest edge, Gauss sums across.
 
 At the distance d from a cuboid with edges a <= b <= c the sum over the corners loses a relative 5e-16 d (d + c)²/(abc):
 measured against quadrature within a factor of 5 for cubes, plates of 1:100 and bars of 1:1000, d from a to 7c. The
@@ -26,7 +26,7 @@ LARGEST_LOSS = 3e4
 
 
 def distant_from(edges: Sequence[float]) -> float:
-    """Distance from a cuboid, in the unit of its edges, beyond which `distant_derivatives` holds and is better."""
+    """Distance from a cuboid, in the unit of its edges, beyond which `distant_derivatives` is more accurate."""
     longest, volume = max(edges), float(np.prod(edges))
     low, high = 0.0, float(np.cbrt(LARGEST_LOSS * volume))
     for _ in range(60):

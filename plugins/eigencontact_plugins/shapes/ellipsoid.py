@@ -142,7 +142,7 @@ class Ellipsoid(InclusionShape):
         return values.reshape(len(orders), *np.shape(x))
 
     def far_field(self) -> PointSources:
-        """Cubatures over the focal ellipse, exact to 1e-12: some tens of points far away, hundreds next to the tips."""
+        """Cubatures over the focal ellipse, exact to 1e-12: some tens of points far away, hundreds near the tips."""
         center = np.array(self.center, dtype=float)
         far: PointSources | None = None
         for distance, positions, weights, spreads in focal_sources(np.array(self.semi_axes), self.axes):
@@ -326,7 +326,7 @@ class Ellipsoid(InclusionShape):
         return unit, np.array(self.semi_axes) / unit
 
     def _along_axes(self, orders: Sequence[Order]) -> tuple[tuple[Order, ...], FloatArray | None]:
-        """Derivatives along the semi-axes, and the matrix that turns them into those asked for; see `_in_axes`."""
+        """Derivatives along the semi-axes, and the matrix from them to the requested ones; see `_in_axes`."""
         if self.rotation is None:
             return tuple(orders), None
         return turned_derivatives(self.axes, tuple(orders))
@@ -334,7 +334,7 @@ class Ellipsoid(InclusionShape):
     def _sides(
         self, x: FloatArray, y: FloatArray, z: FloatArray, chunk: int | None = None
     ) -> Iterator[tuple[NDArray[np.intp], FloatArray, Points, bool]]:
-        """Points of one side: where they are, their share of it, coordinates in units of `_scaled`, whether outside.
+        """Points of one side: indices, their share of the sum, coordinates in units of `_scaled`, whether outside.
 
         Points on the boundary are half of each side.
         """

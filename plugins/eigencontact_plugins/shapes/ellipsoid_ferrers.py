@@ -219,7 +219,7 @@ def _binomial(inverse: FloatArray, ratio: FloatArray, power: float, length: int)
 
 
 def _product(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Product of two series, as long as they."""
+    """Product of two series of equal length, truncated."""
     out: FloatArray = first * second[0]
     for m in range(1, len(first)):
         out[m:] += first[:-m] * second[m]

@@ -1,4 +1,4 @@
-"""Sources on the focal ellipse that stand for an ellipsoid: for Chi of its mirror image, and from outside.
+"""Sources on the focal ellipse in place of an ellipsoid: for Chi of its mirror image, and outside.
 
 A harmonic function integrates over a uniform ellipsoid as over its focal ellipse, the flat confocal one, with semi-axes
 p = √(a² - c²), q = √(b² - c²) and the density of a uniform flat ellipsoid, 3 V √(1 - ξ²/p² - η²/q²) / (2π p q)
@@ -125,7 +125,7 @@ def focal_chi(
 
 
 def focal_sources(semi_axes: FloatArray, axes: FloatArray) -> list[tuple[float, FloatArray, FloatArray, FloatArray]]:
-    """Sources that stand for an ellipsoid from some distances of its centre on, the fewest and farthest first.
+    """Sources in place of an ellipsoid beyond some distances of its centre, the fewest and farthest first.
 
     Returns
     -------

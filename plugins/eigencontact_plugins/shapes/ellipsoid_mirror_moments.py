@@ -131,7 +131,7 @@ def focal_chi_sums(
 
 @dataclass(frozen=True)
 class _PlaneSums:
-    """Two sums of derivatives of Phi in the plane, as `integrated_chi` asks for two derivatives of one potential."""
+    """Two sums of derivatives of Phi in the plane, as two derivatives of one potential for `integrated_chi`."""
 
     bounds: tuple[tuple[float, float, float], tuple[float, float, float]]
     sums: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
@@ -142,7 +142,7 @@ class _PlaneSums:
         return self.sums(x, y, z)
 
     def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Never asked for."""
+        """Not used."""
         raise NotImplementedError
 
 

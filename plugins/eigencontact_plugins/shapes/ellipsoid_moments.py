@@ -82,7 +82,7 @@ def density_scales(degree: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Terms:
-    """What potentials of all densities consist of: derivatives of V_n, some times a coordinate.
+    """Terms of the potentials of all densities: derivatives of V_n, some multiplied by a coordinate.
 
     Attributes
     ----------

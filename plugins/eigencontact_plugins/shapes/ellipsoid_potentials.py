@@ -102,7 +102,7 @@ class Region:
         self.level = t - short**2
 
     def layer(self, *axes: int) -> Jet:
-        """2 g y_i y_j / h or 2 g λ y_i y_j y_k / h: what only the outside has."""
+        """2 g y_i y_j / h or 2 g λ y_i y_j y_k / h: the additional terms outside."""
         key = ("layer", axes)
         if key not in self._made:
             if axes == ():
@@ -145,7 +145,7 @@ class Region:
         return self._total(terms)
 
     def psi(self, axes: tuple[int, ...]) -> Jet:
-        """Derivative of Ψ along one, two or three axes, given in rising order."""
+        """Derivative of Ψ along one, two or three axes, in ascending order."""
         if len(axes) < 3:
             i, j = axes[0], axes[-1]
             weighted = (x.value**2 * self._j(i, k) for k, x in enumerate(self.x))
@@ -221,7 +221,7 @@ def _without_short(potential: str, order: Order, short: int) -> tuple[tuple[str,
 
 @cache
 def _split(order: Order, closed: int) -> tuple[tuple[int, ...], Order]:
-    """Axes of the closed derivatives, different ones first (they have the fewest terms), and what is left."""
+    """Axes of the closed derivatives, different ones first (they have the fewest terms), and the remaining axes."""
     left: list[int] = list(order)
     axes: list[int] = []
     while len(axes) < min(closed, sum(order)):
@@ -270,7 +270,7 @@ def _round_rule() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _slender_rule(smallest: FloatArray, largest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The same for very different A_i: the part s < max A_i is taken in ln(s + min A_i), nearly straight there."""
+    """Rule for very different A_i: the part s < max A_i is integrated over ln(s + min A_i), nearly straight there."""
     length = np.log1p(largest / smallest)
     reach = 2.6 / (0.5 * float(length.max()))  # half width of the strip without singularities, in half lengths
     count = int(np.ceil(18.5 / np.log(reach + np.hypot(1.0, reach)))) + 4
@@ -291,7 +291,7 @@ def _slender_rule(smallest: FloatArray, largest: FloatArray) -> tuple[FloatArray
 def _rules(
     excess: FloatArray, level: FloatArray
 ) -> Iterator[tuple[NDArray[np.bool_], FloatArray, tuple[FloatArray, FloatArray, FloatArray], list[FloatArray]]]:
-    """Points that share a rule; of them M, the rule (u², 1 - u², weights) and the B_i of `_integrals`, inverted."""
+    """Points with a common rule; their M, the rule (u², 1 - u², weights) and the inverted B_i of `_integrals`."""
     slender = level + excess.max() > _ROUND * level
     for points in (slender, ~slender):
         if points.any():

@@ -101,7 +101,7 @@ class Polyhedron(InclusionShape):
         return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points lie inside; on the surface either value."""
+        """Whether points lie inside; undefined on the surface."""
         x, y, z = real_points(self.key, x, y, z)
         points = np.broadcast_arrays(*(np.asarray(t, dtype=float) for t in (x, y, z)))
         low, high = self.bounds
@@ -117,7 +117,7 @@ class Polyhedron(InclusionShape):
         return inside
 
     def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
-        """Fraction of each cell inside, ``(nz, ny, nx)``, to round-off; None where parts of the body overlap."""
+        """Fraction of each cell inside, ``(nz, ny, nx)``, to round-off; None if parts of the body overlap."""
         corners = (self.surface.vertices[self.surface.triangles] - np.array(low)) / np.array(edges)
         volumes = volumes_in_cells(corners, shape)
         volumes[np.abs(volumes) < ROUNDING] = 0.0

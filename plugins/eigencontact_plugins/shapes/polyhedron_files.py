@@ -64,7 +64,7 @@ def _off(path: Path) -> Content:
 
 
 def _obj(path: Path) -> Content:
-    """Wavefront: ``v x y z``, ``f a b c ...``; numbers count from 1, negative ones from the last point so far."""
+    """Wavefront file: ``v x y z``, ``f a b c ...``; numbers count from 1, negative ones from the last point so far."""
     places: list[list[str]] = []
     faces: list[list[int]] = []
     for kind, *texts in _lines(path):

@@ -1,4 +1,4 @@
-"""Closed surfaces of triangles: made from faces, checked; volume and winding number."""
+"""Closed triangulated surfaces: made from faces and checked; volume and winding number."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _sorted(where: str, file: str, points: FloatArray, faces: IntArray) -> tuple
 
 
 def _merged(points: FloatArray, triangles: IntArray) -> Surface:
-    """Equal vertices become one (STL repeats them), collapsed triangles vanish."""
+    """Merge equal vertices (STL repeats them) and remove collapsed triangles."""
     used = points[triangles.ravel()]
     extent = float(np.ptp(used, axis=0).max()) or 1.0
     _, first, place = np.unique(np.round(used / (1e-9 * extent)), axis=0, return_index=True, return_inverse=True)
@@ -116,7 +116,7 @@ def _merged(points: FloatArray, triangles: IntArray) -> Surface:
 
 
 def _check_closed(where: str, file: str, surface: Surface) -> None:
-    """Every edge is passed as often one way as the other."""
+    """Check that every edge occurs equally often in both directions."""
     ends = np.concatenate([surface.triangles[:, [i, (i + 1) % 3]] for i in range(3)])
     forward = np.where(ends[:, 0] < ends[:, 1], 1, -1)
     _, place = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)

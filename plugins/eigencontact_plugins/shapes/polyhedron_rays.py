@@ -42,7 +42,7 @@ class Bins:
     members: IntArray
 
     def winding(self, points: FloatArray) -> tuple[IntArray, NDArray[np.bool_]]:
-        """Winding number of points ``(n, 3)``, and where it is in doubt."""
+        """Winding number of points ``(n, 3)``, and the uncertain points."""
         turned = ((points - self.origin) @ TURN) / self.extent
         cell = np.clip((turned[:, :2] * self.count).astype(np.intp), 0, self.count - 1)
         place = cell[:, 0] * self.count + cell[:, 1]

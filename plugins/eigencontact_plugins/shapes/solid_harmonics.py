@@ -1,4 +1,4 @@
-r"""Solid harmonics, their products with powers of r, and derivatives of those as matrices (ladders).
+r"""Solid harmonics, their products with powers of r, and their derivatives as matrices (ladders).
 
 Regular and irregular solid harmonics of degree l and order m, x_± = x ± iy, P without the factor (-1)^m::
 
@@ -35,7 +35,7 @@ Terms = dict[Index, float]
 
 
 class _Functions(ABC):
-    """A set of functions that is closed under differentiation.
+    """Set of functions that is closed under differentiation.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class _Functions(ABC):
         return out
 
     def differentiated(self, rows: ComplexArray, order: tuple[int, int, int]) -> ComplexArray:
-        """Derivative of functions given by their rows of coefficients, ``(n, len(indices))``."""
+        """Derivative of functions from their rows of coefficients, ``(n, len(indices))``."""
         columns = rows.T
         for times, matrix in zip(order, self._along, strict=True):
             for _ in range(times):

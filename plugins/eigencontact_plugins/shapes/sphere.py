@@ -205,7 +205,7 @@ class SphericalInclusion(InclusionShape):
     def _differentiate(
         self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]
     ) -> FloatArray:
-        """Mean of the closed forms of both sides, in units of the radius, weighted by the part that is inside."""
+        """Mean of the closed forms of both sides, in units of the radius, weighted by the inner fraction."""
         a, shape = self.radius, np.shape(points[0])
         x, y, z = (np.ravel((t - center) / a) for t, center in zip(points, self.center, strict=True))
         inside = self._inside(np.sqrt(x * x + y * y + z * z), np.ravel(points[2]))

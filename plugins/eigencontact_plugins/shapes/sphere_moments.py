@@ -44,7 +44,7 @@ Weights = Mapping[str, tuple[Sequence[Order], FloatArray]]
 
 @cache
 def _densities(degree: int) -> tuple[tuple[int, int, int, bool, float], ...]:
-    """(k, l, m, imaginary, s) of the densities up to a degree, those of lower degrees first."""
+    """(k, l, m, imaginary, s) of the densities up to a degree, lower degrees first."""
     densities = []
     for total in range(degree + 1):
         for k in range(total // 2 + 1):
@@ -84,7 +84,7 @@ def rule(counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
 
 @cache
 def _potentials(degree: int, where: str) -> dict[str, NDArray[np.complex128]]:
-    """Coefficients ``(n, functions)`` of phi, psi and chi of the complex densities; the imaginary part counts -i."""
+    """Coefficients ``(n, functions)`` of phi, psi and chi of the complex densities; imaginary parts have factor -i."""
     functions = ladder(where, degree + _MOST if where != "inner" else degree + 4)
     names = ("phi", "psi", "chi") if where == "image" else ("phi", "psi")
     out = {name: np.zeros((len(_densities(degree)), len(functions.indices)), dtype=complex) for name in names}

@@ -64,7 +64,7 @@ class VoxelShape(InclusionShape):
 
     @cached_property
     def _filled(self) -> tuple[tuple[int, int, int], NDArray[np.bool_]]:
-        """Numbers (z, y, x) of the first voxel of the box around the region, and which voxels of the box are filled."""
+        """Indices (z, y, x) of the first voxel of the box around the region, and the filled voxels of the box."""
         arrays = read_arrays(f"{self.key}.file", self.file)
         rule = "a file with an array of whole numbers of three dimensions, labels (nz, ny, nx)"
         require("labels" in arrays or len(arrays) == 1, self.key, "file", self.file, rule)
@@ -90,7 +90,7 @@ class VoxelShape(InclusionShape):
         return tuple(low.tolist()), tuple(high.tolist())
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points lie in a voxel of the region; the boundary counts to the voxel of higher coordinates."""
+        """Whether points lie in a voxel of the region; a boundary belongs to the voxel of higher coordinates."""
         (low, _), filled = self.bounds, self._filled[1]
         points = zip(real_points(self.key, x, y, z), low, self.spacing, filled.shape[::-1], strict=True)
         numbers, inside = [], np.array(True)
@@ -101,7 +101,7 @@ class VoxelShape(InclusionShape):
         return np.asarray(inside & filled[numbers[2], numbers[1], numbers[0]])
 
     def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray:
-        """See `HasVolumeFractions`: exact, as overlaps of boxes are products of overlaps along the axes."""
+        """See `HasVolumeFractions`: exact, because overlaps of boxes are products of overlaps along the axes."""
         begin, fractions = self.bounds[0], self._filled[1].astype(float)
         for axis in range(3):  # x, y, z; arrays are (z, y, x)
             place = 2 - axis

@@ -1,4 +1,4 @@
-"""Wear by work of friction and slip amplitude, as Fouvry and Paulin found it in gross slip."""
+"""Wear by work of friction and slip amplitude, by Fouvry and Paulin for gross slip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["AmplitudeScaled"]
 
 @dataclass(frozen=True, kw_only=True)
 class AmplitudeScaled(WearLaw):
-    """Depth ``c s E`` by the work of friction E by area of a cycle and the slip amplitude s of the cycle there.
+    """Depth ``c s E`` from the work of friction E per area of a cycle and the local slip amplitude s of the cycle.
 
     The amplitude is that of the whole cycle, a quarter of the path slipped in it: the depth does not depend on the
     number of increments. With the slip of single increments in its place it would.

@@ -14,7 +14,7 @@ __all__ = ["ByMaterial"]
 
 @dataclass(frozen=True, kw_only=True)
 class ByMaterial(WearLaw):
-    """Each column wears by the law of the material that is exposed there.
+    """Wear law by exposed material: each column wears by the law of its material.
 
     Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
 

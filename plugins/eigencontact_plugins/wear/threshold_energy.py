@@ -15,7 +15,7 @@ __all__ = ["ThresholdEnergy"]
 
 @dataclass(frozen=True, kw_only=True)
 class ThresholdEnergy(WearLaw):
-    """Depth in proportion to the work of friction by area, once more of it than a threshold has gone into a place.
+    """Depth proportional to the work of friction per area beyond a local threshold.
 
     Parameters
     ----------

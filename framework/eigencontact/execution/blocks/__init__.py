@@ -1,1 +1,1 @@
-"""Blocks as they are planned: inputs, outputs, cost and precision; load steps and increments."""
+"""Base of the blocks of a run: inputs, outputs, cost and precision; load steps and increments."""

@@ -1,4 +1,4 @@
-"""Blocks: what a piece of a computation requires, provides and costs, and the object that computes it in a run."""
+"""Blocks of a computation: required and provided quantities, cost, and the running object."""
 
 from __future__ import annotations
 
@@ -63,17 +63,17 @@ class Cost:
 
     @property
     def once(self) -> Cost:
-        """Price of work that is done once, for all steps, and then forgotten."""
+        """Cost of work that is done once for all steps and whose memory is then released."""
         return Cost(seconds_once=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
     @property
     def anew(self) -> Cost:
-        """Price of work that starts anew in each step, and is forgotten after it."""
+        """Cost of work that is repeated in each step and whose memory is then released."""
         return Cost(seconds_per_step=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
 
 class Part:
-    """What `explain` says of a block, or of one of several things that a block solves together.
+    """Text of `explain` about a block, or about one of several parts of a block.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Part:
 
 
 class Running(Protocol):
-    """A block in one run: it holds the operators and solvers, and ends with the run."""
+    """Running block: it holds the operators and solvers of one run."""
 
     def advance(self, step: Step) -> None:
         """Read the required quantities from the step and add the provided ones."""
@@ -118,14 +118,14 @@ class Run:
         self._started: dict[Callable[[Run], Any], Any] = {}
 
     def started(self, start: Callable[[Run], Started]) -> Started:
-        """Running object of a block, by its method `Block.start`; the first call makes the object."""
+        """Running object of a block, made by `Block.start` at the first call."""
         if start not in self._started:
             self._started[start] = start(self)
         return cast("Started", self._started[start])
 
 
 class Block(Part, ABC):
-    """One piece of work: declared when a scene is planned, started once a run; the running object sees every load step.
+    """Unit of work of a run: the planner declares it, the run starts it once, and it advances by load step.
 
     Attributes
     ----------
@@ -148,11 +148,11 @@ class Block(Part, ABC):
 
     @property
     def parts(self) -> Sequence[Part]:
-        """What is solved together in it."""
+        """Parts that the block solves together."""
         return (self,)
 
     def cycles_of(self, last: StepRecord) -> int:  # noqa: ARG002
-        """Number of cycles that an accepted step stands for, itself included."""
+        """Number of cycles that an accepted step represents, including itself."""
         return 1
 
     def facts(self, model: Model) -> list[str]:  # noqa: ARG002
@@ -164,11 +164,11 @@ class Block(Part, ABC):
         return []
 
     def foreseen(self, model: Model) -> Iterable[Caution]:  # noqa: ARG002
-        """Warnings that the plan shows."""
+        """Warnings of the plan."""
         return ()
 
     def noticed(self, model: Model, last: StepRecord, history: History) -> Iterable[Caution]:  # noqa: ARG002
-        """Warnings that results show: the last step, and the scalars of all steps."""
+        """Warnings of the results, from the last step and the scalars of all steps."""
         return ()
 
     @abstractmethod
@@ -177,7 +177,7 @@ class Block(Part, ABC):
 
 
 class Stateless(Block):
-    """A block that builds nothing and keeps nothing from step to step: it runs as it is."""
+    """Block without state and without set-up: the running object is the block."""
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""

@@ -1,4 +1,4 @@
-"""Block of the bulk stress: what each step prescribes of it, stored for regions and fatigue to read."""
+"""Block of the bulk stress: stores the prescribed bulk stress of each step for regions and fatigue."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class BulkStress(Stateless):
         self.why = f"uniform stress by a load far away: {', '.join(words)}"
 
     def foreseen(self, model: Model) -> Iterator[Caution]:
-        """See `Block.foreseen`: strains that are not small, as of a wrong unit."""
+        """See `Block.foreseen`: warns of large strains, for example by a wrong unit."""
         for body, material in enumerate(without_layers(model.bodies.solids), start=1):
             if material is None:
                 continue
@@ -52,8 +52,8 @@ class BulkStress(Stateless):
             largest = float(np.abs(strains).max())
             if largest > _LARGE:
                 words = (
-                    f"bulk stress strains body {body} by {100 * largest:.3g} %: strains are not small, as this theory "
-                    "takes them to be; look at the units of bulk stress and modulus"
+                    f"bulk stress strains body {body} by {100 * largest:.3g} %: strains are not small, as the theory "
+                    "assumes; check the units of bulk stress and modulus"
                 )
                 yield Caution("small-strain", words)
 

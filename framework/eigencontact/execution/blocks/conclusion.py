@@ -1,4 +1,4 @@
-"""Conclusions: what follows from all steps of a run together, after the last."""
+"""Evaluation of all steps of a run after the last step."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Findings:
 
 
 class Conclusion(Part, ABC):
-    """Work that is done once, on the stored results of all steps; a plan declares it, as it declares blocks."""
+    """Evaluation of the stored results of all steps, done once; a plan declares it like a block."""
 
     @abstractmethod
     def conclude(self, results: Results) -> Findings:
-        """Evaluate the results of a run that is finished."""
+        """Evaluate the results of a finished run."""

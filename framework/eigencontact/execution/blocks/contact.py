@@ -1,4 +1,4 @@
-"""What a contact is to the body below it: tractions that follow from a load and from an offset of the surface."""
+"""Interface of a contact for the bodies below it: tractions from a load and a displacement of the surface."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Contact(Part):
 
     @abstractmethod
     def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> Any:
-        """Memory of the last accepted step, from its stored record alone; of rest, under an offset, before the first.
+        """State of the contact after the last accepted step, from its stored record; before the first step at rest.
 
         `offset` holds what displaced the surfaces besides the tractions at that time, by direction, and `bulk` the
         bulk stress of the bodies [Pa], by name.
@@ -132,7 +132,7 @@ class Contact(Part):
         springs: FloatArray | None,
         start: FloatArray | None,
     ) -> FloatArray:
-        """Pressure ``(ny, nx)`` [Pa] under moved surfaces, with all but the pressure as it was.
+        """Pressure ``(ny, nx)`` [Pa] under displaced surfaces, with all other state unchanged.
 
         Parameters
         ----------
@@ -151,7 +151,7 @@ class Contact(Part):
     @property
     @abstractmethod
     def softness(self) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+        """Displacement of the centre of a cell by a unit pressure on it [m/Pa]."""
 
     @abstractmethod
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
@@ -171,6 +171,6 @@ def normal_options(numerics: Numerics) -> NormalOptions:
 
 
 def scaled_forces(control: _Control, factor: float) -> _Control:
-    """Control with its forces and moments multiplied; displacements stay."""
+    """Control with scaled forces and moments; prescribed displacements do not change."""
     forces = {name: getattr(control, name, None) for name in _FORCES}
     return replace(control, **{name: factor * value for name, value in forces.items() if value is not None})

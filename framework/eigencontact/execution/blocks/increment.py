@@ -1,4 +1,4 @@
-"""One increment of the load: what is prescribed at its end, and how it is halved."""
+"""Increment of a load step: prescribed values at its end, and its halves."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Increment:
 def _middle(
     end: _Control | None, modes: tuple[tuple[str, str], ...], begin: Mapping[str, float]
 ) -> tuple[_Control | None, dict[str, float]]:
-    """Control half-way, and its values by name."""
+    """Control at half of the increment, and its values by name."""
     if end is None:
         return None, {}
     names = [name for pair in modes for name in pair if getattr(end, name) is not None]

@@ -1,4 +1,4 @@
-"""Predicted time of the influence coefficients of layered bodies: counts, and the medium's answer timed on the spot.
+"""Predicted time of the influence coefficients of layered bodies, with the measured time of the medium's response.
 
 The counts are those of tables that are computed: ones that are kept on disk take a tenth of it.
 """
@@ -39,7 +39,7 @@ _WAVES, _ASKED, _DEPTHS = 256, 1300, 8
 
 @cache
 def _depth_seconds(medium: Any) -> float:
-    """Time of a field for each depth: the medium may take most of it."""
+    """Time of a field for each depth, mostly the response of the medium."""
     reach = medium.interfaces[-1] if medium.interfaces else 1.0
     waves = np.geomspace(1e-3, 50.0, _WAVES) / reach, np.zeros(_WAVES)
     depths = np.linspace(0.0, 2.5 * reach, _DEPTHS)

@@ -1,4 +1,4 @@
-"""Which precision each operator takes where the scene leaves it to the plan, ``numerics.precision = "auto"``.
+"""Choice of the precision of each operator for ``numerics.precision = "auto"``.
 
 Single precision is taken where its round-off, measured in one application beside one in double precision, with a
 margin, is below the error that the operator may make. Default is double: at the default tolerance nothing else is left.
@@ -30,7 +30,7 @@ _ACROSS = 8
 
 @dataclass(frozen=True, slots=True)
 class Precision:
-    """What one operator computes in, and why.
+    """Precision of one operator, with the reason.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Precision:
 def settled(
     numerics: Numerics, operator: str, round_off: Callable[[], float | None], *, share: float = 1.0
 ) -> tuple[Numerics, tuple[Precision, ...]]:
-    """Numerics with the precision of one operator, and the choice where there was one.
+    """Numerics with the precision of one operator, and the reason if there was a choice.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def settled(
 def contact_precision(
     numerics: Numerics, box: tuple[int, int], *, coupled: bool
 ) -> tuple[Numerics, tuple[Precision, ...]]:
-    """Precision of a contact on a box of cells; `coupled` where inhomogeneities are iterated on with it.
+    """Precision of a contact on a box of cells; `coupled` if inhomogeneities are iterated together with it.
 
     The compliance of a wave falls with its number, so that round-off grows with the cells across.
     """
@@ -107,7 +107,7 @@ def plane_round_off() -> float:
 
 
 class _HasCells(Protocol):
-    """Half-space whose cells are measured: see `HalfSpace`."""
+    """Half-space for the measurement of round-off in cells: see `HalfSpace`."""
 
     @property
     def cell(self) -> Any: ...

@@ -1,4 +1,4 @@
-"""What influence coefficients cost, from a few tables timed on the spot, for homogeneous and layered bodies."""
+"""Predicted time of influence coefficients from timed samples, for homogeneous and layered bodies."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["sampling_seconds", "section_cost", "spectra_cost", "tables_of_images
 
 
 def tables_of_images(numerics: Numerics) -> float:
-    """Time of a table of coefficients over that of one rectangle: measured 17 to 30 where it repeats along y."""
+    """Ratio of the time of a coefficient table to that of one rectangle: measured 17 to 30 for images along y."""
     return 25.0 if numerics.repeats_y else 1.0
 
 
@@ -70,7 +70,7 @@ def spectra_cost(
 
 
 def section_cost(layout: Layout, depths: int, sampling: float, numerics: Numerics, *, tractions: int = 1) -> Cost:
-    """Six components on one row of points at so many depths; see `spectra_cost`.
+    """Cost of six components on one row of points at `depths` depths; see `spectra_cost`.
 
     The factors were measured on sections through contacts of 64 to 512 cells (`eigencontact.solvers.section_stress`).
     """

@@ -1,4 +1,4 @@
-"""A load step while it is computed: what is prescribed, the step before, and what the blocks have found so far."""
+"""Load step during its computation: prescribed values, previous step, and results of the blocks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["CyclePlace", "Step"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CyclePlace:
-    """Place of an increment in a cycle that is repeated.
+    """Position of an increment in a repeated cycle.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class CyclePlace:
 
 @dataclass(slots=True)
 class Step:
-    """What one load step has produced so far.
+    """Results of one load step during its computation.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Step:
     progress: Progress | None = None
 
     def record(self) -> StepRecord:
-        """The step as it is handed on and stored."""
+        """Record of the step for storage and for other blocks."""
         return StepRecord(
             index=self.index,
             time=self.time,

@@ -32,7 +32,7 @@ class Slide:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Surface:
-    """The surfaces of both bodies before they touch.
+    """Surfaces of both bodies before contact.
 
     Blocks change a surface with `dataclasses.replace`: a step, its increments and the contact share one value.
 
@@ -60,6 +60,6 @@ class Surface:
     solids: Solids | None = None
 
     def halves(self) -> tuple[Surface, Surface]:
-        """Surfaces of the first and of the second half of an increment: each slides half of the way."""
+        """Surfaces of the first and second half of an increment, each with half of the sliding path."""
         slide = None if self.slide is None else replace(self.slide, distance=0.5 * self.slide.distance)
         return replace(self, slide=slide), replace(self, slide=slide, moved=False)

@@ -1,4 +1,4 @@
-"""Bulk stress of a body at the points of a region: its own value, the strain and the displacement that go with it."""
+"""Bulk stress of a body at the points of a region, with its strain and displacement."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class BulkField(Cause):
         return out
 
     def _displacement_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
-        """Displacement ``(3, n)`` [m] of depths ``(n,)`` [m] along z alone, against the surface."""
+        """Displacement ``(3, n)`` [m] along z at depths ``(n,)`` [m], relative to the surface."""
         out = np.zeros((3, depths.size))
         out[2] = [self._sunk(strain, depth) for depth in depths]
         return out

@@ -72,7 +72,7 @@ def value_near(region: CycleOfRegion, value: FloatArray, length: float, method: 
 
 
 def mean_of_ball(axes: Sequence[FloatArray], values: FloatArray, centre: FloatArray, radius: float) -> float:
-    """Mean over the part of a ball below the surface z = 0, of values that are linear between grid points.
+    """Mean over the part of a ball below the surface z = 0, of values interpolated linearly between grid points.
 
     Parameters
     ----------

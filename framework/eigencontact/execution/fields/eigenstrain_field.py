@@ -91,7 +91,7 @@ class EigenstrainField(Cause):
         return fields
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct fields of all causes: by the material at points in and beside regions, no stress in voids."""
+        """Correct the fields of all sources: by the material at points in and near regions; zero stress in voids."""
         if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
         subsurface, eigenstrain = self._subsurface, step.history[self._name].values
@@ -107,12 +107,12 @@ class EigenstrainField(Cause):
 
     @cached_property
     def _empty(self) -> NDArray[np.bool_] | None:
-        """Points in voids, which carry no stress, whatever the cells about them leave."""
+        """Points in voids, whose stress is zero."""
         return empty_points(self._subsurface.inhomogeneities, self._lattice)
 
     @cached_property
     def _within(self) -> WithinCells | None:
-        """Continuation of the eigenstrain between the cells of a region; None where it is not needed."""
+        """Continuation of the eigenstrain between the cells of a region; None if it is not needed."""
         content, route = self._content, next(iter(self._solved.values()))
         if content is None or not (route.steps and content.whole.any()):
             return None
@@ -127,7 +127,7 @@ class EigenstrainField(Cause):
 
     @cached_property
     def _material_points(self) -> MaterialPoints | None:
-        """Points in and beside regions; None where there are none."""
+        """Points in and near regions; None without such points."""
         if self._content is None or not self._content.share.any():
             return None
         from eigencontact.execution.fields.material_points import MaterialPoints
@@ -137,7 +137,7 @@ class EigenstrainField(Cause):
 
     @cached_property
     def _content(self) -> Content | None:
-        """Regions in the cells; None where regions are whole or rise."""
+        """Regions in the cells; None if regions are whole or move by wear."""
         subsurface = self._subsurface
         if not subsurface.in_cells or subsurface.recedes:
             return None
@@ -145,7 +145,7 @@ class EigenstrainField(Cause):
         return content_of(subsurface.box, sources, grid, self._lattice.flat_points())
 
     def _follow(self, step: Step) -> None:
-        """Take routes from the cells in the history of a step: those of the scene, or those of a box that grew."""
+        """Routes from the cells in the history of a step: the cells of the scene, or of a box that has grown."""
         subsurface = self._subsurface.with_cells(step.history[self._name].coords)
         if subsurface is None:
             raise ResultsError(

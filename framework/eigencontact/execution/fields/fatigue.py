@@ -1,4 +1,4 @@
-"""Fatigue criteria in regions: damage parameter, hot spot, value near it, life; the conclusion of a run with them."""
+"""Evaluation of fatigue criteria in regions: damage parameter, hot spot, critical distance, life."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Damage:
 def damage_of(
     dataset: Results, criterion: FatigueCriterion, region: CycleOfRegion, settings: CriticalDistance, threads: int = 1
 ) -> Damage:
-    """Evaluate a criterion over a cycle in a region, parts of its points in threads.
+    """Evaluate a criterion over a cycle in a region, with blocks of points in threads.
 
     Raises
     ------
@@ -136,18 +136,18 @@ def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> lis
     place = ", ".join(readable(at, "m") for at in (x, y, z))
     out = []
     if len(region.steps) == 1:
-        words = "the cycle has one step: no stress has an amplitude; store more load steps, as of loading and unloading"
+        words = "the cycle has one step, so that stress amplitudes are zero; store the steps of loading and unloading"
         out.append(Caution("fatigue-cycle", words))
     if z < widest_edge(dataset) and _near_edge(dataset, region, x, y):
         words = (
-            f"the largest value, at ({place}), lies at the edge of the contact, where stress grows as cells and points "
-            "come closer: compare values at a critical distance, not this one"
+            f"the largest value, at ({place}), lies at the edge of the contact, where stress grows with finer cells "
+            "and closer points: compare values at a critical distance instead"
         )
         out.append(Caution("fatigue-edge", words, number="utilisation"))
     index = np.unravel_index(hot, region.shape) if region.shape else ()
     for dim, row, size in zip(region.dims, index, region.shape, strict=True):
         if size > 2 and (row == size - 1 or (row == 0 and not dim.endswith("_z"))):
-            words = f"the largest value, at ({place}), lies at the border of the region; enlarge it"
+            words = f"the largest value, at ({place}), lies at the border of the region; enlarge the region"
             out.append(Caution("fatigue-border", words))
             break
     return out
@@ -220,7 +220,7 @@ class EvaluateFatigue(Conclusion):
         )
 
     def _renamed(self, warnings: Iterable[dict[str, Any]]) -> Iterator[Caution]:
-        """Warnings with the names of the numbers of this run; a life at the hot spot converges no better than it."""
+        """Warnings with the names of the numbers of this run; a life at the hot spot has the warnings of its value."""
         request = self._model.request
         of_hot_spot = ["utilisation"] + ["cycles"] * (request.life is not None and request.distance is None)
         for table in warnings:

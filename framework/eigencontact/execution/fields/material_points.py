@@ -1,4 +1,4 @@
-"""Stress and strain at points in regions of other material and beside them, from the material that is there."""
+"""Stress and strain at points in and near regions of other material, from the material at the point."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _ROOM = 2
 
 
 class _Region(NamedTuple):
-    """One region that tells its stress by its eigenstrain.
+    """Region whose stress follows from its eigenstrain.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class _Region(NamedTuple):
 
 
 class MaterialPoints:
-    """Points of one lattice in and beside the regions of a body.
+    """Points of one lattice in and near the regions of a body.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class MaterialPoints:
         return bool(self._regions or self._outside.size)
 
     def _split(self, points: Points, prescribed: Sequence[Source]) -> NDArray[np.intp]:
-        """Set up the regions that have points in them; points outside of all, and beside a cut boundary."""
+        """Set up the regions that contain points, and the points outside of all regions near a cut boundary."""
         number, share, between = self._number.ravel(), self._share.ravel(), self._between
         point_region, own_share = number[between.on], share[between.on]
         inside = number_at(self._sources, points)  # also in slivers that the cells leave out
@@ -122,7 +122,7 @@ class MaterialPoints:
     def _region(
         self, source: Inhomogeneity, number: int, inside: BoolArray, cut: BoolArray, prescribed: Sequence[Source]
     ) -> _Region | None:
-        """Region of points, all of them where its stress is made compatible, else those next to a cut cell."""
+        """Points of a region: all of them if its stress is made compatible, else those next to a cut cell."""
         stiffness = _stiffness(source, self._half_space.material)
         if stiffness is None:
             return None
@@ -143,7 +143,7 @@ class MaterialPoints:
 
     @cached_property
     def _places(self) -> dict[int, Place]:
-        """Part of the lattice that each region takes."""
+        """Part of the lattice in each region."""
         from scipy.ndimage import find_objects
 
         slices = find_objects(np.maximum(self._number, 0))
@@ -152,7 +152,7 @@ class MaterialPoints:
     def amend(
         self, fields: dict[str, FloatArray], caused: FloatArray | None, eigenstrain: FloatArray, time: float
     ) -> None:
-        """Replace stress and strain at points of the regions, and the stress beside boundaries that cut cells.
+        """Replace stress and strain at points of the regions, and the stress near boundaries that cut cells.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class MaterialPoints:
         fields |= {name: values.reshape(fields[name].shape) for name, values in amended.items()}
 
     def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
-        """Put the stress of a region [Pa] into its cells of a field and those beside them that its points need."""
+        """Write the stress of a region [Pa] to its cells of a field, and to neighbouring cells that its points need."""
         share, where = region.share, (slice(None), *region.place)
         strain = np.where(share > 0.0, eigenstrain[where] / np.where(share > 0.0, share, 1.0), 0.0)
         prestrain = region.source.uniform_eigenstrain(time).reshape(6, 1, 1, 1)
@@ -210,7 +210,7 @@ class MaterialPoints:
 
     @cached_property
     def _middles(self) -> tuple[Place, Route]:
-        """Part of the lattice about the points outside, and the route from the eigenstrain to its middles."""
+        """Part of the lattice around the points outside, and the route from the eigenstrain to its cell centres."""
         about = np.unravel_index(np.unique(self._between.about[:, self._outside]), self._cells.shape)
         k, j, i = (slice(int(axis.min()), int(axis.max()) + 1) for axis in about)
         lattice = _middles_in(self._subsurface, self._cells, (k, j, i))
@@ -228,7 +228,7 @@ class MaterialPoints:
 
 
 def cost_beside(subsurface: Subsurface, points: Points) -> Cost:
-    """Cost of the stress in the middles of cells about points: none where all regions fill their bounds."""
+    """Cost of the stress at cell centres around points: zero if all regions fill their bounds."""
     if not any(_is_cut(source) for source in subsurface.inhomogeneities):
         return Cost()
     cells, _ = _with_room(subsurface)
@@ -253,7 +253,7 @@ def _points_in(cells: Cells, points: Points) -> NDArray[np.intp]:
 
 
 def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
-    """Cells of the box and beyond it, below the surface, and how many these are on either side along z, y, x."""
+    """Cells of the box and around it, below the surface, and the number added on either side along z, y, x."""
     half_space, layer = subsurface.half_space, subsurface.box.lattice.first[0]
     box, top = subsurface.box.cells(half_space.grid), _ROOM if half_space.full else min(_ROOM, layer)
     room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
@@ -263,7 +263,7 @@ def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
 
 
 def _middles_in(subsurface: Subsurface, cells: Cells, place: Place) -> RegionLattice:
-    """Middles of a part of the cells as points of a region."""
+    """Centres of a part of the cells as points of a region."""
     k, j, i = place
     row, column = (at - _ROOM for at in subsurface.box.lattice.first[1:])
     x, y, z = (cells.centres(axis)[part] for axis, part in enumerate((i, j, k)))
@@ -280,6 +280,6 @@ def _is_cut(source: Inhomogeneity) -> bool:
 
 
 def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
-    """Mandel stiffness of a region of one stiffness and prestrain, none of it that of the body; else None."""
+    """Mandel stiffness of a region with uniform stiffness and prestrain that differ from the body's; else None."""
     stiffness = stiffness_beside(source, matrix)
     return stiffness[0] if stiffness is not None and np.abs(stiffness[1] - 1.0).min() >= _DIFFERENT else None

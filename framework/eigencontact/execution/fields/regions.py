@@ -100,7 +100,7 @@ class Region(Block):
 
 
 class RunningRegion:
-    """Fields of a region in one run, with causes that hold operators."""
+    """Running block of a region, with the operators of its sources."""
 
     def __init__(self, region: Region) -> None:
         self._region, self._interface = region, region.interface
@@ -157,14 +157,14 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
 
 
 def regions_of(model: Model) -> Iterator[Region]:
-    """Every region that the scene asks for."""
+    """All stress regions of the scene."""
     return (region_of(model, request) for request in model.cells.requests)
 
 
 def region_record(
     request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
 ) -> tuple[RegionRecord, FloatArray | None]:
-    """Region as it is stored: the fields asked for, and with the stress the numbers read off it; and that stress.
+    """Record of a region for storage: requested fields and scalars of the stress; and the stress.
 
     Parameters
     ----------

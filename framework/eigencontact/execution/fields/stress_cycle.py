@@ -91,7 +91,7 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
 def cycle_of_region(
     dataset: Results, region: str | None, cycle: Any, *, strain: bool, new: NewRegion | None = None
 ) -> CycleOfRegion:
-    """Stress, and strain if it is asked for, over a cycle at the points of a region.
+    """Stress, and optionally strain, over a cycle at the points of a region.
 
     Parameters
     ----------

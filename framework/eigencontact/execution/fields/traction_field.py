@@ -40,7 +40,7 @@ _AT_ONCE = 16
 
 
 class TractionField(Cause):
-    """Field of one body; the spectra are kept as long as the contact stays in the box that they were made for.
+    """Field of the tractions in one body; the spectra are valid while the contact stays in their box.
 
     Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
     stress is that of body 1 under those. Next to the surface of a window that is not periodic, stress is a mean over
@@ -198,7 +198,7 @@ class TractionField(Cause):
         return operator
 
     def _key(self, quantity: str, source: Box, *, near: bool) -> Hashable:
-        """Return all that determines an operator; sweep variants with equal keys share the operator (`core.kept`)."""
+        """Return all inputs of an operator; sweep variants with equal keys share the operator (`core.kept`)."""
         lattice, numerics = self._lattice, self._numerics
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
@@ -249,7 +249,7 @@ class TractionField(Cause):
 
 
 def moves(ramps: Sequence[Step]) -> bool:
-    """Whether the contact of a later increment reaches beyond that of the first: it grows, or tilts."""
+    """Whether the contact of a later increment extends beyond that of the first, by growth or tilt."""
     pressed = [(ramp.normal_load, ramp.approach) for ramp in ramps]
     tilts = any(getattr(ramp, f"{name}_{axis}") for ramp in ramps for name in ("moment", "tilt") for axis in "xy")
     return bool(ramps) and (ramps[0].increments > 1 or max(map(_size, pressed)) > _size(pressed[0]) or tilts)

@@ -1,4 +1,4 @@
-"""Regions of other material at points of a body: the cells that each fills, where there is nothing, softer laws."""
+"""Regions of other material at points of a body: their cells, voids and softer laws."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ class Content(NamedTuple):
 
     @property
     def whole(self) -> NDArray[np.int_]:
-        """Number of the region of one stiffness that fills a cell wholly, else 0."""
+        """Number of the region with uniform stiffness that fills a cell completely, else 0."""
         return np.where((self.number > 0) & (self.share == 1.0), self.number, 0)
 
 
 def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> Content:
-    """Content of the cells; cells of regions that have no point in or next to them are left empty."""
+    """Content of the cells; cells of regions without a point in or next to them are empty."""
     from eigencontact.execution.interiors.material_cells import share_of
 
     number, filled = np.zeros(box.lattice.shape, dtype=int), np.zeros(box.lattice.shape)
@@ -72,7 +72,7 @@ def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, point
 
 
 def number_at(sources: Sequence[Inhomogeneity], points: Points) -> NDArray[np.int_]:
-    """Number (from 1) of the region that points lie in, ``(n,)``, or 0; where regions overlap the later one counts."""
+    """Number (from 1) of the region that contains each point, ``(n,)``, or 0; in overlaps the later region."""
     out = np.zeros(points[0].size, dtype=int)
     for number, source in enumerate(sources, 1):
         where = _near(source, points)
@@ -83,7 +83,7 @@ def number_at(sources: Sequence[Inhomogeneity], points: Points) -> NDArray[np.in
 
 
 def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> NDArray[np.bool_] | None:
-    """Whether points of a lattice lie in a void, ``(n,)``, or None; of regions that overlap the later one counts."""
+    """Whether points of a lattice lie in a void, ``(n,)``, or None; in overlaps the later region decides."""
     if not any(source.is_empty for source in sources):
         return None
     empty = np.array([False, *(source.is_empty for source in sources)])
@@ -99,7 +99,7 @@ def read_by_own_laws(
     matrix: Material,
     time: float,
 ) -> None:
-    """Replace the stress in softer regions by the stress of their own law, C_i (M σ + ε* - ε_p).
+    """Replace the stress in softer regions by the stress of their law, C_i (M σ + ε* - ε_p).
 
     What cells leave of an error of the stress then counts by the ratio of the stiffnesses. In stiffer regions it would
     grow by that: they are left.
@@ -136,13 +136,13 @@ def stiffness_beside(source: Inhomogeneity, matrix: Material) -> tuple[FloatArra
 
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
-    """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
+    """Mandel stiffness of a region of uniform stiffness that is softer than the body, else None."""
     stiffness = stiffness_beside(source, matrix)
     return stiffness[0] if stiffness is not None and stiffness[1].max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:
-    """Numbers of the points in the bounds of a region and a room about them."""
+    """Numbers of the points within the bounds of a region with a margin."""
     low, high = source.shape.bounds
     inside = [(lo - room <= at) & (at <= hi + room) for lo, at, hi in zip(low, points, high, strict=True)]
     return np.flatnonzero(np.logical_and.reduce(inside))

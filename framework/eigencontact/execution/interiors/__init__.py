@@ -1,1 +1,1 @@
-"""Interiors: what lies below the surface and displaces it, prescribed or in answer to the tractions."""
+"""Interiors of the bodies: prescribed and stress-dependent eigenstrain, which displaces the surface."""

@@ -16,7 +16,7 @@ __all__ = ["Averages"]
 
 
 class Averages:
-    """Variables that the laws of a box average, each over its own cells, as fields of the box.
+    """Variables that the laws of a box average over a neighbourhood, as fields of the box.
 
     Parameters
     ----------

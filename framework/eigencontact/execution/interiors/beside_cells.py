@@ -1,4 +1,4 @@
-"""Whole inhomogeneities beside cells of the same body: the stress of each acts on the other.
+"""Interaction of whole inhomogeneities and cells of the same body.
 
 By reciprocity one table serves both: the stress at the centres of cells by each function of an inclusion, which is the
 work of the eigenstrain of a cell on that function too. In the ground of the inclusion cells have the material of the
@@ -44,7 +44,7 @@ class BesideCells:
         return system.matrix.shear_modulus * total.reshape(6, *self._shape)
 
     def work(self) -> FloatArray:
-        """Work [J] of the present eigenstrain of the cells on every function of the wholes."""
+        """Work [J] of the present eigenstrain of the cells on every function of the whole inhomogeneities."""
         system, strain = self._wholes.system, self.cells.eigenstrain.reshape(6, -1)
         parts = [
             basis.mix[: basis.size] @ np.tensordot(table, strain, 2)
@@ -75,7 +75,7 @@ class BesideCells:
         return out
 
     def _near(self, number: int, at: Sequence[FloatArray]) -> IntArray:
-        """Cells that the box of an inclusion, and a cell around it, holds."""
+        """Cells in the box of an inclusion, extended by one cell."""
         low, high = self._wholes.sources[number].shape.bounds
         edges = self.cells.box.lattice.edges[::-1]
         inside = [
@@ -94,7 +94,7 @@ class BesideCells:
 
 
 def join_wholes(interiors: Sequence[Interior]) -> None:
-    """Make tables for wholes and cells of one body that do not know each other yet; all are started."""
+    """Make interaction tables for the whole inhomogeneities and cells of one body that have none; all are started."""
     for wholes in interiors:
         if isinstance(wholes, PolynomialWholes):
             levels = [cells for cells in interiors if isinstance(cells, Cells) and cells.body == wholes.body]

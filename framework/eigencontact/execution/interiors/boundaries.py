@@ -1,4 +1,4 @@
-"""Boundaries in cells: which materials share a cell along them, and their normals."""
+"""Boundaries in cells: the materials on both sides, and the normals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["can_be_layer", "steepest"]
 
 
 def can_be_layer(law: ConstitutiveLaw) -> bool:
-    """Whether a law is one of a point with a finite stiffness: neither means about it nor a rigid material."""
+    """Whether a law is local with a finite stiffness: neither nonlocal nor rigid."""
     origin = np.zeros(1)
     layers = [layer.at(origin, origin, origin) for layer, _ in law.laws_at(origin, origin, origin)]
     try:
@@ -23,7 +23,7 @@ def can_be_layer(law: ConstitutiveLaw) -> bool:
 
 
 def steepest(padded: FloatArray, edges: tuple[float, float, float]) -> FloatArray:
-    """Unit vectors along the gradient, ``(3, n)`` in the order x, y, z, of the inner cells; zero where there is none.
+    """Unit vectors along the gradient, ``(3, n)`` in the order x, y, z, of the inner cells; zero for a zero gradient.
 
     The derivative along each axis is a mean over neighbours across it with weights 1, 2, 1: in cells that a ball cuts,
     of 3 to 8 cells a radius, it is 1 degree from the true normal in the mean, and 3 at most. Without that mean it is 7

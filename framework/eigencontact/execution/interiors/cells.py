@@ -1,4 +1,4 @@
-"""Inhomogeneities of one body in cells, each with an eigenstrain of its own."""
+"""Inhomogeneities of one body in cells, each with its own eigenstrain."""
 
 from __future__ import annotations
 
@@ -95,12 +95,12 @@ class Cells(Responding):
         return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:
-        """Time of the answers of laws in a step that Newton's method finds from their `update`."""
+        """Predicted time per step of laws that are solved by Newton's method with their `update`."""
         slow = [source for source in self.sources if not isinstance(source.law, (LinearLaw, HasCellAnswer))]
         return _ANSWER * sum(source.lattice.cells for source in slow if source.lattice is not None)
 
     def _declare(self) -> None:
-        """Set price and kernels."""
+        """Set cost and kernels."""
         (nz, ny, nx), (_, row, column) = self._box.lattice.shape, self._box.lattice.first
         key = str(getattr(self._half_space.cell, "key", "cell"))
         label = f"eigenstrain of {self._box.names}"
@@ -152,7 +152,7 @@ class Cells(Responding):
 
     @property
     def grid(self) -> Grid:
-        """Grid on whose columns the cells lie."""
+        """Grid with the columns of the cells."""
         return self._grid
 
     @property
@@ -185,7 +185,7 @@ class Cells(Responding):
             )
 
     def _fill(self) -> None:
-        """Build the system for the content of the cells; the operators stay."""
+        """Build the equations for the content of the cells; the operators do not change."""
         from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 
         linear = self._content.linear
@@ -200,7 +200,7 @@ class Cells(Responding):
         )
 
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """See `Interior.begin`; inclusions rise by the depth that the surface above them loses."""
+        """See `Interior.begin`; inclusions move up by the worn depth of the surface above them."""
         lost = increment.surface.lost.get(self.body, self._lost)
         if not np.array_equal(lost, self._lost):
             self._refuse_buried(float(lost.max()))
@@ -241,7 +241,7 @@ class Cells(Responding):
         return total
 
     def at_centres(self, means: FloatArray) -> FloatArray:
-        """Values at the centres of cells from means ``(..., nz, ny, nx)``; cells of linear laws keep the means."""
+        """Values at the centres of cells from means ``(..., nz, ny, nx)``; cells of linear laws use the means."""
         return means
 
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:

@@ -1,4 +1,4 @@
-"""Work of prescribed eigenstrain on the functions of whole inhomogeneities, by rules refined until they agree."""
+"""Work of prescribed eigenstrain on the functions of whole inhomogeneities, by rules refined until two agree."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class CheckedWork:
         self.present, self.error = np.zeros(system.size), 0.0
 
     def begin(self, time: float) -> None:
-        """Go to a time."""
+        """Set the time."""
         self.present = self._at(time)
         if not self._checked and self.present.any():
             self._check(time)

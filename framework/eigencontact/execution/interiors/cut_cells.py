@@ -1,4 +1,4 @@
-"""Cells that a boundary cuts beside a law that is not linear: two laws as one, with all that it asks of its points."""
+"""Cells cut by a boundary, with a law that is not linear: two laws combined to one."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class CutCells:
 
     @classmethod
     def all_of(cls, content: MaterialCells, matrix: Material) -> list[CutCells]:
-        """Those of the content of a box."""
+        """Cut cells of the content of a box."""
         pairs = []
         for first, second, cells in content.cuts():
             # What degrades may lose its stiffness across a layer, and no answer is left: a ball around it resists.
@@ -54,7 +54,7 @@ class CutCells:
         return pairs
 
     def step(self, step: LawStep, content: MaterialCells) -> CutStep:
-        """The step of these cells, with what the laminate asks for."""
+        """Evaluation of these cells for the laminate."""
         return CutStep(
             x=step.x, y=step.y, z=step.z, time=step.time, duration=step.duration, fraction=self.fraction,
             resistance=self.resistance, difference=content.difference(self.cells, step.time),
@@ -63,6 +63,6 @@ class CutCells:
     def parts(
         self, variables: Mapping[str, FloatArray]
     ) -> Iterator[tuple[ConstitutiveLaw, FloatArray, Mapping[str, FloatArray]]]:
-        """Each law, its shares of the cells, and what it remembers."""
+        """Each law, its fractions of the cells, and its internal variables."""
         shares = self.fraction, 1.0 - self.fraction
         yield from zip((self.law.first, self.law.second), shares, self.law.parts(variables), strict=True)

@@ -1,4 +1,4 @@
-"""Finer cells at the inclusions of a body whose law is not linear, beside the other cells of that body.
+"""Finer cells at the inclusions of a body with a nonlinear law, coupled with the other cells of the body.
 
 Both levels are interiors of their own; they are iterated on together. `eigencontact.solvers.two_levels` gives the
 stress in both. Stress of tractions in finer cells is interpolated from means over coarse cells, and eigenstrain of
@@ -36,7 +36,7 @@ _WHERE, _FINER = "numerics.inclusion-refinement", "_finer"
 
 
 class CoarseCells(SweptCells):
-    """Cells of a body but for those at its inclusions, which are divided into finer ones.
+    """Cells of a body outside the patch of finer cells at its inclusions.
 
     Joined with these before it begins; see `join_levels`.
     """
@@ -46,7 +46,7 @@ class CoarseCells(SweptCells):
         self.why = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
 
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """See `Interior.begin`; in the patch coarse cells remember means over finer ones, and have no state."""
+        """See `Interior.begin`; coarse cells of the patch have the means of the finer cells and no state."""
         super().begin(increment, last)
         assert self.levels is not None
         self.eigenstrain = self._start = self.levels.without_patch(self.eigenstrain)
@@ -80,7 +80,7 @@ class CoarseCells(SweptCells):
         return moved
 
     def stress_of_tractions(self, tractions: Fields) -> FloatArray | None:
-        """Mean stress ``(6, nz, ny, nx)`` [Pa] in the cells by the contact alone; None without one."""
+        """Mean stress ``(6, nz, ny, nx)`` [Pa] in the cells by the contact only; None without a contact."""
         if self._joint is None or not any(field.any() for field in tractions.values()):
             return None
         return self._joint.stress(loads(self.body, self._tractions, tractions))
@@ -157,12 +157,12 @@ class Levels:
         self.field = TwoLevels(coarse.operator, fine.patch_operator, fine.operator, fine.inner)
 
     def stress_in(self, cells: SweptCells) -> FloatArray:
-        """Stress ``(6, nz, ny, nx)`` [Pa] in one of them by the present eigenstrain of both."""
+        """Stress ``(6, nz, ny, nx)`` [Pa] in one level by the present eigenstrain of both levels."""
         coarse, fine = self.field.stress(self.coarse.eigenstrain, self.fine.eigenstrain)
         return coarse if cells is self.coarse else fine
 
     def without_patch(self, eigenstrain: FloatArray) -> FloatArray:
-        """Eigenstrain of the coarse cells alone, zero in those that are divided."""
+        """Eigenstrain of the coarse cells, zero in divided cells."""
         out = eigenstrain.copy()
         out[:, *self.field.place][:, *self.fine.inner] = 0.0
         return out
@@ -205,7 +205,7 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
 
 
 def _refuse_others(subsurface: Subsurface) -> None:
-    """Refuse what finer cells do not stand for."""
+    """Refuse features that finer cells do not support."""
     half_space, sources = subsurface.half_space, subsurface.inhomogeneities
     numerics = half_space.numerics
     linear = not should_sweep(subsurface)

@@ -1,4 +1,4 @@
-"""What an interior is to the contact above it, and to the regions that look at it."""
+"""Interface of an interior for the contact above it and for regions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Remembered = Mapping[str, HistoryRecord]
 
 
 class Outgrown(Exception):
-    """An interior needs more cells than it has.
+    """Error: an interior needs more cells than it has.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Interior(Part):
 
     @abstractmethod
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """Take up the state of the last accepted increment, as it was stored; at rest `last` is empty.
+        """Set the state of the last accepted increment from its record; an empty `last` is the rest state.
 
         Raises
         ------
@@ -71,38 +71,38 @@ class Interior(Part):
         """
 
     def adopted(self) -> Remembered:
-        """What was remembered by an earlier run, as this interior would; it begins with that."""
+        """Stored variables of an earlier run in the form of this interior, as its initial state."""
         return {}
 
     @property
     def unknown(self) -> FloatArray:
-        """What is iterated on from outside; empty where an image is the whole answer to the tractions."""
+        """Unknown of the coupled iteration; empty if one image is the exact response to the tractions."""
         return np.zeros(0)
 
     def answer_as_a_whole(self) -> bool:
-        """Start the increment again, and be iterated on no more in it; False where that was so, or cannot be."""
+        """Restart the increment with a direct solution, without coupled iteration; False if that is not possible."""
         return False
 
     def take(self, unknown: FloatArray) -> None:
-        """Put the unknown."""
+        """Set the unknown."""
 
     @abstractmethod
     def displacement(self, directions: str) -> dict[str, FloatArray]:
-        """Displacement of the surfaces by the present state, by direction [m]; along them body 1 less body 2."""
+        """Surface displacement by the present state, by direction [m]; along the surface body 1 minus body 2."""
 
     def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
-        """Where these tractions would put the unknown, and the relative residual of the present one.
+        """New value of the unknown under these tractions, and the relative residual of the present one.
 
         Without an unknown the interior answers here, to the tolerance, and what it displaces follows.
         """
         raise NotImplementedError
 
     def remembered(self) -> dict[str, HistoryRecord]:
-        """What must be stored of the present state, for the next increment and for other regions."""
+        """Variables of the present state to store, for the next increment and for other regions."""
         return {}
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:  # noqa: ARG002
-        """Whether cells remember, after an increment, other than before it."""
+        """Whether an increment has changed the internal variables of the cells."""
         return False
 
     def distance(self, state: Remembered, reference: Remembered) -> float:  # noqa: ARG002
@@ -111,15 +111,15 @@ class Interior(Part):
 
     @property
     def tries_elastic(self) -> bool:
-        """Whether an increment often leaves the unknown as it is: the contact is then solved to the end at once."""
+        """Whether most increments leave the unknown unchanged, so that the contact is first solved to the tolerance."""
         return False
 
     def trouble(self) -> str:
-        """Words for where the last image differs most from the unknown, and what may help; none by default."""
+        """Text about the cell with the largest residual, and a remedy; empty by default."""
         return ""
 
     def check(self) -> None:
-        """Look whether the interior can stand for the state that it converged to.
+        """Check that the interior can represent the converged state.
 
         Raises
         ------
@@ -128,7 +128,7 @@ class Interior(Part):
         """
 
     def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
-        """Normal displacement of its surface as it would be with one degree of freedom less, and with two.
+        """Normal surface displacement with one degree less, and with two.
 
         Returns
         -------
@@ -140,16 +140,16 @@ class Interior(Part):
         return 0.0, ()
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
-        """Of the present state, by law: what its cells remember, the volume of one [m^3], and its share of each."""
+        """Present state by law: internal variables of its cells, volume of a cell [m^3], and fraction of each cell."""
         yield from ()
 
     def scalars(self) -> dict[str, float]:
-        """Numbers of the work since `begin`; those of several interiors are summed, residuals compared."""
+        """Numbers of the work since `begin`; several interiors are summed, with the largest residual."""
         return {}
 
 
 def eigenstrain_name(body: int, *, beside: bool = False) -> str:
-    """Name under which the equivalent eigenstrain of a body is remembered; `beside` of wholes beside its cells."""
+    """Name of the stored equivalent eigenstrain of a body; `beside` for whole inhomogeneities with cells."""
     return f"whole_eigenstrain_{body}" if beside else f"equivalent_eigenstrain_{body}"
 
 

@@ -1,4 +1,4 @@
-"""Which cells of laws with memory are treated to second order."""
+"""Selection of cells of history-dependent laws for second-order treatment."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def linked_cells(
 
 
 def _begins_like(law: ConstitutiveLaw, matrix: Material, step: LawStep) -> bool:
-    """Whether a law at rest answers a small strain as the matrix does."""
+    """Whether the response of a law at rest to a small strain equals that of the matrix."""
     count = step.x.size
     stress = _SMALL * matrix.young_modulus * np.random.default_rng(0).standard_normal((6, count))
     before = {name: np.zeros((variable.components, count)) for name, variable in law.variables.items()}

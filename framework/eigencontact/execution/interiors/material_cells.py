@@ -37,7 +37,7 @@ _SLIVER = 0.05
 
 @dataclass(frozen=True, slots=True)
 class LinearContent:
-    """What `eigencontact.solvers.equivalent_inclusions.InhomogeneousCells` takes; see `MaterialCells`."""
+    """Content of linear cells for the solver `InhomogeneousCells`; see `MaterialCells`."""
 
     laws: list[ConstitutiveLaw]
     index: IntArray
@@ -87,7 +87,7 @@ class MaterialCells:
                 require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
     def rise(self, lost: FloatArray) -> None:
-        """Put the content under a surface that has lost a depth ``(ny, nx)`` [m] of the grid since it was new.
+        """Move the content up by the worn depth ``(ny, nx)`` [m] of the surface since the start.
 
         Everything linear rises by that depth, column by column, and what rises above the surface is gone. A law that
         remembers stays where it is.
@@ -108,7 +108,7 @@ class MaterialCells:
         }
 
     def _risen_to(self, member: int, values: FloatArray) -> tuple[Place, FloatArray]:
-        """Values in the cells of a source where these have risen to, and the part of the box that they take then."""
+        """Values in the cells of a source at their moved positions, and their new part of the box."""
         place = self._new[member][0]
         by = self._risen.get(member)
         if by is None or not by.any():
@@ -118,7 +118,7 @@ class MaterialCells:
         return (slice(None), *place[1:]), risen(whole, by)
 
     def _mix(self) -> None:
-        """What fills most of each cell, what is beside it, and the boundary between them."""
+        """Main material of each cell, second material, and the boundary between them."""
         left = np.ones(self.shape)
         shares = np.zeros((2, *self.shape))
         names = np.zeros((2, *self.shape), dtype=int)
@@ -137,7 +137,7 @@ class MaterialCells:
         self.cut = self._cut()
 
     def _cut(self) -> NDArray[np.bool_]:
-        """Cells of two materials of which at least one is not linear, no sliver among them."""
+        """Cells of two materials of which at least one is not linear, without slivers."""
         out = np.zeros(self.shape, dtype=bool)
         curved = np.array([False, *(not law.linear for law in self.laws)])
         if curved.any():
@@ -182,7 +182,7 @@ class MaterialCells:
 
     @property
     def linear(self) -> LinearContent:
-        """Cells of laws that are linear, cut ones included; a law that is not fills whole cells, or is in `cuts`."""
+        """Cells of linear laws, with cut cells; nonlinear laws fill whole cells, or are in `cuts`."""
         linear = [law for law in self.laws if law.linear]
         numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
         nonlinear = self.cut | np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
@@ -191,7 +191,7 @@ class MaterialCells:
 
     @property
     def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
-        """Laws that are not linear, or laws that these are made of, and the cells that they fill at least by half."""
+        """Nonlinear laws, or their component laws, and the cells that they fill at least by half."""
         places = self._box.centres(self._grid).flat_points()
         groups = []
         for number, law in enumerate(self.laws, 1):
@@ -216,7 +216,7 @@ class MaterialCells:
         return out
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:
-        """Place of an inhomogeneity in the box, and its volume fractions there, less those of later inhomogeneities."""
+        """Part of the box of an inhomogeneity and its volume fractions, minus those of later inhomogeneities."""
         source = self._sources[member]
         assert source.lattice is not None
         return place_in(self._box, source.lattice), share_of(self._sources, member, self._grid)
@@ -230,7 +230,7 @@ class MaterialCells:
         return [self.laws.index(source.law) + 1 for source in self._sources]
 
     def _gradient(self, left: FloatArray) -> FloatArray:
-        """Gradient of the share of the matrix, which is all there is beyond the box."""
+        """Gradient of the fraction of the matrix, which fills all cells outside the box."""
         padded = np.pad(left, 1, constant_values=1.0)
         if self._box.lattice.first[0] == 0:
             padded[0] = padded[1]
@@ -242,7 +242,7 @@ class MaterialCells:
         return np.stack([along_x, along_y, along_z]) * min(dx, dy, dz)
 
     def prestrain(self, time: float, number: int | None = None) -> FloatArray:
-        """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell; with a number the part of one law in it."""
+        """Mean Mandel prestrain ``(6, nz, ny, nx)`` of each cell; with a number only the contribution of one law."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
         for member, (source, (place, share)) in enumerate(zip(self._sources, self._new, strict=True)):
@@ -261,7 +261,7 @@ class MaterialCells:
 
 
 def share_of(sources: Sequence[Inhomogeneity], member: int, grid: Grid) -> FloatArray:
-    """Share of each cell of an inhomogeneity that is its own, ``(nz, ny, nx)``: less those that come later.
+    """Fraction of each cell that belongs to an inhomogeneity, ``(nz, ny, nx)``, minus later inhomogeneities.
 
     Raises
     ------
@@ -290,7 +290,7 @@ def _filled(lattice: Lattice, grid: Grid) -> Patch:
 
 @dataclass(frozen=True, slots=True)
 class _Without:
-    """A region without those that come later."""
+    """Region minus later regions."""
 
     region: Region
     later: Sequence[Region]
@@ -301,7 +301,7 @@ class _Without:
         return self.region.bounds
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points lie in the region and in none of the others."""
+        """Whether points lie in the region and in no later region."""
         inside = self.region.contains(x, y, z)
         for region in self.later:
             inside = inside & ~region.contains(x, y, z)

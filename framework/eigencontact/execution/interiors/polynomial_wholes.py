@@ -95,7 +95,7 @@ class PolynomialWholes(Responding):
         return text + foretold if worst > 0 and highest else text
 
     def _declare(self) -> None:
-        """Set price and kernels."""
+        """Set cost and kernels."""
         count, cells, along = len(self.sources), self._grid.nx * self._grid.ny, max(len(self._means), 1)
         alike = Counter(
             (likeness(source.shape), item.degree, table_key(source.shape.bounds, self._grid), is_ball(source.shape))
@@ -172,7 +172,7 @@ class PolynomialWholes(Responding):
         return np.array([source.uniform_eigenstrain(time) for source in self.sources]).T
 
     def applied(self, tractions: Fields) -> FloatArray:
-        """Work of the contact, prescribed eigenstrain and bulk stress on every function, ``(unknowns,)`` [J]."""
+        """See `Responding.prestrain`."""
         total = np.zeros(self._system.size)
         for cells in self.beside:
             total += cells.work()
@@ -218,7 +218,7 @@ class PolynomialWholes(Responding):
         return self._below
 
     def _error(self) -> float:
-        """Estimated error of the worst inclusion, in parts of the largest eigenstrain."""
+        """Estimated error of the worst inclusion, relative to the largest eigenstrain."""
         system = self._system
         largest = float(system.difference(self._amplitudes, np.zeros(system.size)).max())
         if largest == 0.0:
@@ -229,7 +229,7 @@ class PolynomialWholes(Responding):
 
     @property
     def _beyond(self) -> FloatArray:
-        """What all higher degrees would change, in parts of the change by the last, of each inclusion."""
+        """Predicted change by all higher degrees, relative to the change by the last degree, of each inclusion."""
         return np.array([max(item.quality / (1.0 - item.quality), 0.1) for item in self._degrees])
 
     def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
@@ -251,7 +251,7 @@ class PolynomialWholes(Responding):
 
 
 def _matrix_cost(degree: int, *, ball: bool) -> tuple[float, float]:
-    """Bytes held and seconds taken by the matrix of one pair, or of one inclusion and its image, on one thread.
+    """Memory [bytes] and time [s] of the matrix of one pair, or of one inclusion and its image, on one thread.
 
     Fitted to voids half a radius below the surface, degrees 4 to 12 of a ball and 2 to 6 of an ellipsoid.
     """

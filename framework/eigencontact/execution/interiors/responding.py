@@ -86,7 +86,7 @@ class Responding(Interior):
 
     @abstractmethod
     def applied(self, tractions: Fields) -> FloatArray:
-        """Mean stress in them by the contact, prescribed eigenstrain and bulk stress, ``(6, ...)`` [Pa]."""
+        """Mean stress in the regions by the contact, prescribed eigenstrain and bulk stress, ``(6, ...)`` [Pa]."""
 
     @abstractmethod
     def prestrain(self, time: float) -> FloatArray:
@@ -94,7 +94,7 @@ class Responding(Interior):
 
     @abstractmethod
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
-        """Solve for the eigenstrain: an answer with ``eigenstrain`` and ``report``."""
+        """Solve for the eigenstrain; the result has ``eigenstrain`` and ``report``."""
 
     def begin(self, increment: Increment, last: Remembered) -> None:
         """See `Interior.begin`."""
@@ -106,7 +106,7 @@ class Responding(Interior):
         self._spent, self._residual = 0.0, 0.0
 
     def _bulk_stress(self, values: Mapping[str, float]) -> FloatArray | None:
-        """Mandel stress ``(6,)`` [Pa] of a load far away; None without one."""
+        """Mandel bulk stress ``(6,)`` [Pa]; None without bulk stress."""
         stress, material = bulk_of(values, self.body), self._half_space.material
         if not stress.any():
             return None

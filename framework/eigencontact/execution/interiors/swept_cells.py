@@ -1,4 +1,4 @@
-"""Cells of one body that are swept inside the coupled iteration: laws of any kind, linear ones where that is cheaper.
+"""Cells of one body that are updated within the coupled iteration: nonlinear laws, and linear laws if that is cheaper.
 
 Found on a ball under a contact, one of a third of the contact radius, tolerance 1e-6, without and with friction
 (applications of the volume operator by rounds of Krylov solves, by sweeps):
@@ -54,7 +54,7 @@ _LOOKS = 512
 
 
 class SweptCells(Cells):
-    """Equivalent eigenstrain of the cells of one box, iterated on with the contact; see `Cells` for the parameters.
+    """Equivalent eigenstrain of the cells of one box, iterated together with the contact; parameters as in `Cells`.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class SweptCells(Cells):
         self.why += ", swept with the contact" if self._kernels else ", swept"
 
     def _name(self, variable: str) -> str:
-        """Name under which a variable of a law is remembered."""
+        """Name of the stored variable of a law."""
         return f"{variable}_{self.body}"
 
     @property
@@ -131,7 +131,7 @@ class SweptCells(Cells):
         return LawStep(x=x, y=y, z=z, time=end, duration=end - start)
 
     def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Remembered) -> dict[str, FloatArray]:
-        """Variables of the cells of a law in stored records; zero at rest."""
+        """Variables of the cells of a law in stored records; zero in the rest state."""
         variables = {}
         for name, variable in law.variables.items():
             record, count = last.get(self._name(name)), variable.components
@@ -184,15 +184,15 @@ class SweptCells(Cells):
 
     @property
     def _applied(self) -> int:
-        """Applications of the operator so far; those of both levels are counted by the first that asks."""
+        """Number of operator applications so far; the first level counts those of both."""
         return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
 
     def _caused(self) -> FloatArray | None:
-        """Stress in these cells by the eigenstrain of both levels; None where these are all there is."""
+        """Stress in these cells by the eigenstrain of both levels; None with a single level."""
         return None if self.levels is None else self.levels.stress_in(self)
 
     def scalars(self) -> dict[str, float]:
-        """See `Interior.scalars`; with the certificate of laws that are not linear."""
+        """See `Interior.scalars`; with the certificate of nonlinear laws."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
             scalars["law_residual"] = self._sweeps.misfit(
@@ -211,7 +211,7 @@ class SweptCells(Cells):
         )
 
     def distance(self, state: Remembered, reference: Remembered) -> float:
-        """See `Interior.distance`; relative to the strain of the reference where that is larger than the load's."""
+        """See `Interior.distance`; relative to the reference strain if it is larger than the strain of the load."""
         first, second = (records[self._stored].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
@@ -232,7 +232,7 @@ class SweptCells(Cells):
         return self._sweeping and not self._linear
 
     def check(self) -> None:
-        """See `Interior.check`: the law of a body must be elastic in the outermost of its cells."""
+        """See `Interior.check`: the law of a body must be elastic in the outermost cells."""
         if not self._rim.any():
             return
         reached = np.zeros(self._rim.shape, dtype=bool)
@@ -249,7 +249,7 @@ class SweptCells(Cells):
         return Outgrown(self, type(self)(self._subsurface.grown(lattice), self._directions))
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
-        """See `Responding.fitted`: cells beyond the stored ones are at rest."""
+        """See `Responding.fitted`: cells outside the stored ones are in the rest state."""
         lattice = self._box.lattice
         if record.values.shape[1:] == lattice.shape or not record.coords:
             return record.values
@@ -263,7 +263,7 @@ class SweptCells(Cells):
         return values
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
-        """See `Interior.states`; a cell counts with all of its volume, a part of a cut cell with its own."""
+        """See `Interior.states`; a cell counts with its whole volume, a part of a cut cell with its fraction."""
         volume = float(np.prod(self._box.cells(self._grid).pitch))
         whole = len(self._laws) - len(self._cut)
         for (law, _), variables in zip(self._laws[:whole], self._after[:whole], strict=True):

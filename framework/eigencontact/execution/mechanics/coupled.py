@@ -1,4 +1,4 @@
-"""A contact and what lies below it, solved together: each needs what the other does to the surface, or to the inside.
+"""Coupled solution of a contact and the interiors below it, by fixed-point iteration with acceleration.
 
 Let S be the compliance of the bodies without inhomogeneities and R what those add. A round solves the contact on bodies
 of the compliance (1 + θ) S under an offset o of the surface, then the interiors under its tractions t, and gives the
@@ -78,7 +78,7 @@ class Solved:
 
 
 class Coupled:
-    """A contact, if there is one, over interiors.
+    """Contact, if there is one, coupled with interiors.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Coupled:
         self._responding = [interior for interior in interiors if interior.responds]
 
     def at_rest(self, increment: Increment) -> Solved:
-        """The interiors without any load, at the start of a first step; nothing where nothing follows from it."""
+        """Interiors without load, at the start of the first step; None if this has no effect."""
         adopted = {name: record for interior in self._interiors for name, record in interior.adopted().items()}
         if not self._responding and (self._contact is None or self._contact.directions == "z"):
             return Solved(contact=None, displacement={}, remembered=adopted)
@@ -264,7 +264,7 @@ class Coupled:
 
 
 def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> list[FloatArray]:
-    """Largest unknown of each interior and of all others in its body, where they may be of different onset."""
+    """Largest unknown of each interior and of all others in its body, if their yield onsets may differ."""
     largest = [
         (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
@@ -315,7 +315,7 @@ class _Mixer:
         return [values.reshape(array.shape) for values, array in zip(out, guess, strict=True)]
 
     def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
-        """Remember the entries that are no longer zero, behind those before."""
+        """Append the newly nonzero entries to the stored ones."""
         if not self._known:
             self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
         for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
@@ -328,28 +328,28 @@ class _Mixer:
 
 @dataclass(frozen=True, slots=True)
 class _Round:
-    """Tractions of a round, and the displacement of the surfaces by them and by the interiors, ``(k, ny, nx)``."""
+    """Tractions of an iteration, and the surface displacement by tractions and interiors, ``(k, ny, nx)``."""
 
     traction: FloatArray
     elastic: FloatArray
     residual: FloatArray
 
     def scales(self, normal: int) -> FloatArray:
-        """Size of the total displacement for each component [m]; `normal` is the row of the one along z."""
+        """Scale of the total displacement for each component [m]; `normal` is the row along z."""
         total = np.abs(self.elastic + self.residual).max(axis=(1, 2))
         sizes = np.maximum(total, np.abs(self.residual).max(axis=(1, 2)))
         return np.asarray(np.maximum(sizes, max(_ALONG * float(sizes[normal]), np.finfo(float).tiny)))
 
 
 class _Seen:
-    """Compliance of the interiors relative to that of the bodies, as changes from round to round show it."""
+    """Compliance of the interiors relative to the bodies, estimated from changes between iterations."""
 
     def __init__(self) -> None:
         self._last: _Round | None = None
         self._ratios: list[float] = []
 
     def share(self, now: _Round) -> float:
-        """Part of the bodies' compliance to solve the contact with more: the middle of the range, in few steps."""
+        """Fraction of the bodies' compliance to add in the contact: middle of the estimated range, in few steps."""
         before, self._last = self._last, now
         if before is not None:
             change = now.traction - before.traction

@@ -1,4 +1,4 @@
-"""Block of the material that is exposed, and the state that friction laws look at."""
+"""Block of the exposed material, and the state for friction laws."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class ExposedMaterial(Stateless):
 
 
 def exposed_facts(exposed: Exposed | None, material: NDArray[np.intp] | None) -> dict[str, Any]:
-    """Exposed material and names by number, as the states of laws take them; nothing where no law asks."""
+    """Exposed material by number, and names, for the states of laws; empty if no law needs them."""
     if exposed is None or material is None:
         return {}
     return {"material": material, "materials": exposed.names}

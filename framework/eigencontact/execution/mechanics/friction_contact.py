@@ -110,7 +110,7 @@ FRICTION_NUMBERS = (
 
 
 def friction_fields(components: str) -> frozenset[str]:
-    """Surface fields that a contact with shear along some directions has besides those of every contact."""
+    """Additional surface fields of a contact with shear along some directions."""
     if not components:
         return frozenset()
     vectors = {f"{name}_{c}" for name in ("displacement", "shear", "slip") for c in components}
@@ -179,7 +179,7 @@ class ContactWithFriction(Contact):
         self._material: NDArray[np.intp] | None = None
 
     def _bound(self, pressure: FloatArray, before: Sliding) -> FloatArray:
-        """Bound of the law, for tractions that are scaled."""
+        """Bound of the law for scaled tractions."""
         y, x = self._grid.axes()
         state = FrictionState(
             pressure=pressure / self._scale if self._scale != 1.0 else pressure,
@@ -188,7 +188,7 @@ class ContactWithFriction(Contact):
         return self._scale * checked_shear_bound(self._law, state)
 
     def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> Sliding:
-        """See `Contact.recall`; before the first step the surfaces are where eigenstrain and bulk stress put them."""
+        """See `Contact.recall`; before the first step eigenstrain and bulk stress displace the surfaces."""
         from eigencontact.solvers.tangential.contact import Sliding
 
         moved = self._moved(offset, bulk)
@@ -211,7 +211,7 @@ class ContactWithFriction(Contact):
         )
 
     def _way(self, slide: Slide | None) -> FloatArray | None:
-        """Way that body 2 slides on body 1 all over the contact, along the directions of the shear [m]."""
+        """Sliding path of body 2 on body 1 for sliding of the whole contact, along the shear directions [m]."""
         if slide is None:
             return None
         along = dict(zip("xy", slide.direction, strict=True))
@@ -221,7 +221,7 @@ class ContactWithFriction(Contact):
         return np.stack([fields[f"{name}_{c}"] for c in self._components])
 
     def _moved(self, offset: Fields, bulk: Mapping[str, float]) -> FloatArray | None:
-        """Displacement of body 1 less body 2 along the surface by interiors and by bulk stress [m]; None by neither."""
+        """Tangential displacement of body 1 minus body 2 by interiors and bulk stress [m]; None without both."""
         moved = np.stack([offset[c] for c in self._components]) if offset else None
         if not bulk:
             return moved
@@ -299,7 +299,7 @@ class ContactWithFriction(Contact):
         return cell_deflection(self._coefficients["z", "z"], self._grid)
 
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
-        """See `Contact.results`; slip and what has slipped add up over the increments."""
+        """See `Contact.results`; slip and slip distance are summed over the increments."""
         solutions: list[FrictionalSolution] = [answer.solution for answer in answers]
         last = solutions[-1]
         normal, tangential, sliding = last.normal, last.tangential, last.sliding
@@ -363,13 +363,13 @@ class ContactWithFriction(Contact):
 
 
 def _scaled_sliding(sliding: Sliding, factor: float) -> Sliding:
-    """State of a contact whose tractions are multiplied; what has moved stays."""
+    """State of a contact with scaled tractions; displacements do not change."""
     names = ("pressure", "shear", "lift", "dissipated")
     return replace(sliding, **{name: factor * getattr(sliding, name) for name in names})
 
 
 def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
-    """Solution with its tractions, forces and what they displace multiplied; motions, gap and slip stay."""
+    """Solution with scaled tractions, forces and displacements by tractions; motions, gap and slip do not change."""
     if factor == 1.0:
         return solution
     tangential = solution.tangential

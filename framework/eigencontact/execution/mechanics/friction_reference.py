@@ -1,4 +1,4 @@
-"""Blocks beside a contact with friction: the bound that the law sets, and the closed form of monotonic loading."""
+"""Blocks for comparison in a contact with friction: shear bound of the law, closed form of monotonic loading."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ShearBound(Stateless):
 
 
 class ReferenceShear(Stateless):
-    """Closed form of the shear of a geometry whose pressure has one, while it holds.
+    """Closed form of the shear of a geometry with a closed-form pressure, while it is valid.
 
     Under a constant normal load P and a tangential load Q that rises from zero in one direction, and with one
     coefficient of friction f, the shear is f times the pressure under P less the pressure under P - Q/f: Cattaneo and
@@ -110,7 +110,7 @@ class ReferenceShear(Stateless):
 
 
 def _coefficient(pressure: FloatArray, bound: FloatArray) -> float | None:
-    """Ratio of the bound to the pressure where it is the same everywhere."""
+    """Ratio of the bound to the pressure if it is uniform."""
     loaded = pressure > 0
     if not loaded.any():
         return None
@@ -119,7 +119,7 @@ def _coefficient(pressure: FloatArray, bound: FloatArray) -> float | None:
 
 
 def _path_kept(load: FloatArray, normal_load: float, capacity: float, last: StepRecord | None) -> bool:
-    """Whether the tangential load is still on its way from zero, in one direction under one normal load."""
+    """Whether the tangential load still increases from zero in one direction under one normal load."""
     still = float(np.hypot(*load)) <= _SAME * capacity
     if last is None:
         return still

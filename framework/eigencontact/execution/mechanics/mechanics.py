@@ -1,4 +1,4 @@
-"""The mechanics of a load step: the contact, the interiors below it, and the halving of steps that are too large."""
+"""Block of the mechanics of a load step: contact, interiors, and halving of steps that do not converge."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ _HALVINGS = 5
 
 
 class Mechanics(Block):
-    """A contact, interiors, or both together, as they are planned.
+    """Planned contact, interiors, or both.
 
     A run makes a contact and interiors of its own: those of the plan only state kernels and prices.
 
@@ -131,7 +131,7 @@ class Mechanics(Block):
 
     @property
     def wholes_beside_cells(self) -> bool:
-        """Whether a body has whole inhomogeneities beside cells."""
+        """Whether a body has both whole inhomogeneities and cells."""
         return any(subsurface.beside for subsurface in self.subsurfaces)
 
     @property
@@ -202,7 +202,7 @@ class RunningMechanics:
         self._couple()
 
     def _couple(self) -> None:
-        """Join the contact and the interiors as they are now."""
+        """Couple the contact with the present interiors."""
         if self._plan.wholes_beside_cells:
             from eigencontact.execution.interiors.beside_cells import join_wholes
 
@@ -214,7 +214,7 @@ class RunningMechanics:
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def _follow(self, solids: Solids | None) -> None:
-        """Make a new contact where layers of the solids have changed."""
+        """Make a new contact if the layers of the solids have changed."""
         if solids is not None and solids != self._solids:
             self._solids, self._contact = solids, self._plan.contact_for(solids)
             self._contact.start()
@@ -264,7 +264,7 @@ class RunningMechanics:
         springs: FloatArray | None,
         start: FloatArray | None,
     ) -> FloatArray:
-        """Pressure under moved surfaces, with what lies in the bodies as it was; see `Contact.pressed`.
+        """Pressure under displaced surfaces, with unchanged interiors; see `Contact.pressed`.
 
         `fields` are those of a step near by; none before the first.
         """
@@ -276,13 +276,13 @@ class RunningMechanics:
         return self._contact.pressed(control, moved, fields, springs, start)
 
     def softness(self, solids: Solids | None) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
+        """Displacement of the centre of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
         self._follow(solids)
         assert self._contact is not None
         return self._contact.softness
 
     def _with_enough_cells(self, step: Step) -> list[Solved]:
-        """The increments that the step is solved in, on interiors that grow until they suffice."""
+        """Solved increments of the step, on interiors whose cells are extended if necessary."""
         while True:
             try:
                 increment = Increment.of(step)
@@ -300,7 +300,7 @@ class RunningMechanics:
                 self._couple()
 
     def _store(self, step: Step, contact: Contact, answers: Sequence[ContactAnswer]) -> None:
-        """Fields and scalars of the contact; at the edge of the window it is refused."""
+        """Store fields and scalars of the contact; refuse a contact at the edge of the window."""
         from eigencontact.solvers.coarse_to_fine import refuse_edge
 
         fields, scalars = contact.results(answers)
@@ -310,7 +310,7 @@ class RunningMechanics:
         step.scalars |= scalars
 
     def _before(self, step: Step, increment: Increment) -> Solved:
-        """State of the interiors before the step, from what is stored of the last one alone."""
+        """State of the interiors before the step, from the record of the last step."""
         if step.previous is None:
             return self._coupled.at_rest(increment)
         fields, history = step.previous.fields, step.previous.history
@@ -318,7 +318,7 @@ class RunningMechanics:
         return Solved(contact=None, displacement=displaced, remembered=dict(history))
 
     def _solved(self, increment: Increment, memory: Any, before: Solved, depth: int) -> list[Solved]:
-        """The increments that one is solved in: itself, or its halves where it is too large to converge."""
+        """Solved increments: the increment itself, or its halves if it does not converge."""
         try:
             return [self._coupled.solve(increment, memory, before)]
         except NotConverged:
@@ -355,13 +355,13 @@ class RunningMechanics:
 
 
 def _memory(increments: Sequence[Solved]) -> Any:
-    """What the contact needs of increments that are solved."""
+    """Record of solved increments for the contact."""
     last = increments[-1].contact
     return None if last is None else last.memory
 
 
 def mechanics_of(model: Model) -> Mechanics | None:
-    """The mechanics of a scene; None where it has neither contact nor eigenstrain."""
+    """Mechanics block of a scene; None without contact and eigenstrain."""
     surface: Interface | None = model.interface
     subsurfaces: Sequence[Subsurface] = ()
     if model.sources:

@@ -113,7 +113,7 @@ class NormalContact(Contact):
         self._solver = NormalSolver(self._grid, self._coefficients, normal_options(self._numerics))
 
     def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> None:
-        """Nothing; see `Contact.recall`."""
+        """No state; see `Contact.recall`."""
 
     def solve(
         self,
@@ -163,7 +163,7 @@ class NormalContact(Contact):
         return cell_deflection(self._coefficients, self._grid)
 
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
-        """See `Contact.results`; the way to a load does not matter."""
+        """See `Contact.results`; the result does not depend on the load path."""
         solution: NormalSolution = answers[-1].solution
         fields = {"pressure": solution.pressure, "gap": solution.gap, "displacement_z": solution.displacement}
         scalars = normal_scalars(solution, self._grid, periodic=self._numerics.boundary == "periodic")
@@ -187,13 +187,13 @@ def surface_kernels(interface: Interface, window: Window, pairs: Sequence[tuple[
 
 
 def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:
-    """Solution with its tractions, forces and what they displace multiplied; motions and gap stay."""
+    """Solution with scaled tractions, forces and displacements by tractions; motions and gap do not change."""
     names = ("pressure", "displacement", "normal_load", "moment_x", "moment_y")
     return replace(solution, **{name: factor * getattr(solution, name) for name in names})
 
 
 def cell_deflection(coefficients: PairCoefficients, grid: Grid) -> float:
-    """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+    """Displacement of the centre of a cell by a unit pressure on it [m/Pa]."""
     return float(coefficients.table(np.zeros(1), np.zeros(1), grid.half_widths)[0, 0])
 
 
@@ -204,7 +204,7 @@ def normal_work(solution: NormalSolution) -> dict[str, float]:
 
 
 def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> dict[str, float]:
-    """Numbers of a normal contact, as they are stored."""
+    """Numbers of a normal contact for storage."""
     certificate = solution.report.certificate
     assert certificate is not None
     loaded = solution.pressure > 0
@@ -227,7 +227,7 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
 
 
 def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics) -> Cost:
-    """Normal contact on a box of the window: the finest grid, the coarser ones, the certificate, the coefficients.
+    """Cost of a normal contact on a box of the window: finest grid, coarser grids, certificate, coefficients.
 
     The counts are those of smooth contacts (8 iterations of two convolutions and one preconditioner, each grid a
     quarter of the next); rough contacts take up to three times as many. What does not grow with the size was measured

@@ -1,4 +1,4 @@
-"""Blocks beside the mechanics of a contact: initial gap, displacement along the surface, closed forms."""
+"""Blocks for a contact: initial gap, tangential displacement, closed forms."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _BAND = 2**17
 
 
 class Separation(Block):
-    """The initial gap; that of a geometry that rolls or slides, at its present place, which is stored.
+    """Initial gap; for a geometry that rolls or slides, at its present position, and stored.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Separation(Block):
 
 
 class _TravellingGap:
-    """The initial gap at the place that the geometry has reached; it is computed where the place changes."""
+    """Initial gap at the present position of the geometry, computed when the position changes."""
 
     def __init__(self, interface: Interface, grid: Grid, *, travels: bool) -> None:
         self._interface, self._grid, self._travels = interface, grid, travels
@@ -142,7 +142,7 @@ class _ConvolvedPressure:
 
 
 class ReferencePressure(Stateless):
-    """Closed form of the pressure, where the geometry has one that holds for this step.
+    """Closed form of the pressure, if the geometry has one that is valid for this step.
 
     For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
 

@@ -1,1 +1,1 @@
-"""Routes: ways from an eigenstrain to its field at the points of a region, each with its price, words and code."""
+"""Methods to compute the field of an eigenstrain at the points of a region, each with cost, description and code."""

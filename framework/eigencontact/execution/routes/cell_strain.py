@@ -1,4 +1,4 @@
-"""The prescribed eigenstrain of regions that are cut into cells, in every cell at any time."""
+"""Prescribed eigenstrain of regions that are divided into cells, at any time."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class CellStrain:
 
     @cached_property
     def _fractions(self) -> list[tuple[Place, FloatArray]]:
-        """Part of the box that a source takes, and the fraction of each of its cells inside."""
+        """Part of the box of a source, and the volume fraction of each of its cells."""
         fractions = []
         for source in self._box.sources:
             assert source.lattice is not None
@@ -52,14 +52,14 @@ class CellStrain:
 
 
 def place_in(box: CellBox, lattice: Lattice) -> Place:
-    """Part of a box that the cells of a region take, along (z, y, x)."""
+    """Part of a box with the cells of a region, along (z, y, x)."""
     start = np.subtract(lattice.first, box.lattice.first)
     k, j, i = (slice(int(first), int(first) + count) for first, count in zip(start, lattice.shape, strict=True))
     return k, j, i
 
 
 def fractions_in(source: Source, region: Region, grid: Grid) -> FloatArray:
-    """Fraction of each cell of a source that lies in a region, ``(nz, ny, nx)``."""
+    """Volume fraction of each cell of a source in a region, ``(nz, ny, nx)``."""
     from eigencontact.halfspace.voxels import Voxels, volume_fractions
 
     lattice = source.lattice

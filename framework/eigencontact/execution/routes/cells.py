@@ -39,7 +39,7 @@ class Planes(CellRoute):
     steps: ClassVar[bool] = True
 
     def round_off(self) -> float | None:
-        """Of its operator in single precision, by the largest value; None where it knows double alone."""
+        """Relative round-off of the operator in single precision; None if it exists only in double."""
         return plane_round_off()
 
     @cached_property
@@ -54,12 +54,12 @@ class Planes(CellRoute):
 
     @property
     def precision(self) -> str:
-        """What its operator computes in."""
+        """Precision of the operator."""
         return self._settled[0].numerics.precision
 
     @cached_property
     def pace(self) -> Pace:
-        """What its kernels take."""
+        """Time and memory of the kernels."""
         return Pace.of(self._settled[0], self.quantity)
 
     @property
@@ -107,7 +107,7 @@ class Planes(CellRoute):
 
 
 class Volume(Planes):
-    """Transforms in space, for planes as far apart as the layers of cells are high; the surface apart."""
+    """Route by transforms in space, for planes at the spacing of the cell layers; the surface separately."""
 
     way = ", in space"
 
@@ -175,7 +175,7 @@ class Volume(Planes):
 
 
 class Columns(Planes):
-    """Points one by one, those above each other together."""
+    """Route point by point, with a shared computation for points above each other."""
 
     @property
     def words(self) -> str:
@@ -202,7 +202,7 @@ class Columns(Planes):
 
     @cached_property
     def _columns(self) -> list[NDArray[np.intp]]:
-        """Numbers of the points that lie one above the other, for every place of the surface."""
+        """Indices of the points above each other, for every position on the surface."""
         _, column = np.unique(self._points[:, :2], axis=0, return_inverse=True)
         order = np.argsort(column.ravel(), kind="stable")
         return np.split(order, np.flatnonzero(np.diff(column.ravel()[order])) + 1)
@@ -227,7 +227,7 @@ class Columns(Planes):
 
 
 class Between(Planes):
-    """Many scattered points: the field in the middles of cells about them, and on the surface, interpolated."""
+    """Route for many scattered points: interpolation of the field at cell centres around them, and on the surface."""
 
     note = "what eigenstrain causes is linear between the middles of its cells"
     steps = False
@@ -249,7 +249,7 @@ class Between(Planes):
 
     @staticmethod
     def fits(lattice: RegionLattice, box: CellBox, grid: Grid) -> bool:
-        """Whether points are at so many places, and so close to each other, that the middles of cells are fewer."""
+        """Whether the points are so many and so close together that the cell centres are fewer."""
         if lattice.points is None or len(np.unique(lattice.points[:, :2], axis=0)) <= _PLACES:
             return False
         return int(np.prod(_about(lattice.points, box, grid).shape)) <= _ROOM * box.lattice.cells
@@ -278,7 +278,7 @@ class Between(Planes):
 
 
 def _about(points: FloatArray, box: CellBox, grid: Grid) -> RegionLattice:
-    """Middles of cells around points, two or more along each axis, and the surface where it is nearer than a middle."""
+    """Cell centres around points, two or more along each axis, and the surface if it is nearer than a centre."""
     cells = box.cells(grid)
     low, high = (
         round_off((end - cells.first) / np.array(cells.pitch)).astype(int)
@@ -298,7 +298,7 @@ def _about(points: FloatArray, box: CellBox, grid: Grid) -> RegionLattice:
 
 
 class CloseUp(Planes):
-    """Points finer than the cells; its operators serve once, and are in double precision."""
+    """Route for points finer than the cells; its operators are used once, in double precision."""
 
     def round_off(self) -> None:
         """See `Planes.round_off`."""
@@ -336,7 +336,7 @@ class CloseUp(Planes):
         return np.asarray(values[list(self.rows)], dtype=float)
 
     def _shifted(self, eigenstrain: FloatArray) -> FloatArray:
-        """Return the field at depths other than those of the cells, on lattices of the cells' pitch one by one."""
+        """Return the field at depths other than those of the cells, on lattices with the pitch of the cells."""
         out, first = np.empty(self.shape), self.box.lattice.first
         for (rows, columns), sublattice in self.lattice.shifted:
             origin = (sublattice.origin[0] - first[1], sublattice.origin[1] - first[2])
@@ -345,7 +345,7 @@ class CloseUp(Planes):
 
 
 def cheapest(make: Callable[[type[Planes]], Planes], lattice: RegionLattice, height: float) -> Planes:
-    """Cheapest route that serves a lattice, from cells of a height [m]; `make` builds one of a class."""
+    """Cheapest route for a lattice, from cells of a height [m]; `make` builds a route of a class."""
     if lattice.points is not None:
         return make(Columns)
     if lattice.finer != (1, 1):

@@ -42,7 +42,7 @@ class ClosedForms(Route):
 
     @property
     def cost(self) -> Cost:
-        """See `Route.cost`; nothing is kept but the field itself, so all of it is the price of a step."""
+        """See `Route.cost`; only the field is stored, so the whole cost recurs in every step."""
         count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads, _GAIN)
         memory = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
         if len(self.sources) >= _CLOUD:
@@ -77,14 +77,14 @@ class ClosedForms(Route):
 
     @cached_property
     def _expands(self) -> bool:
-        """Whether what is far reaches the points by expansions."""
+        """Whether distant regions contribute by expansions."""
         from eigencontact.halfspace.cloud import cloud_sources, expansions_pay
 
         regions = [cloud_sources(cast("HasPotentials", source.shape)) for source in self.sources]
         return expansions_pay([far for far in regions if far is not None], int(np.prod(self.lattice.shape)))
 
     def _node_radius(self, tolerance: float) -> float:
-        """Distance [m] from which a region reaches the smallest nodes of points by their expansions."""
+        """Distance [m] from which the expansion of a region is valid at the smallest nodes of points."""
         from eigencontact.halfspace.expansions import APART, expansion_size
 
         points = self._some_points()

@@ -1,4 +1,4 @@
-"""Routes through half-spaces that are not exact: image and pressure, and Fourier series over the window."""
+"""Routes through approximate half-spaces: image and pressure, and Fourier series over the window."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _WAVE, _CELL = 2e-7, 1.5e-7
 
 
 class Periodic(CellRoute):
-    """Fourier series over the window, for one box of cells; what lies outside the window comes in on its other side."""
+    """Route by Fourier series over the window, for one box of cells; the field is periodic in the window."""
 
     @property
     def words(self) -> str:
@@ -39,7 +39,7 @@ class Periodic(CellRoute):
 
     @property
     def cost(self) -> Cost:
-        """See `Route.cost`; the waves are found anew each time."""
+        """See `Route.cost`; the waves are computed at each time."""
         grid, layers, planes = self.half_space.grid, self.box.lattice.shape[0], self.lattice.depths.size
         waves, count = grid.ny * (grid.nx // 2 + 1), 3 if self.quantity == "displacement" else 6
         workers = working_threads(self.half_space.threads)
@@ -81,7 +81,7 @@ class FieldInTime(Protocol):
 
     @property
     def cost(self) -> Cost:
-        """Price of building it once, and of one time."""
+        """Cost of its set-up, and of one time."""
         ...
 
     def at(self, time: float) -> FloatArray:
@@ -90,7 +90,7 @@ class FieldInTime(Protocol):
 
 
 class ImagePressureField:
-    """Field at any time by full space, its mirror image, and the pressure that is left on the cells of the window.
+    """Field at any time by full space, its mirror image, and the remaining pressure on the cells of the window.
 
     Parameters
     ----------

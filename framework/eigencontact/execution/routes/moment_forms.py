@@ -31,7 +31,7 @@ class MomentForms(Route):
 
     @property
     def cost(self) -> Cost:
-        """See `Route.cost`; nothing is kept but the field itself."""
+        """See `Route.cost`; only the field is stored."""
         count = int(np.prod(self.lattice.shape))
         chosen = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
         functions = [2 * (item.degree + _ABOVE) ** 2 for item in chosen if item is not None]

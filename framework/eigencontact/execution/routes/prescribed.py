@@ -50,7 +50,7 @@ class PrescribedField:
         self._once: FloatArray | None = None
 
     def uses(self, what: str, where: str) -> list[KernelUse]:
-        """Influence coefficients; those of like regions are counted together.
+        """Influence coefficients; equal regions are counted together.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ def cell_route(
 
 
 class _InCells(_Term):
-    """Regions that are cut into cells."""
+    """Regions that are divided into cells."""
 
     def __init__(self, route: CellRoute) -> None:
         self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)

@@ -1,4 +1,4 @@
-"""What every route has in common, and the half-space that all of them compute the fields of."""
+"""Base of all routes, and the half-space of their fields."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _ROWS = {"displacement": 3, "strain": 6, "stress": 6}
 
 @dataclass(frozen=True, kw_only=True)
 class HalfSpace:
-    """A homogeneous body below the surface, and how fields in it are computed.
+    """Homogeneous body below the surface, and the settings of its fields.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class HalfSpace:
         return EndlessCell(cell) if self.grid.line else cell
 
     def options(self, quantity: str) -> dict[str, Any]:
-        """Arguments that every operator on cells takes."""
+        """Common arguments of operators on cells."""
         return {
             "poisson_ratio": self.material.poisson_ratio,
             "quantity": quantity,
@@ -92,7 +92,7 @@ class HalfSpace:
 
 
 class Route(ABC):
-    """Field of the eigenstrain of some regions at the points of a lattice; linear, built when it is first asked.
+    """Field of the eigenstrain of some regions at the points of a lattice; linear, set up at its first use.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Route(ABC):
     @property
     @abstractmethod
     def cost(self) -> Cost:
-        """Price of building it once and applying it in every step."""
+        """Cost of its set-up, and of its application in every step."""
 
     @property
     def precisions(self) -> Sequence[Precision]:
@@ -135,7 +135,7 @@ class Route(ABC):
     @property
     @abstractmethod
     def words(self) -> str:
-        """How the field is found."""
+        """Description of the method."""
 
     @abstractmethod
     def field(self, eigenstrain: FloatArray) -> FloatArray:
@@ -164,7 +164,7 @@ class CellRoute(Route):
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """What the kernels of one quantity take.
+    """Time and memory of the kernels of one quantity.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ class Pace:
     def planes(
         self, cells: Lattice, target: tuple[int, int], origin: tuple[float, float], planes: int, components: int
     ) -> Cost:
-        """Kernel tables and spectra for every plane and layer once; per step six transforms a layer, one an output."""
+        """Cost of tables and spectra for every plane and layer, and of the transforms per step."""
         layout = Layout(cells.shape[1:], target, origin)
         y, x, layers = layout.y, layout.x, cells.shape[0]
         nodes = (y.lattice.size + 1) * (x.lattice.size + 1) * 1.15 + 30

@@ -1,4 +1,4 @@
-"""Subsurface of one body: its half-space, the eigenstrain in it, and the tractions above it."""
+"""Subsurface of one body: half-space, eigenstrain and tractions."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Subsurface:
 
     @property
     def in_cells(self) -> bool:
-        """Whether each cell of an inhomogeneity has an eigenstrain of its own."""
+        """Whether the program divides an inhomogeneity into cells."""
         return not self.beside and any(not source.whole for source in self.inhomogeneities)
 
     @cached_property
@@ -120,7 +120,7 @@ class Subsurface:
 
     @property
     def coords(self) -> dict[str, FloatArray]:
-        """Centres of the cells of inhomogeneities along z, y, x [m], as results store them; empty without cells."""
+        """Centres of the cells of inhomogeneities along z, y, x [m], as in stored results; empty without cells."""
         if not (self.inhomogeneities and self.in_cells):
             return {}
         points = self.box.centres(self.half_space.grid)
@@ -141,11 +141,11 @@ class Subsurface:
         return PrescribedField(self.half_space, self.prescribed, quantity, lattice, rows)
 
     def grown(self, lattice: Lattice) -> Subsurface:
-        """Subsurface in which the cells of a yielding body fill a lattice as well."""
+        """Subsurface with the cells of a yielding body in addition."""
         return replace(self, inhomogeneities=filling(self.inhomogeneities, lattice, beside=True))
 
     def with_cells(self, coords: Mapping[str, FloatArray]) -> Subsurface | None:
-        """Subsurface with the cells of stored results; None where the sources cannot have those."""
+        """Subsurface with the cells of stored results; None if the sources cannot have these cells."""
         if _same(coords, self.coords):
             return self
         if not coords or not any(source.guessed for source in self.inhomogeneities):
@@ -185,7 +185,7 @@ class _Nothing(EigenstrainField):
 
 
 def ground_of(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
-    """Ground among cells that another interior stands for: of the material of the body, without eigenstrain."""
+    """Cells of the material of the body without eigenstrain, for the cells of another interior."""
     law = matrix_law(matrix)
     rule = "below 0.5 in a body with cells around whole inclusions, or finer cells around inclusions"
     require(law is not None, f"body{source.body}", "poisson-ratio", matrix.poisson_ratio, rule)

@@ -28,7 +28,7 @@ __all__ = ["Watcher", "drive"]
 
 
 class Watcher(Protocol):
-    """Sees the course of a run; all methods must be quick.
+    """Observer of the progress of a run; its methods must be fast.
 
     A watcher with a method ``step_took(seconds)`` is told, before `step_finished`, the time [s] of each block by name;
     one with a method ``announced(text)`` is told what a run does before and after its load steps.
@@ -48,7 +48,7 @@ class Watcher(Protocol):
 
 
 class _Plan(Protocol):
-    """The parts of a plan that a run needs; see `eigencontact.planning.plan.Plan`."""
+    """Parts of a plan for a run; see `eigencontact.planning.plan.Plan`."""
 
     @property
     def scene(self) -> Scene: ...
@@ -111,7 +111,7 @@ def drive(
 
 
 class _Course:
-    """Steps of a plan, made one after the other.
+    """Sequence of the steps of a plan.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class _Course:
         self._ramp_start: dict[str, float] = {}
 
     def start(self) -> None:
-        """Start the blocks before the first step that is solved."""
+        """Start the blocks before the first solved step."""
         if not self._running:
             with self._stopwatch.on("set-up"):
                 run = Run()
@@ -151,7 +151,7 @@ class _Course:
         return spent
 
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
-        """Note what a ramp starts from where a point begins one; `last` is the step before."""
+        """Store the start values of a ramp at its first point; `last` is the step before."""
         if last is not None and self.history.begins_ramp(point):
             self._ramp_start = start_of_ramp(last.scalars, self._previous_ramp(point))
 
@@ -159,7 +159,7 @@ class _Course:
         return self.history.ramp_before(point) if self._friction else None
 
     def step(self, point: LoadPoint, before: LoadPoint | None, last: StepRecord | None) -> Step:
-        """A step that is still to be computed."""
+        """Next step to compute."""
         ramp, begin = self.history.ramp(point), self._ramp_start
         return Step(
             index=point.index,
@@ -175,7 +175,7 @@ class _Course:
         )
 
     def settled(self, point: LoadPoint, last: StepRecord | None) -> tuple[LoadPoint, StepRecord | None]:
-        """Point with no cycles to skip before it, and the state before it: at the end of the last of those.
+        """Point without cycles to skip before it, and the state at the end of the last skipped cycle.
 
         The surfaces have moved by all of them at once. What slips on the way to the next state is not what a cycle
         slips: the last of them is therefore gone through, each ramp in one increment, and not counted.
@@ -197,5 +197,5 @@ class _Course:
 
 
 def _cycles_of(last: StepRecord | None, blocks: Sequence[Block]) -> int:
-    """Cycles that the last step stands for."""
+    """Number of cycles that the last step represents."""
     return 1 if last is None else max((block.cycles_of(last) for block in blocks), default=1)

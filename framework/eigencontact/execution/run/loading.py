@@ -1,4 +1,4 @@
-"""The load history: ramps of a scene, and cycles of them, as single controls one after the other."""
+"""Load history: the ramps and cycles of a scene as a sequence of controls."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class LoadPoint:
 
     @property
     def ends_cycle(self) -> bool:
-        """Whether it is the last of its cycle."""
+        """Whether the point is the last of its cycle."""
         return self.fraction == 1.0 and self.ramp == self.segment.first + self.segment.ramps - 1
 
 
 class LoadHistory:
-    """Increments of a load history, found one after the other: how many cycles are skipped may follow from results.
+    """Increments of a load history in sequence; the number of skipped cycles may depend on results.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class LoadHistory:
                 self._again |= dict(enumerate(again, segment.first))
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
-        """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
+        """Next increment; None at the end. `cycles` is the number of cycles that a finished cycle represents."""
         if point is None:
             return self._at(1, self._segments[0], 1, self._segments[0].first, 1, 0)
         segment = point.segment
@@ -146,15 +146,15 @@ class LoadHistory:
         return ends
 
     def begins_ramp(self, point: LoadPoint) -> bool:
-        """Whether it is the first increment of its ramp."""
+        """Whether the point is the first increment of its ramp."""
         return point.number == 1
 
     def ramp(self, point: LoadPoint) -> Step:
-        """Ramp of a point with all that is prescribed at its end: with friction, what others left as it is."""
+        """Ramp of a point with all prescribed values at its end; with friction it keeps values of earlier ramps."""
         return self._ramps[point.ramp] if point.cycle == 1 else self._again[point.ramp][0]
 
     def ramp_before(self, point: LoadPoint) -> Step | None:
-        """Ramp that ended where that of a point begins; None at the start."""
+        """Ramp before that of a point; None at the start."""
         segment = point.segment
         if point.ramp > segment.first:
             return self._ramps[point.ramp - 1] if point.cycle == 1 else self._again[point.ramp - 1][0]
@@ -163,7 +163,7 @@ class LoadHistory:
         return self._again[self._before_again(point)][0]
 
     def cycle(self, point: LoadPoint) -> CyclePlace | None:
-        """Place of a point in its cycle; None in a plain step."""
+        """Position of a point in its cycle; None in a plain step."""
         segment = point.segment
         if not segment.cycle:
             return None
@@ -174,7 +174,7 @@ class LoadHistory:
         )  # fmt: skip
 
     def slide(self, point: LoadPoint, before: LoadPoint | None) -> Slide | None:
-        """Path that the surfaces slide on each other all over the contact, given or as the geometry moves."""
+        """Sliding path of the whole contact, prescribed or by the motion of the geometry."""
         ramp = self.ramp(point)
         if ramp.sliding_distance is not None:
             along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
@@ -223,7 +223,7 @@ class LoadHistory:
 
 
 def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], graded: Collection[int]) -> list[Ends]:
-    """Start and ends of the increments of held ramps, as parts of each; None where they are even in the loads."""
+    """Starts and ends of the increments of ramps, as fractions; None for increments even in the loads."""
     out: list[Ends] = [None] * len(ramps)
     for place in graded:
         control = None if place >= len(ramps) else normal_control(ramps[place])
@@ -234,7 +234,7 @@ def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], gra
 
 
 def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, float]:
-    """Values that a ramp starts from: those of the last step, or what was prescribed of it where there was friction.
+    """Start values of a ramp: those of the last step, or the prescribed values with friction.
 
     A solved load differs from the prescribed one by the tolerance; a load that is held shall not.
 
@@ -251,7 +251,7 @@ def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, 
 
 
 def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Control:
-    """Control part-way along a ramp: linear from the state before it to the values of the step.
+    """Control within a ramp: linear between the start state and the values of the step.
 
     What is controlled (load or approach, moment or tilt) is what the step gives; its start is the value that this
     quantity had, prescribed or not, at the end of the ramp before.
@@ -260,7 +260,7 @@ def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Cont
 
 
 def tangential_control_at(step: Step, fraction: float, before: Mapping[str, float]) -> TangentialControl:
-    """Control along the surface part-way along a ramp; see `control_at`. What is not given stays at a motion of 0."""
+    """Tangential control within a ramp; see `control_at`. Missing values are a motion of 0."""
     return TangentialControl(**_values(step, TANGENTIAL_MODES, fraction, before))
 
 

@@ -1,4 +1,4 @@
-"""Observers: they see every accepted step and return numbers that are stored with it."""
+"""Observers: they compute numbers from every accepted step, which are stored with it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Observe", "observers_of"]
 
 
 class Observe(Stateless):
-    """One observer, which sees the fields of every run of this scene, and the regions that it asks for.
+    """Block of one observer, with the regions that it requests.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Observe(Stateless):
 
 
 def observers_of(model: Model, seen: frozenset[str]) -> Iterator[Block]:
-    """Every observer of the scene, and the regions that they ask for; `seen` are the results that they wait for."""
+    """All observers of the scene and their regions; `seen` are the results that they need."""
     from eigencontact.execution.fields.regions import region_of
 
     labels = [request.label for request in model.cells.requests]

@@ -1,4 +1,4 @@
-"""Blocks of wear: the separation of worn surfaces before the contact, and wear by what it slipped after it."""
+"""Blocks of wear: separation of the worn surfaces before the contact, and wear by slip after it."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ _NEAR = 0.6
 
 
 class WornSeparation(Separation):
-    """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step.
+    """Gap of worn surfaces; sliding of the whole contact wears them during a step.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class WornSeparation(Separation):
 
 
 class _WornGap:
-    """The gap of worn surfaces: that of new ones, and the depth that the surfaces have lost."""
+    """Gap of worn surfaces: initial gap plus worn depth."""
 
     def __init__(self, new: Running, surface: WornSurface) -> None:
         self._new, self._surface = new, surface
@@ -111,7 +111,7 @@ class _WornGap:
 
 
 class Wear(Block):
-    """Depth that the surfaces lose by what the contact slipped.
+    """Worn depth of the surfaces by the slip of the contact.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ _STAYS = 0.05
 
 
 def shift_by_radius(model: Model) -> float:
-    """Largest shift of the surfaces, by the expected radius of the contact along it; 0 without any.
+    """Largest shift divided by the expected contact radius along it; 0 without a shift.
 
     Infinite where no contact is expected.
     """
@@ -47,14 +47,14 @@ def shift_by_radius(model: Model) -> float:
 
 
 def shift_that_wears(model: Model) -> Iterator[Caution]:
-    """Warning of a shift of worn surfaces, which should move the contact."""
+    """Warning about a shift of wearing surfaces that should move the contact."""
     ratio = shift_by_radius(model)
     if _SHORT < ratio < np.inf and model.interface is not None and not model.interface.measured:
         error = ratio / (1.0 + ratio)
         words = (
-            f"the shift reaches {percent(ratio)} of the radius of the contact, more than {percent(_SHORT)}, and a "
-            f"shift keeps the contact where it is: the scar is {percent(error)} shorter along the shift than that of a "
-            "moving contact, and too deep in its middle; let travel-x or travel-y move the contact"
+            f"the shift reaches {percent(ratio)} of the contact radius, more than {percent(_SHORT)}, but a shift does "
+            f"not move the contact: the scar is {percent(error)} shorter along the shift than that of a "
+            "moving contact, and too deep in its middle; use travel-x or travel-y to move the contact"
         )
         yield Caution("shift", words, error)
 
@@ -62,27 +62,27 @@ def shift_that_wears(model: Model) -> Iterator[Caution]:
 def wear_cautions(
     table: Wear, model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]
 ) -> Iterator[Caution]:
-    """Warnings of worn slopes, of jumps over cycles that are too large, and of a contact near the window's edge."""
+    """Warnings of worn slopes, of too large jumps over cycles, and of a contact near the window's edge."""
     for row in history:
         radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
         if row["max_worn_depth"] > _DEEP * radius > 0:
             deepest = readable(max(later["max_worn_depth"] for later in history), "m")
             words = (
-                f"the worn depth reaches {deepest}: from {readable(_DEEP * radius, 'm')} on, in load step "
-                f"{row['step']:.0f}, it is more than {percent(_DEEP)} of the contact's radius {readable(radius, 'm')}, "
-                "and slopes are not small, as half-spaces suppose"
+                f"the worn depth reaches {deepest}: from load step {row['step']:.0f} on it exceeds "
+                f"{readable(_DEEP * radius, 'm')}, {percent(_DEEP)} of the contact radius {readable(radius, 'm')}, "
+                "so that slopes are not small, as half-spaces assume"
             )
             yield Caution("worn-slopes", words)
             break
     error, allowed = last.scalars["wear_error"], table.error or _JUMPS
     if error > allowed:
-        remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
+        remedy = "a smaller wear.jump-error" if table.error else "a smaller wear.cycles-per-update, or wear.jump-error"
         late = abs(last.scalars["update_error"])
         if late > 0.5 * error:
-            remedy = "wear.update = 'increment', or let a cycle wear less"
+            remedy = "wear.update = 'increment', or reduce the wear of a cycle"
         words = (
-            f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
-            f"estimate, more than {percent(allowed)}, {percent(late)} of it by moving once a cycle; set {remedy}"
+            f"the estimated error of the worn volume is {percent(error)}, more than {percent(allowed)}, by skipped "
+            f"cycles and by surfaces that move once per cycle ({percent(late)}); set {remedy}"
         )
         yield Caution("wear-jumps", words, error)
     box = Box.around(last.fields["pressure"] > 0)
@@ -92,33 +92,33 @@ def wear_cautions(
         near = min(min(sides[axis]) for axis in model.grid.ended_axes)
         if 0 < near <= max(1.0, _GROWN * max(box.shape)):
             words = (
-                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
-                "ends with an error: more wear needs a larger grid.size"
+                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the edge of the window; a run "
+                "whose contact reaches the edge fails: more wear needs a larger grid.size"
             )
             yield Caution("worn-window", words)
 
 
 def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]) -> Iterator[Caution]:
-    """Warnings of layers that have worn unevenly, and of regions that do not rise with what wears off above them."""
+    """Warnings of unevenly worn layers, and of regions that do not move with the worn surface."""
     error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
     if error >= _UNEVEN:
         words = (
-            "layers that wear are taken as thick as their mean in the contact: the answer of the most and of the least "
-            f"worn column differs from that by {percent(error)}; describe them by cells to see it"
+            "the kernels use the mean thickness of worn layers in the contact: the responses of the most and the least "
+            f"worn column differ from it by {percent(error)}; describe the layers by cells to resolve this"
         )
         yield Caution("worn-layers", words, error)
     lag = last.scalars.get("wear_lag", 0.0)
     if lag >= _LAGS:
         words = (
-            f"what lies in the bodies answers when a slide is done: the pressure that wore in the last step differs by "
-            f"{percent(lag)} from that found then; give more increments"
+            f"the interiors of the bodies are updated only after the wear of a slide: the pressure of this wear in the "
+            f"last step differs by {percent(lag)} from the final pressure; increase the increments"
         )
         yield Caution("worn-increments", words, lag)
     yield from _left_behind(model, last)
 
 
 def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """The first region that stays where it was: all but those of linear laws in cells do."""
+    """First region that does not move with the surface: only regions of linear laws in cells move."""
     for source in model.sources:
         worn = last.fields.get(f"worn_depth_{source.body}")
         rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear
@@ -127,9 +127,9 @@ def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
         lost, depth = float(worn.max()), source.shape.bounds[1][2]
         if lost > _STAYS * depth:
             words = (
-                f"body {source.body} has lost up to {readable(lost, 'm')}, and {source.name!r}, which reaches down to "
-                f"{readable(depth, 'm')}, stays where it was: eigenstrain, whole inclusions and what laws remember do "
-                "not rise with what wears off above them"
+                f"body {source.body} has a worn depth of up to {readable(lost, 'm')}, but {source.name!r}, which "
+                f"extends to {readable(depth, 'm')}, keeps its depth: eigenstrain, whole inclusions and the state of "
+                "laws do not move with the worn surface"
             )
             yield Caution("worn-regions", words, lost / depth)
             return

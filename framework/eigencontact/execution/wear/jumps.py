@@ -1,4 +1,4 @@
-"""How many cycles a solved one stands for: as many as keep the error of the worn volume small.
+"""Number of cycles that a solved cycle represents, by the allowed error of the worn volume.
 
 The rate of a cycle goes on changing as it did between the last two solved ones; by how much the next solved cycle
 differs from that is the error of the jump, which grows with the square of its size relative to what it wears.
@@ -37,7 +37,7 @@ def ahead(memory: dict[str, FloatArray], cycles: float) -> Rate:
 
 
 def against_deflection(rate: Rate, pressure: FloatArray, softness: float) -> float:
-    """Largest depth of a cycle by what the largest pressure deflects a cell."""
+    """Largest worn depth of a cycle divided by the displacement of a cell by the largest pressure."""
     most = float(pressure.max()) * softness
     return float(rate.depth(pressure).max()) / most if most > 0 else 0.0
 
@@ -68,7 +68,7 @@ class Jumps:
         *,
         in_its_end: bool,
     ) -> None:
-        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, pressure in its end, peak.
+        """Set the next jump and its basis from a solved cycle: rate, energy, final pressure, peak.
 
         `in_its_end` says that the surfaces move in the end of the cycle alone.
         """
@@ -107,7 +107,7 @@ class Jumps:
         }  # fmt: skip
 
     def _by_error(self, state: WornState, missing: float, worn: float) -> float:
-        """Next jump by what the last one missed a cycle, and what a cycle wears [m³]."""
+        """Next jump from the error of the last jump per cycle, and the wear per cycle [m³]."""
         if self._table.error is None:
             return 1.0
         volume, last = float(state.total.sum()) * self._area, state.jump

@@ -1,4 +1,4 @@
-"""Layers that wear: their thickness in the kernels, and the error of taking it as uniform.
+"""Worn layers: their thickness in the kernels, and the error of a uniform thickness.
 
 The kernels of a layered body are those of layers of uniform thickness. Where a body has lost a depth w(x, y), they are
 made for the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over
@@ -76,7 +76,7 @@ def refuse_unworn_kernels(model: Model) -> None:
 
 
 class WornLayers:
-    """The thickness of layers in the kernels of a contact, from step to step, by stored records alone.
+    """Layer thickness in the kernels of a contact, from step to step, from stored records.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class WornLayers:
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
     def begin(self, step: Step, state: WornState) -> None:
-        """Kernels of the last step; or, where its surfaces have worn since, those for them."""
+        """Kernels of the last step, or for its worn surfaces if they have changed since."""
         last = step.previous
         lost = {body: 0.0 if last is None else last.scalars[f"layer_lost_{body}"] for body in self._media}
         self._use(lost)
@@ -109,7 +109,7 @@ class WornLayers:
             self.follow(state, last.fields["pressure"])
 
     def follow(self, state: WornState, pressure: FloatArray) -> None:
-        """Kernels for the mean depth that surfaces have lost under a pressure, if that changes their answer enough."""
+        """Kernels for the mean worn depth under a pressure, if it changes their response enough."""
         if not pressure.any():
             return
         mean = {body: float(np.average(state.seen(body), weights=pressure)) for body in self._media}
@@ -151,7 +151,7 @@ class WornLayers:
         return first, second
 
     def _change(self, losses: Mapping[int, float], new_losses: Mapping[int, float]) -> float:
-        """Largest relative change of the surface displacement by waves of pressure, and of shear along them."""
+        """Largest relative change of the surface displacement by waves of pressure and shear."""
         if losses == new_losses:
             return 0.0
         k, still = self._waves, np.zeros_like(self._waves)

@@ -1,4 +1,4 @@
-"""What a cycle wears, by place: in proportion to the pressure, and whatever the pressure."""
+"""Wear rate of a cycle in each cell: a part proportional to the pressure, and a constant part."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Rate:
 
 
 def rate_of(law: WearLaw, state: WearState) -> Rate:
-    """Rate by a law: by pressure where there is pressure in the end, and whatever the pressure elsewhere."""
+    """Rate by a law: proportional to the pressure in cells with a final pressure, constant elsewhere."""
     depth, loaded = checked_depth(law, state), state.pressure > 0
     slope = quotient(depth, state.pressure, loaded)
     if not law.linear_in_pressure and depth.any():
@@ -63,7 +63,7 @@ def filled(rate: Rate, loaded: NDArray[np.bool_]) -> Rate:
 
 
 def energy_of(added: FloatArray, depth: FloatArray, energy: FloatArray, cycles: float) -> FloatArray:
-    """Work of friction [J/m²] that goes with an added depth.
+    """Work of friction [J/m²] for an added worn depth.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> Fl
 
 
 def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
-    """Values with those of the nearest known cell elsewhere."""
+    """Values, with those of the nearest known cell in all other cells."""
     if valid.all() or not valid.any():
         return values
     from scipy.ndimage import distance_transform_edt

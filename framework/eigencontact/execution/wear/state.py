@@ -1,4 +1,4 @@
-"""What is known of surfaces that wear from one step to the next: in stored records, and while a step is computed."""
+"""State of wearing surfaces between steps, in stored records and during a step."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _REMEMBERED = {
 
 @dataclass(kw_only=True, slots=True)
 class WornState:
-    """Two surfaces, one of which at least wears; arrays are (ny, nx).
+    """Worn depth of both surfaces, of which at least one wears; arrays are (ny, nx).
 
     Body 1 rests in the window, and body 2 moves with the geometry. What body 2 has lost is therefore kept in
     coordinates that move with it, and is carried into the window by linear interpolation. What it loses in the window
@@ -75,12 +75,12 @@ class WornState:
 
     @property
     def total(self) -> FloatArray:
-        """Depth lost by both, where they are [m]."""
+        """Worn depth of both bodies together, at their present positions [m]."""
         return np.asarray(sum(self.seen(body) for body in self.depth))
 
     @property
     def lost(self) -> FloatArray:
-        """Depth lost by both, each in its own coordinates [m]: for volumes, and for the place of each in a cycle."""
+        """Worn depth of both bodies, each in its own coordinates [m]: for volumes, and for positions in a cycle."""
         return np.asarray(sum(self.depth.values()))
 
     def seen(self, body: int) -> FloatArray:
@@ -88,14 +88,14 @@ class WornState:
         return carried(self.depth[body], self.cells) if body == 2 else self.depth[body]
 
     def wear(self, added: FloatArray, parts: Mapping[int, float]) -> None:
-        """Take a depth [m] off the bodies, each its part, in coordinates of the window."""
+        """Add a worn depth [m] to the bodies by their shares, in coordinates of the window."""
         x, y = self.cells
         local = {1: added, 2: carried(added, (-x, -y)) if 2 in parts else added}
         self.depth = {body: depth + parts[body] * local[body] for body, depth in self.depth.items()}
 
 
 def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
-    """Values ``(ny, nx)`` moved by so many cells along x and y, by linear interpolation, in a frame that is closed.
+    """Values ``(ny, nx)`` shifted by cells along x and y, by linear interpolation, periodic at the border.
 
     The sum stays, and the way back is the adjoint.
 
@@ -115,14 +115,14 @@ def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
 
 
 def updated(memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
-    """What of a memory outlives a cycle: how the surfaces have moved in its end."""
+    """Memory that persists after a cycle: the motion of the surfaces at its end."""
     return {"update": memory["update"]} if "update" in memory else {}
 
 
 def recalled(
     last: StepRecord | None, bodies: Mapping[int, float], grid: Grid, travel: tuple[float, float] | None
 ) -> WornState:
-    """State after the last accepted step, from its record alone; of new surfaces before the first.
+    """State after the last accepted step, from its record; of unworn surfaces before the first.
 
     Body 2 has come to `travel` [m] meanwhile; None where it never moves.
     """
@@ -150,7 +150,7 @@ def recalled(
 
 
 def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) -> None:
-    """Fields, numbers and what is remembered, into a step; `travels` where body 2 moves."""
+    """Store fields, numbers and state in a step; `travels` if body 2 moves."""
     total, area = state.total, grid.cell_area
     lost = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
     step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}

@@ -44,22 +44,22 @@ _LEAST = 0.02
 
 
 class MovedContact(Protocol):
-    """Contact of surfaces that wear has moved; it makes its kernels anew where the bodies have changed."""
+    """Contact of worn surfaces; it computes new kernels if the bodies have changed."""
 
     def pressed(
         self, surface: Surface, control: Control, fields: Mapping[str, FloatArray], springs: FloatArray | None,
         start: FloatArray | None,
     ) -> FloatArray:  # fmt: skip
-        """Pressure under moved surfaces; see `eigencontact.execution.blocks.contact.Contact.pressed`."""
+        """Pressure under displaced surfaces; see `eigencontact.execution.blocks.contact.Contact.pressed`."""
         ...
 
     def softness(self, solids: Solids | None) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
+        """Displacement of the centre of a cell by a unit pressure on it [m/Pa]; `solids` as in `Surface`."""
         ...
 
 
 class WornSurface:
-    """Surfaces that wear, from step to step, by stored records alone.
+    """Wearing surfaces, from step to step, from stored records.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class WornSurface:
 
     @property
     def solids(self) -> Solids | None:
-        """Solids with layers as thick as the kernels take them to be; None where no layers wear."""
+        """Solids with the layer thickness of the kernels; None if no layers wear."""
         return None if self._layers is None else self._layers.solids
 
     @property
@@ -105,7 +105,7 @@ class WornSurface:
         return {} if exposed is None else exposed_facts(exposed, exposed.at(self.lost.get(exposed.body)))
 
     def begin(self, step: Step) -> Surface:
-        """Surfaces that the contact of a step meets, from new ones at the same place.
+        """Surfaces at the start of a step, from unworn surfaces at the same position.
 
         Cycles that are skipped before the step wear the surfaces, and so does what it slides all over the contact.
         """
@@ -130,7 +130,7 @@ class WornSurface:
         return replace(self._new, separation=self._new.separation + depth, solids=self.solids)
 
     def advance(self, step: Step) -> None:
-        """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
+        """Wear by the slip of a solved step, or by the cycle that it ends; stores the results in the step."""
         cycle, memory = step.cycle, self._state.memory
         if cycle is not None and cycle.settling:
             store(self._state, step, self._grid, travels=self._travels)
@@ -190,7 +190,7 @@ class WornSurface:
         self._state.cycles += cycles
 
     def _repeat(self, cycles: int) -> None:
-        """Wear by cycles that all wear what the last one did, whatever the pressure; each body in its own place."""
+        """Wear by cycles with the wear of the last one at any pressure; each body in its own coordinates."""
         state, memory = self._state, self._state.memory
         second = memory.get("steady_2", 0.0)
         each = {1: memory["steady"] - second, 2: second}
@@ -199,7 +199,7 @@ class WornSurface:
         state.cycles += cycles
 
     def _slide(self, step: Step, distance: float, halvings: int = _HALVINGS) -> None:
-        """Wear by sliding all over the contact, on the way to the pressure that the step will find.
+        """Wear by sliding of the whole contact, with the pressure at the end of the step.
 
         A way on which too much would be worn off a material that is not exposed at its start is halved.
         """
@@ -229,7 +229,7 @@ class WornSurface:
     def _wear(
         self, step: Step, slip: FloatArray, energy: FloatArray, peak: FloatArray, *, amplitude: float
     ) -> tuple[Rate, FloatArray]:
-        """Wear by a solved increment or cycle; its rate, and the energy by it.
+        """Wear by a solved increment or cycle, with its rate and energy.
 
         `amplitude` is that of the slip by its path. A cell that nothing presses in the end has lost no more than the
         deflection under its largest pressure `peak`: then it was free.
@@ -248,7 +248,7 @@ class WornSurface:
         return rate, energy_of(rate.depth(pressure), depth, energy, 1.0)
 
     def _end_cycle(self, step: Step, cycle: CyclePlace, peak: FloatArray) -> None:
-        """Wear by a whole cycle, and decide how many more it stands for."""
+        """Wear by a whole cycle, and the number of cycles that it represents."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
         within = self._within and not np.array_equal(state.lost, memory["start_depth"])
@@ -275,7 +275,7 @@ class WornSurface:
             state.memory["steady_2"] = state.depth[2] - start
 
     def _overshoot(self, depth: FloatArray) -> float:
-        """Share of a depth [m] that lies below the exposed material, by volume; 0 where materials share a law."""
+        """Fraction of a worn depth [m] below the exposed material, by volume; 0 if materials share a law."""
         exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0
@@ -285,7 +285,7 @@ class WornSurface:
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
         energy: FloatArray,
     ) -> WearState:  # fmt: skip
-        """What the law may look at."""
+        """State for the wear law."""
         y, x = self._grid.axes()
         return WearState(
             pressure=pressure, shear=shear, slip=slip, slip_amplitude=amplitude, energy=energy,
@@ -297,7 +297,7 @@ class WornSurface:
         self, control: Control, fields: Mapping[str, FloatArray], rate: Rate, cycles: int, depth: FloatArray,
         energy: FloatArray, pressure: FloatArray,
     ) -> FloatArray:  # fmt: skip
-        """Move the surfaces by so many cycles of a rate, of which a solved one wore a depth and spent an energy.
+        """Move the surfaces by a number of cycles of a rate; the solved cycle has a depth and an energy.
 
         Returns the pressure under them.
         """
@@ -319,7 +319,7 @@ class WornSurface:
         return pressure
 
     def _refuse_too_much(self, rate: Rate, cycles: int, pressure: FloatArray) -> None:
-        """Refuse wear that numbers cannot hold beside the deflection."""
+        """Refuse a worn depth beyond the resolution of the numbers compared with the deflection."""
         share = cycles * against_deflection(rate, pressure, self._contact.softness(self.solids))
         if share > 10.0 * MOST:
             raise SceneError(
@@ -330,7 +330,7 @@ class WornSurface:
 
 
 def _grown(step: Step, name: str) -> FloatArray:
-    """By how much a field that adds up has grown in a step."""
+    """Growth of a cumulative field in a step."""
     if name not in step.fields:
         return np.zeros_like(step.fields["pressure"])
     return step.fields[name] if step.previous is None else step.fields[name] - step.previous.fields[name]

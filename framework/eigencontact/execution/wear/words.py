@@ -1,4 +1,4 @@
-"""Wear in the words of a plan: law, motion of the surfaces, cycles, and the effects that it leaves out."""
+"""Text of a plan about wear: law, motion of the surfaces, cycles, and omitted effects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
     if len(table.parts) > 1:
         bodies = " and ".join(f"body {body} by {share:.3g} of the depth" for body, share in table.parts.items())
     words = ", ".join(text for text in (law.key, sizes(law)) if text)
-    how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", by a small change of it")
+    how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", linearised")
     cycles = any(step.cycle is not None for step in steps)
     when = "at the end of each cycle" if cycles and table.update == "cycle" else "by each increment"
     lines = [f"wear        {bodies}: {words}", f"            the surface moves {when}, {how}"]
@@ -38,17 +38,17 @@ def _solved(repeat: int, table: Wear) -> str:
     if solved == repeat:
         return "all of them solved"
     if table.error is None:
-        return f"{solved} of them solved: each stands for {table.cycles_per_update}"
-    return f"about {solved} of them solved: as many as keep the error of the worn volume to {percent(table.error)}"
+        return f"{solved} of them solved: one for {table.cycles_per_update} cycles"
+    return f"about {solved} of them solved, for an error of the worn volume of at most {percent(table.error)}"
 
 
 def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
     """Effects that wear leaves out."""
     out = [
-        LeftOut("debris, a third body and transfer", "the law takes a depth off, and nothing is put elsewhere"),
+        LeftOut("debris, a third body and transfer", "wear removes material, and the model deposits none"),
         LeftOut(
-            "slopes of what has worn",
-            "half-spaces stay flat, and the gap grows by the worn depth: true of depths small beside the contact",
+            "slopes of the worn surfaces",
+            "half-spaces remain flat, and the gap grows by the worn depth: valid for depths small against the contact",
         ),
     ]
     ratio = shift_by_radius(model)
@@ -57,12 +57,12 @@ def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
         out.append(
             LeftOut(
                 f"motion of the contact over body 1 by shift-x and shift-y{share}",
-                "a shift makes the surfaces slip and keeps the contact where it is; travel-x and travel-y move it",
+                "a shift makes the surfaces slip and does not move the contact; travel-x and travel-y move it",
             )
         )
     for step in model.scene.steps:
         skipped = step.repeat - table.solved_cycles(step.repeat)
         if step.cycle is not None and skipped:
             most = f"{'' if table.error is None else 'about '}{skipped} of {step.repeat} cycles"
-            out.append(LeftOut(most, "what solved ones wear, and how that changes, stands for them"))
+            out.append(LeftOut(most, "their wear is extrapolated from the solved cycles"))
     return out

@@ -118,7 +118,7 @@ class _Increment:
 
 @dataclass(frozen=True, slots=True)
 class _Round:
-    """Answers of one normal and one tangential solve; convolutions of both in this round and those before."""
+    """Results of one normal and one tangential solution, with the convolutions so far."""
 
     normal: NormalSolution
     tangential: TangentialSolution
@@ -127,7 +127,7 @@ class _Round:
     convolutions: tuple[int, int]
 
     def shear_under(self, bound: FloatArray) -> FloatArray:
-        """Shear with that of slipping cells moved to another bound: most of them will slip again."""
+        """Shear with that of slipping cells scaled to another bound, as most of them will slip again."""
         slipping = (self.bound > 0) & ~self.tangential.stick
         return self.tangential.shear * np.where(slipping, bound / np.where(slipping, self.bound, 1.0), 1.0)
 
@@ -263,7 +263,7 @@ class FrictionalContact:
         )
 
     def _round(self, increment: _Increment, last: _Round | None, lift: FloatArray, inner: float | None) -> _Round:
-        """Normal, then tangential contact from the last answers, to the tolerance `inner` or that of the options."""
+        """Normal, then tangential contact from the last results, to the tolerance `inner` or that of the options."""
         before = increment.before
         start = before.pressure if np.any(before.lift) else None
         normal = self._normal(increment, lift, last.normal.pressure if last else start, inner)
@@ -285,7 +285,7 @@ class FrictionalContact:
     def _normal(
         self, increment: _Increment, lift: FloatArray, start: FloatArray | None, inner: float | None
     ) -> NormalSolution:
-        """Solution of the normal contact; the last one where nothing has changed for it."""
+        """Solution of the normal contact; the last one if its input has not changed."""
         separation, control = increment.separation + lift, increment.control
         if start is None and self._last is not None:
             last_separation, last_control, solution = self._last
@@ -315,7 +315,7 @@ class FrictionalContact:
         return self._everywhere(self._by_pressure, pressure[None])
 
     def lift(self, shear: FloatArray) -> FloatArray:
-        """Normal displacement by a shear ``(k, ny, nx)`` [m], both bodies summed; zero where the coupling has none."""
+        """Normal displacement by a shear ``(k, ny, nx)`` [m], sum of both bodies; zero if the coupling excludes it."""
         if self._by_shear is None:
             return np.zeros(self.grid.shape)
         return np.asarray(self._everywhere(self._by_shear, shear)[0])

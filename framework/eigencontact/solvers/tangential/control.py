@@ -19,7 +19,7 @@ __all__ = ["MODES", "TangentialControl", "mode_fields"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TangentialControl(PrescribedModes):
-    """At most one value of each pair is given; a displacement is 0 where neither it nor its force is.
+    """Tangential control with at most one value of each pair; a displacement is 0 without displacement and force.
 
     All are those of body 2 against body 1: a positive shift drags body 1 along +x, so that the shear traction on it is
     positive there.

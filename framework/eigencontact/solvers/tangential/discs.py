@@ -28,7 +28,7 @@ class Infeasible(EigencontactError):
 
 
 def inner(a: FloatArray, b: FloatArray) -> float:
-    """Sum of products of two vector fields; not through BLAS, see `eigencontact.solvers.rigid.dot`."""
+    """Sum of products of two vector fields; without BLAS, see `eigencontact.solvers.rigid.dot`."""
     return float(np.einsum("kij,kij->", a, b))
 
 
@@ -65,7 +65,7 @@ class RigidPlane:
         return np.asarray(np.einsum("mkij,kij->m", self.fields, vectors))
 
     def closest(self, vectors: FloatArray, bound: FloatArray, on_rim: BoolArray | None = None) -> FloatArray:
-        """Tractions within the discs that carry the forces and are closest to the given ones.
+        """Tractions within the discs with the prescribed forces that are closest to given tractions.
 
         The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
         climbed by Newton's method. The tractions of cells that are `held` stay on the rim of their discs, if the others

@@ -39,7 +39,7 @@ _SOFTEST = 0.2
 
 @dataclass(frozen=True, slots=True)
 class DiscProblem:
-    """Shear tractions on one box, in the solver's own units: displacements of coefficients scaled to order one.
+    """Problem of shear tractions on one box, in dimensionless units of order one.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class DiscProblem:
 
 @dataclass(slots=True)
 class DiscState:
-    """Iterate: tractions, their displacements, amounts of the free rigid modes, which cells slip, residual."""
+    """Iterate: tractions, their displacements, amplitudes of the free rigid modes, slipping cells, residual."""
 
     tractions: FloatArray
     displacement: FloatArray
@@ -135,7 +135,7 @@ class _Iteration:
         return DiscState(tractions, self.problem.apply(tractions), np.zeros(0), self.loaded)
 
     def _look(self, state: DiscState) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-        """Tell stick from slip, fit the free rigid modes, and measure what is wrong with the slip."""
+        """Classify stick and slip, fit the free rigid modes, and compute the residual of the slip."""
         problem = self.problem
         size = length_of(state.tractions)
         at_bound = self.loaded & (size >= problem.bound * (1.0 - 1e-12))
@@ -166,7 +166,7 @@ class _Iteration:
         return modes.fitted(unit, self.loaded).amounts(_across(slip, unit))
 
     def _newton(self, wrong: FloatArray, discs: tuple[FloatArray, FloatArray], looseness: float) -> FloatArray:
-        """Conjugate gradients on the directions left free, without a change of the prescribed forces."""
+        """Conjugate gradients in the free directions, without a change of the prescribed forces."""
         problem, modes = self.problem, self.problem.modes
         unit, curvature = discs
         fitted = modes.fitted(unit, self.loaded) if len(modes) else None
@@ -204,7 +204,7 @@ class _Iteration:
         return step
 
     def _moved(self, state: DiscState, slip: FloatArray, step: FloatArray) -> DiscState | None:
-        """State after the step or a part of it; None where none lowers the energy.
+        """State after the step or a fraction of it; None if none reduces the energy.
 
         Tractions brought back to their bound are off by round-off, and the energy with them: a cell of hardly any bound
         may turn by what is lost in that.
@@ -220,7 +220,7 @@ class _Iteration:
         return None
 
     def _descended(self, state: DiscState, slip: FloatArray) -> DiscState:
-        """State after a projected gradient step; short ones always lower the energy."""
+        """State after a projected gradient step; a short one always reduces the energy."""
         trial = state
         for _ in range(12):
             tractions = self.problem.modes.closest(state.tractions - self.gradient_step * slip, self.problem.bound)
@@ -245,7 +245,7 @@ def _change_of_energy(slip: FloatArray, state: DiscState, changed: DiscState) ->
 
 
 def _across(field: FloatArray, unit: FloatArray) -> FloatArray:
-    """Part of a field across the unit vectors of the slipping cells; all of it elsewhere."""
+    """Part of a field perpendicular to the unit vectors of the slipping cells; the whole field elsewhere."""
     return np.asarray(field - unit * np.einsum("kij,kij->ij", unit, field))
 
 

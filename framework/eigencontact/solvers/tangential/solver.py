@@ -1,4 +1,4 @@
-"""Tangential contact with friction under a given pressure: one increment, by itself or again and again on one grid."""
+"""Tangential contact with friction under a prescribed pressure, for one or many increments on one grid."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NOTHING = 1e-12
 
 
 class Overloaded(SceneError):
-    """Forces beyond what friction can carry under the pressure at hand.
+    """Error: prescribed forces exceed the limit of friction under the present pressure.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class TangentialSolution:
 
 
 class TangentialSolver:
-    """Friction on one grid, to be solved again and again: coefficients, spectra and plans are kept.
+    """Friction on one grid for any number of solutions; coefficients, spectra and plans are reused.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class TangentialSolver:
         tolerance: float | None = None,
         progress: Progress | None = None,
     ) -> TangentialSolution:
-        """Find shear, stick and slip of one increment.
+        """Solve for shear, stick and slip of one increment.
 
         With ``slip = A q + offset - rigid``: zero where ``|q| < bound``, opposed to q where ``|q| = bound``.
 
@@ -168,7 +168,7 @@ class TangentialSolver:
     def slid(
         self, bound: FloatArray, offset: FloatArray, direction: FloatArray, rigid: FloatArray
     ) -> TangentialSolution:
-        """Shear of a contact that slides one way in all cells.
+        """Shear of a contact that slides in one direction in all cells.
 
         Parameters
         ----------
@@ -192,7 +192,7 @@ class TangentialSolver:
         self, shear: FloatArray, displacement: FloatArray, offset: FloatArray, rigid: FloatArray,
         report: SolveReport[FrictionCertificate], *, tolerance: float,
     ) -> TangentialSolution:  # fmt: skip
-        """Exact solution in which no cell sticks."""
+        """Exact solution without sticking cells."""
         fields = mode_fields(self.grid, self.components)
         report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=tolerance)
         return TangentialSolution(
@@ -278,7 +278,7 @@ class TangentialSolver:
         report: SolveReport[FrictionCertificate],
         tolerance: float,
     ) -> TangentialSolution:
-        """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
+        """Check the friction conditions by a separate convolution, which also covers the surface outside contact."""
         grid, (box, traction) = self.grid, scale
         window = Box(0, grid.ny, 0, grid.nx)
         fields = mode_fields(grid, self.components)
@@ -311,7 +311,7 @@ class TangentialSolver:
         )
 
     def _capacity(self, bound: FloatArray, fields: FloatArray) -> FloatArray:
-        """Largest force that friction could carry of each mode alone [N], [N m]."""
+        """Largest friction force of each mode alone [N], [N m]."""
         arms = np.sqrt(np.einsum("mkij,mkij->mij", fields, fields))
         return np.asarray(np.einsum("mij,ij->m", arms, bound) * self.grid.cell_area + np.finfo(float).tiny)
 
@@ -331,7 +331,7 @@ class TangentialSolver:
         )
 
     def _check_directions(self, control: TangentialControl) -> None:
-        """Refuse what the directions of this solver cannot answer."""
+        """Refuse input outside the directions of this solver."""
         for mode, (displacement, force) in enumerate(MODES):
             missing = "xy" if mode == 2 else "xy"[mode]
             value = getattr(control, displacement) or getattr(control, force)
