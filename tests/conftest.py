@@ -14,7 +14,11 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from hypothesis import settings
 
+# Examples have no time limit: the machine may be busy.
+settings.register_profile("without-deadline", deadline=None)
+settings.load_profile("without-deadline")
 # Several test processes share the cores; threads of BLAS that spin in each of them would stand in each other's way.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
