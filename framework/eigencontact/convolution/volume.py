@@ -164,10 +164,8 @@ class _Worker:
 
     def views(self, half: Array) -> tuple[Array, Array]:
         """Sources ``[kx, source, z, y]`` and outputs ``[kx, output, z, y]`` in this memory."""
-        shapes = [
-            (count, *box[:2]) for count, box in ((len(self._active), self._layout.source), (self._outputs, self._layout.target))
-        ]
-        before, after = (half[:, : math.prod(shape)].reshape(-1, *shape) for shape in shapes)
+        sources, outputs = (len(self._active), *self._layout.source[:2]), (self._outputs, *self._layout.target[:2])
+        before, after = (half[:, : math.prod(shape)].reshape(-1, *shape) for shape in (sources, outputs))
         return before, after
 
     @property

@@ -59,12 +59,10 @@ class WeightedSums:
             for kernel, source in terms:
                 self._check(output, kernel, source)
         self._merged = _dependent(table)
-        self.rows = _independent(
-            {
-                output: {(kernel, source): value for (kernel, source), value in terms.items() if source not in self._merged}
-                for output, terms in table.items()
-            }
-        )
+        kept = {
+            row: {term: terms[term] for term in terms if term[1] not in self._merged} for row, terms in table.items()
+        }
+        self.rows = _independent(kept)
 
     def _check(self, output: int, kernel: int, source: int) -> None:
         """Refuse a kernel without the symmetry of its source and output."""

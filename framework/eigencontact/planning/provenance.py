@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import platform
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from itertools import accumulate
 from typing import Any
@@ -136,10 +136,19 @@ def _versions(plan: Plan) -> dict[str, str]:
         "scipy": scipy.__version__,
         "eigencontact": __version__,
     }
-    with contextlib.suppress(PackageNotFoundError):
-        versions["pyfftw"] = version("pyfftw")
+    if pyfftw := _version("pyfftw"):
+        versions["pyfftw"] = pyfftw
     registry = plan.model.registry
     for component in plan.model.components:
         entry = registry.entry_of(component)
         versions[f"plugin {entry.kind} {registry.spelling(entry)}"] = entry.origin
     return versions
+
+
+@cache
+def _version(package: str) -> str:
+    """Version of an installed package, read from its metadata once; nothing where it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""

@@ -33,6 +33,8 @@ __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 _COARSE_TOLERANCE = 1e-3
 # Tolerance of the other coarse grids, where a tighter one saves nothing.
 _COARSER_TOLERANCE = 1e-2
+# Merged cells so few that still coarser grids would take more time than they save, as in a row.
+_FEW = 256
 
 
 class CoarseToFine:
@@ -65,6 +67,8 @@ class CoarseToFine:
         ladder = [(self.grid, fixed, (1, 1))]
         while (factors := coarse_factors(ladder[-1][0])) is not None:
             grid, field_, _ = ladder[-1]
+            if len(ladder) > 1 and grid.nx * grid.ny <= _FEW:
+                break
             ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
             if grid in self._springs:
                 springs = restrict_springs(self._springs[grid], factors, self._cell_compliance(grid))
