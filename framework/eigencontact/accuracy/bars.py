@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from eigencontact.accuracy.fields import FieldErrors
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Accuracy", "Comparison", "Run", "error_bars", "joined_bars"]
+__all__ = ["Accuracy", "Coarser", "Comparison", "Run", "Varied", "error_bars", "joined_bars"]
 
 #: Memory of the operators that coarser runs share [bytes].
 _KEPT_BYTES = 2e8
@@ -43,6 +43,21 @@ class Run(NamedTuple):
     summary: Mapping[str, Any]
     results: Results | None = None
     kept: Any = None
+
+
+class Varied(NamedTuple):
+    """Runs of one source of error.
+
+    Attributes
+    ----------
+    base : Run
+        The run, or one with coarser cells.
+    others : sequence of (float, Run)
+        Step size in that of `base`, and the run; the nearest first.
+    """
+
+    base: Run
+    others: Sequence[tuple[float, Run]]
 
 
 #: Solves a scene given by its tables, with what differs in words.
@@ -90,6 +105,8 @@ class Accuracy:
         Their wall time [s].
     comparisons : list of Comparison
         Numbers of these runs.
+    varied : dict of str to Varied
+        The runs by source.
     """
 
     bars: dict[str, ErrorBar]
@@ -97,6 +114,7 @@ class Accuracy:
     runs: int = 0
     seconds: float = 0.0
     comparisons: Sequence[Comparison] = ()
+    varied: Mapping[str, Varied] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""
@@ -112,6 +130,7 @@ def error_bars(
     fields: FieldErrors | None = None,
     *,
     sources: Sequence[ErrorSource] | None = None,
+    before: Mapping[str, Varied] | None = None,
 ) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
@@ -127,6 +146,8 @@ def error_bars(
         Takes the same runs for the errors of fields.
     sources : sequence of ErrorSource, optional
         By default those of the plan.
+    before : mapping of str to Varied, optional
+        Runs of sources that were made before and stand for those of this run.
 
     Returns
     -------
@@ -140,36 +161,23 @@ def error_bars(
     run. The errors of all sources are added. They do not contain errors of the model: half-space, small strain, laws.
     """
     began = perf_counter()
-    tables = plan.scene.resolved()
-    base_tables, base = tables, Run(plan, summary)
+    coarser = Coarser(Run(plan, summary), solve)
+    varied = dict(before or {})
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
-    runs, kept = 0, Kept(_KEPT_BYTES)
     for source in error_sources(plan) if sources is None else sources:
-        start_tables, start = (base_tables, base) if source.on_coarse else (tables, Run(plan, summary))
         if source.known is not None:
             comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
-        others: list[tuple[float, Run]] = []
         source_began = perf_counter()
-        for variation in source.variations(start.plan):
-            varied = changed(start_tables, variation.changes)
-            try:
-                with kept.offered():  # runs on the same cells share operators
-                    coarse = solve(varied, f"{source.name}, step size times {variation.ratio:.3g}")
-            except EigencontactError as problem:
-                left_out[source.name] = " ".join(str(problem).split())
-                break
-            runs += 1
-            # the planner rounds the number of cells: the ratio is that of the edges
-            ratio = variation.ratio if source.on_coarse else _edge(coarse.plan) / _edge(plan)
-            if ratio == 1.0:
-                left_out[source.name] = "the grid cannot be coarser"
-                break
-            others.append((ratio, coarse))
-            if not source.on_coarse:
-                base_tables, base = varied, coarse
-        if others:
+        if source.name not in varied:
+            found, reason = coarser.vary(source, varied)
+            if found.others:
+                varied[source.name] = found
+            elif reason:
+                left_out[source.name] = reason
+        if source.name in varied:
             left_out.pop(source.name, None)
+            start, others = varied[source.name]
             values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in others]
             own, spent = dict(_results(start.summary)), perf_counter() - source_began
             comparisons.append(Comparison(source=source, values=own, others=values, seconds=spent))
@@ -177,7 +185,57 @@ def error_bars(
                 fields.vary(source, start, others)
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
-    return Accuracy(bars=bars, left_out=left_out, runs=runs, seconds=seconds, comparisons=comparisons)
+    return Accuracy(
+        bars=bars, left_out=left_out, runs=coarser.runs, seconds=seconds, comparisons=comparisons, varied=varied
+    )
+
+
+@dataclass
+class Coarser:
+    """Coarser runs of one run, source by source."""
+
+    own: Run
+    solve: Solve
+    runs: int = 0
+    _kept: Kept = field(default_factory=lambda: Kept(_KEPT_BYTES))
+    _coarsest: tuple[Mapping[str, Any], Run] | None = None
+
+    def vary(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Varied, str]:
+        """Runs of a source, none where it has none, and why one was refused; those of the sources before it are given."""
+        others: list[tuple[float, Run]] = []
+        start = self.own
+        try:
+            tables, start = self._start(source, varied)
+            for variation in source.variations(start.plan):
+                words = f"{source.name}, step size times {variation.ratio:.3g}"
+                coarse = self._solved(changed(tables, variation.changes), words)
+                # the planner rounds the number of cells: the ratio is that of the edges
+                ratio = variation.ratio if source.on_coarse else _edge(coarse[1].plan) / _edge(self.own.plan)
+                if ratio == 1.0:
+                    return Varied(start, others), "the grid cannot be coarser"
+                others.append((ratio, coarse[1]))
+                if not source.on_coarse:
+                    self._coarsest = coarse
+        except EigencontactError as problem:
+            return Varied(start, others), " ".join(str(problem).split())
+        return Varied(start, others), ""
+
+    def _start(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Mapping[str, Any], Run]:
+        """Tables and run that a source is varied from: coarse cells if it can be."""
+        tables = self.own.plan.scene.resolved()
+        if not source.on_coarse:
+            return tables, self.own
+        if self._coarsest is None and "cells" in varied:
+            grid = varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
+            coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
+            self._coarsest = self._solved(changed(tables, coarse), "coarse cells")
+        return self._coarsest or (tables, self.own)
+
+    def _solved(self, tables: Mapping[str, Any], words: str) -> tuple[Mapping[str, Any], Run]:
+        with self._kept.offered():  # runs on the same cells share operators
+            run = self.solve(tables, words)
+        self.runs += 1
+        return tables, run
 
 
 def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -> dict[str, ErrorBar]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log
 from typing import TYPE_CHECKING, Any
 
@@ -168,20 +168,26 @@ def cheapest(
             out *= given[lever.source.name] ** getattr(lever, kind)
         return out
 
-    excess = targets.excess(errors(factors), SHARE)
+    # a number that holds need not become better; one that does not has the margin of a prediction
+    limits = {
+        name: limit * (share if SHARE < (share := errors(factors)[name] / limit) <= 1.0 else SHARE)
+        for name, limit in targets.allowed.items()
+    }
+    aims = replace(targets, allowed=limits)
+    excess = aims.excess(errors(factors))
     while excess > 0.0:
         now, best, gain = price(factors, "seconds"), None, 0.0
         for lever in levers:
             tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
             within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
             allowed = tried[lever.source.name] <= (1e4 if far else 1.001 * lever.at_once)
-            fall = excess - targets.excess(errors(tried), SHARE)
+            fall = excess - aims.excess(errors(tried))
             pays = fall / (price(tried, "seconds") - now)
             if within and allowed and pays > gain and fall > _SMALL * excess:
                 best, gain = tried, pays
         if best is None:
             break
-        factors, excess = best, targets.excess(errors(best), SHARE)
+        factors, excess = best, aims.excess(errors(best))
     reached = errors(factors)
     return Way(
         factors={name: factor for name, factor in factors.items() if factor > 1.0},

@@ -35,6 +35,8 @@ _WINDOW = 0.5
 _RUNGS, _TRIES = 7, 3
 #: Fall of the errors beyond the targets, in parts of them, below which a rung has not paid.
 _FALL = 0.1
+#: Errors of a source below this part of each target stand for those on finer cells: it is not varied again.
+_LITTLE = 0.1
 #: Time of the coarser runs of the next rung, in times of that rung: that of the last one, within these bounds.
 _BARS = (0.4, 1.5)
 #: Time that a pursuit may take where the scene gives none [s].
@@ -272,7 +274,7 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
         else:
             tables = way.changes(last.run.plan, last.tables)
             try:
-                solved = runs.rung(runs.make(tables), _words(way))
+                solved = runs.rung(runs.make(tables), _words(way), refined=way.factors, small=_small(last))
             except EigencontactError as problem:
                 stopped = " ".join(str(problem).split())
                 continue
@@ -282,6 +284,16 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
                 stopped = "the errors no longer fall"
     seconds = perf_counter() - course.began
     return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, more=more if stopped else None)
+
+
+def _small(rung: Rung) -> list[str]:
+    """Sources whose errors are small in every number with a target."""
+    bars = {name: rung.bars[name].parts for name in rung.targets.allowed}
+    return [
+        source
+        for source in rung.found.varied
+        if all(bars[name].get(source, 0.0) <= _LITTLE * limit for name, limit in rung.targets.allowed.items())
+    ]
 
 
 def _words(way: Way) -> str:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.bars import Accuracy, Run, error_bars
+from eigencontact.accuracy.bars import Accuracy, Coarser, Run, Varied, error_bars
 from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.fields import FieldErrors
-from eigencontact.accuracy.sources import Variation, error_sources
+from eigencontact.accuracy.sources import SOURCES, ErrorSource, Variation, error_sources
+from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -19,7 +20,10 @@ if TYPE_CHECKING:
 __all__ = ["Runs", "edge_of"]
 
 #: Grids that were solved before stand for those of the source "cells" within these ratios of their edges.
-_NEAR, _FAR, _APART = (1.4, 3.1), 5.0, 1.25
+_NEAR, _FAR, _APART = (1.4, 2.6), 5.0, 1.25
+#: Part of the time of a run below which its cells are varied with the other settings of the run before it.
+_CHEAPER = 0.5
+_CELLS = next(source for source in SOURCES if source.name == "cells")
 
 
 def edge_of(plan: Plan) -> float:
@@ -47,18 +51,61 @@ class Runs:
     reused: int = 0
     _known: dict[str, Run] = field(default_factory=dict)
     _grids: list[tuple[float, Mapping[str, Any]]] = field(default_factory=list)
+    _last: tuple[Run, Mapping[str, Varied]] | None = None
 
-    def rung(self, plan: Plan, words: str) -> tuple[Run, float, Accuracy, FieldErrors | None]:
-        """Run of a plan, its time without the error bars [s], its error bars, and the errors of its fields, if any."""
+    def rung(
+        self, plan: Plan, words: str, *, refined: Collection[str] = (), small: Collection[str] = ()
+    ) -> tuple[Run, float, Accuracy, FieldErrors | None]:
+        """Run of a plan, its time without the bars [s], its error bars, and the errors of its fields if it has any.
+
+        Parameters
+        ----------
+        plan : Plan
+        words : str
+            What it differs in from the last one.
+        refined : collection of str
+            Sources of error that are finer than in the last one.
+        small : collection of str
+            Sources whose errors do not matter there: those of the last one stand.
+        """
         began = perf_counter()
         run = self._solve(plan, words)
         seconds = perf_counter() - began
-        sources = [
-            replace(source, variations=self._cells(source.variations)) if source.name == "cells" else source
-            for source in error_sources(run.plan)
-        ]
+        return (run, seconds, *self._with_bars(run, self._before(run, refined, small)))
+
+    def _with_bars(self, run: Run, before: Mapping[str, Varied]) -> tuple[Accuracy, FieldErrors | None]:
+        sources = [self._with_known(source) if source is _CELLS else source for source in error_sources(run.plan)]
         fields = None if run.results is None else FieldErrors(run.results, run.summary)
-        return run, seconds, error_bars(run.plan, run.summary, self._coarse, fields, sources=sources), fields
+        found = error_bars(run.plan, run.summary, self._coarse, fields, sources=sources, before=before)
+        self._last = run, found.varied
+        return found, fields
+
+    def _before(self, run: Run, refined: Collection[str], small: Collection[str]) -> dict[str, Varied]:
+        """Runs of sources that stand for those of a run: of sources that are as before, and of the cells alone."""
+        if self._last is None:
+            return {}
+        last, varied = self._last
+        found = {name: runs for name, runs in varied.items() if name not in refined}
+        near: Run | None = last
+        if "cells" in refined:
+            found = {name: runs for name, runs in found.items() if name in small}
+            near = self._finer_cells_of(last.plan, run.plan) if len(refined) > 1 else None
+            if near is not None:
+                cells, _ = Coarser(near, self._coarse).vary(self._with_known(_CELLS), {})
+                found |= {"cells": cells} if cells.others else {}
+        if near is not None and set(refined) - {"cells"} == {"load steps"}:
+            found["load steps"] = Varied(run, [(run.plan.steps / near.plan.steps, near)])
+        return found
+
+    def _finer_cells_of(self, last: Plan, plan: Plan) -> Run | None:
+        """Run with the cells of a plan and all other settings of the last one; None where that saves too little."""
+        try:
+            tables = changed(last.scene.resolved(), {"grid": plan.scene.resolved()["grid"]})
+            if self.make(tables).seconds > _CHEAPER * plan.seconds:
+                return None
+            return self._coarse(tables, "cells alone finer")
+        except EigencontactError:
+            return None
 
     def _coarse(self, tables: Mapping[str, Any], words: str) -> Run:
         """Run that a bar compares with, solved now or before."""
@@ -79,8 +126,9 @@ class Runs:
             self._grids.append((edge_of(plan), grid))
         return run
 
-    def _cells(self, usual: Callable[[Plan], Sequence[Variation]]) -> Callable[[Plan], list[Variation]]:
-        """Variations of the cells on grids solved before, if their ratios fit; else the default variations."""
+    def _with_known(self, source: ErrorSource) -> ErrorSource:
+        """Source whose variations use grids solved before, if their ratios fit; else the default variations."""
+        usual = source.variations
 
         def variations(plan: Plan) -> list[Variation]:
             edge = edge_of(plan)
@@ -95,7 +143,7 @@ class Runs:
             ratio, grid = fits[0] if fits else (1.5 * ratio, refined_window(plan, 1.0 / (1.5 * ratio), alike=True)[0])
             return [near, replace(far, changes={**far.changes, "grid": grid}, ratio=ratio)]
 
-        return variations
+        return replace(source, variations=variations)
 
 
 def _key(plan: Plan) -> str:

@@ -44,15 +44,15 @@ class Targets:
     texts: dict[str, str] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
 
-    def excess(self, errors: Mapping[str, float], share: float = 1.0) -> float:
-        """Sum over all targets of the error beyond a share of the target, relative to the target.
+    def excess(self, errors: Mapping[str, float]) -> float:
+        """Sum over all targets of the error beyond the allowed error, relative to the allowed error.
 
         Examples
         --------
         >>> Targets(allowed={"approach": 2.0}).excess({"approach": 3.0})
         0.5
         """
-        return sum(max(0.0, errors[name] / limit - share) for name, limit in self.allowed.items())
+        return sum(max(0.0, errors[name] / limit - 1.0) for name, limit in self.allowed.items())
 
     def only(self, names: Iterable[str]) -> Targets:
         """Targets of some of the numbers."""
