@@ -213,7 +213,8 @@ def test_damage_below_a_cylinder(finished):
     assert data.damage_1.values == close(0.6 * (1 - np.exp(-data.equivalent_plastic_strain_1.values / 0.02)), abs=1e-9)
     assert float(data.max_pressure.max()) == close(234e6, rel=0.02)  # by 12 increments, not 4
     assert 0.8 < damaged.summary["print_depth"] / sound.summary["print_depth"] < 0.95
-    assert damaged.summary["max_von_mises"] < 0.85 * sound.summary["max_von_mises"]
+    deepest = [run.dataset.section_stress.values[-1, 0, 4:].min() for run in (damaged, sound)]  # away from the edge
+    assert 0.8 < deepest[0] / deepest[1] < 0.92
 
 
 def test_criteria_below_a_rolling_cylinder(finished):

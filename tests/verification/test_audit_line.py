@@ -163,7 +163,6 @@ def test_damage_agrees_with_the_elements(tmp_path):
     sound = gallery_case("cylinder-on-bone", [*coarser, "body1.law.damage.saturation=0"], tmp_path / "sound")
     coarse, fine = (case.reference(level, "fixed") for level in (0, 1))
     before, found = root_mean_squares(case, coarse), root_mean_squares(case, fine)
-    print(before, found)
     assert found["pressure, step 13"] < 0.01
     middle, edge = "stress in the middle, step 19, section", "stress near the edge, step 19, section"
     assert found[middle] < 0.01
@@ -171,7 +170,7 @@ def test_damage_agrees_with_the_elements(tmp_path):
     assert found[edge] < 0.02
     strain = "plastic strain in the middle, step 19, body 1"
     assert found[strain] < 0.01
-    assert root_mean_squares(sound, fine)[middle] > 5 * found[middle]
+    assert root_mean_squares(sound, {middle: fine[middle]})[middle] > 5 * found[middle]
 
 
 @pytest.mark.parametrize(
