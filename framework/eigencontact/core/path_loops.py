@@ -11,7 +11,7 @@ import numpy as np
 
 from eigencontact.core.numba_cache import compiled
 
-__all__ = ["balls", "normal_extremes", "shear_radii"]
+__all__ = ["balls", "neighbours", "normal_extremes", "shear_radii"]
 
 _compiled: Any = compiled(nogil=True, error_model="numpy")
 
@@ -146,6 +146,29 @@ def normal_extremes(paths: Any, normals: Any, largest: Any, smallest: Any) -> No
             for t in range(1, u.size):
                 high, low = max(high, u[t]), min(low, u[t])
             largest[p, k], smallest[p, k] = high, low
+
+
+@_compiled
+def neighbours(points: Any, normals: Any, angles: Any, turns: Any, out: Any) -> None:
+    """Unit normals around others: at `angles (points,)` [rad] from `normals (points, 3)`, in the directions `turns`.
+
+    Fills ``out[p] (turns, 3)`` of the points p that are listed.
+    """
+    cosines, sines = np.cos(turns), np.sin(turns)
+    for p in points:
+        nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
+        ax, ay = (1.0, 0.0) if abs(nx) < 0.7 else (0.0, 1.0)
+        inner = ax * nx + ay * ny
+        ax, ay, az = ax - inner * nx, ay - inner * ny, -inner * nz
+        length = np.sqrt(ax * ax + ay * ay + az * az)
+        ax, ay, az = ax / length, ay / length, az / length
+        bx, by, bz = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
+        cosine, sine = np.cos(angles[p]), np.sin(angles[p])
+        for k in range(turns.size):
+            c, s = sine * cosines[k], sine * sines[k]
+            out[p, k, 0] = cosine * nx + c * ax + s * bx
+            out[p, k, 1] = cosine * ny + c * ay + s * by
+            out[p, k, 2] = cosine * nz + c * az + s * bz
 
 
 @_compiled
