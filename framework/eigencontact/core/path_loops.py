@@ -11,15 +11,26 @@ import numpy as np
 
 from eigencontact.core.numba_cache import compiled
 
-__all__ = ["balls", "normal_extremes", "shear_radii"]
+__all__ = ["balls", "neighbours", "normal_extremes", "shear_radii"]
 
 _compiled: Any = compiled(nogil=True, error_model="numpy")
+# Largest and smallest of many numbers, in vectors; they must be finite.
+_reduced: Any = compiled(nogil=True, error_model="numpy", fastmath={"nnan", "ninf", "nsz", "reassoc"})
 
 # A point lies outside where its squared distance passes the squared radius by this part, and by round-off of its size.
 _SLACK = 1e-12
 _ROUND_OFF = 1e-28
 # Two edges of a triangle are parallel where the sine of their angle, squared, is below this.
 _PARALLEL = 1e-20
+
+
+@_reduced
+def _extremes(values: Any) -> Any:
+    """Largest and smallest of some numbers."""
+    high, low = values[0], values[0]
+    for t in range(1, values.size):
+        high, low = max(high, values[t]), min(low, values[t])
+    return high, low
 
 
 @_compiled
@@ -112,8 +123,8 @@ def shear_radii(paths: Any, normals: Any, out: Any) -> None:
             continue
         path, size = paths[p], 0.0
         for c in range(6):
-            for t in range(u.size):
-                size = max(size, path[c, t] ** 2)
+            high, low = _extremes(path[c])
+            size = max(size, high * high, low * low)
         for k in range(normals.shape[1]):
             nx, ny, nz = normals[q, k, 0], normals[q, k, 1], normals[q, k, 2]
             if abs(nz) < 0.8:
@@ -142,10 +153,30 @@ def normal_extremes(paths: Any, normals: Any, largest: Any, smallest: Any) -> No
             nx, ny, nz = normals[q, k, 0], normals[q, k, 1], normals[q, k, 2]
             w = (nx * nx, ny * ny, nz * nz, 2.0 * ny * nz, 2.0 * nx * nz, 2.0 * nx * ny)
             _projected(paths[p], w, u)
-            high, low = u[0], u[0]
-            for t in range(1, u.size):
-                high, low = max(high, u[t]), min(low, u[t])
-            largest[p, k], smallest[p, k] = high, low
+            largest[p, k], smallest[p, k] = _extremes(u)
+
+
+@_compiled
+def neighbours(points: Any, normals: Any, angles: Any, turns: Any, out: Any) -> None:
+    """Unit normals around others: at `angles (points,)` [rad] from `normals (points, 3)`, in the directions `turns`.
+
+    Fills ``out[p] (turns, 3)`` of the points p that are listed.
+    """
+    cosines, sines = np.cos(turns), np.sin(turns)
+    for p in points:
+        nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
+        ax, ay = (1.0, 0.0) if abs(nx) < 0.7 else (0.0, 1.0)
+        inner = ax * nx + ay * ny
+        ax, ay, az = ax - inner * nx, ay - inner * ny, -inner * nz
+        length = np.sqrt(ax * ax + ay * ay + az * az)
+        ax, ay, az = ax / length, ay / length, az / length
+        bx, by, bz = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
+        cosine, sine = np.cos(angles[p]), np.sin(angles[p])
+        for k in range(turns.size):
+            c, s = sine * cosines[k], sine * sines[k]
+            out[p, k, 0] = cosine * nx + c * ax + s * bx
+            out[p, k, 1] = cosine * ny + c * ay + s * by
+            out[p, k, 2] = cosine * nz + c * az + s * bz
 
 
 @_compiled

@@ -177,21 +177,16 @@ def _refined(
     value: Callable[[FloatArray], FloatArray], largest: FloatArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Climb from a plane of each point to a maximum nearby."""
+    from eigencontact.core.path_loops import neighbours
+
     largest, normals = largest.copy(), normals.copy()
     angle = np.full(len(largest), 0.5 * _COARSE)
     turns = 2.0 * np.pi * np.arange(6) / 6
     at = np.full((len(largest), 6, 3), np.nan)
     climbing = np.arange(len(largest))
     for count in range(_MOST):
-        middle = normals[climbing]
-        first = np.where(np.abs(middle[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-        first = first - np.sum(first * middle, axis=1, keepdims=True) * middle
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        second = np.cross(middle, first)
-        turned = turns + count  # a ridge between two neighbours is not there in the next step
-        around = np.cos(turned)[:, None] * first[:, None] + np.sin(turned)[:, None] * second[:, None]
-        tilt = angle[climbing][:, None, None]
-        at[climbing] = np.cos(tilt) * middle[:, None] + np.sin(tilt) * around
+        # Turned from step to step: a ridge between two neighbours is not there in the next.
+        neighbours(climbing, normals, angle, turns + count, at)
         values = np.asarray(value(at))[climbing]
         best = values.argmax(axis=1)
         rows = np.arange(len(climbing))

@@ -20,6 +20,9 @@ from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["DangVan"]
 
+#: Part of the largest stress within which two times may exchange by the error of a closed form of eigenvalues.
+_NEAR = 1e-6
+
 
 @dataclass(frozen=True, kw_only=True)
 class DangVan(WeightedNormalStress):
@@ -45,12 +48,20 @@ class DangVan(WeightedNormalStress):
     def damage(self, cycle: StressCycle) -> DamageParameter:
         """Damage parameter [Pa]; see `FatigueCriterion`."""
         deviator = cycle.deviator
-        values, directions = np.linalg.eigh(_matrices(deviator - smallest_balls(deviator)[0]))
-        at_times = 0.5 * (values[..., 2] - values[..., 0]) + self.slope * cycle.hydrostatic
-        worst, points = at_times.argmax(axis=0), np.arange(cycle.points)
-        axes = directions[worst, points]
+        deviator -= smallest_balls(deviator)[0]
+        pressure = self.slope * cycle.hydrostatic
+        about = _tresca(deviator) + pressure
+        # The formula errs by a part of 1e-8: eigenvalues are found where a time may be the worst.
+        steps, points = np.nonzero(about >= about.max(axis=0) - _NEAR * np.abs(deviator).max(axis=(0, 1)))
+        values, directions = np.linalg.eigh(_matrices(deviator[steps, :, points].T))
+        at_times = np.full(about.shape, -np.inf)
+        at_times[steps, points] = 0.5 * (values[:, 2] - values[:, 0]) + pressure[steps, points]
+        worst, every = at_times.argmax(axis=0), np.arange(cycle.points)
+        number = np.empty(about.shape, np.intp)
+        number[steps, points] = np.arange(steps.size)
+        axes = directions[number[worst, every]]
         normal = (axes[..., 0] + axes[..., 2]) / SQRT2
-        return DamageParameter(at_times[worst, points], normal * np.where(normal[:, 2:] < 0, -1.0, 1.0))
+        return DamageParameter(at_times[worst, every], normal * np.where(normal[:, 2:] < 0, -1.0, 1.0))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""
@@ -64,11 +75,23 @@ class DangVan(WeightedNormalStress):
         return {name: amplitude * value for name, value in values.items()}
 
 
+def _tresca(deviator: FloatArray) -> FloatArray:
+    """Largest shear of deviators ``(steps, 6, points)``, nearly: by the angle of their invariants."""
+    xx, yy, zz = (deviator[:, k] for k in range(3))
+    yz, xz, xy = (deviator[:, k] / SQRT2 for k in range(3, 6))
+    second = 0.5 * np.einsum("tip,tip->tp", deviator, deviator)
+    third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    size = np.sqrt(second / 3.0)
+    cosine = np.divide(third, 2.0 * size**3, out=np.zeros_like(third), where=size > 0.0)
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0)) / 3.0
+    return np.asarray(np.sqrt(3.0) * size * np.sin(angle + np.pi / 3.0))
+
+
 def _matrices(mandel: FloatArray) -> FloatArray:
-    """Matrices ``(steps, points, 3, 3)`` of Mandel vectors ``(steps, 6, points)``."""
-    xx, yy, zz = np.moveaxis(mandel[:, :3], 1, 0)
-    yz, xz, xy = np.moveaxis(mandel[:, 3:] / SQRT2, 1, 0)
-    return np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
+    """Matrices ``(n, 3, 3)`` of Mandel vectors ``(6, n)``."""
+    xx, yy, zz = mandel[:3]
+    yz, xz, xy = mandel[3:] / SQRT2
+    return np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(-1, 3, 3)
 
 
 eigencontact_register = hook_for(DangVan)
