@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import floor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -176,7 +177,7 @@ class Layout:
 
         See `spectrum`. Small tables take a fraction of the time that each of them takes alone.
         """
-        values: NDArray[np.generic] = tables.transpose(0, 2, 1)
+        values: NDArray[Any] = tables.transpose(0, 2, 1)
         turns = 0  # powers of -1j: the transform of an odd sequence is -1j times its sine transform
         for axis, plan, sign in ((1, self.x, parity[1]), (2, self.y, parity[0])):
             if plan.symmetric:

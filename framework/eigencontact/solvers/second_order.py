@@ -74,7 +74,7 @@ def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArr
             before = (slice(None),) * axis
             low, high = (*before, slice(None, -1)), (*before, slice(1, None))
             step = field[high] - field[low]
-            step *= weight[place][tuple(slice(size) for size in step.shape)] if np.ndim(weight) else weight
+            step *= weight if isinstance(weight, float) else weight[place][tuple(slice(size) for size in step.shape)]
             into[low] -= step
             into[high] += step
 
