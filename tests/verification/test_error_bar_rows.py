@@ -45,6 +45,7 @@ def test_a_later_call_goes_on(monkeypatch, tmp_path):
     with gzip.open(file, "rt") as lines:
         assert [json.loads(line)["seed"] for line in lines] == [0, 1, 2]
     assert collect("elastic", 9, file, -1.0) == rows  # no time, no further scene
+    assert collect("elastic", 1, file, 60.0) == rows  # all that are stored
 
 
 def test_the_table_counts_bars_that_hold():

@@ -119,7 +119,7 @@ def _scales(row: Mapping[str, Any]) -> dict[str, float]:
 def collect(
     case: str, count: int, file: Path, seconds: float, say: Callable[[str], None] = lambda _: None
 ) -> list[dict[str, Any]]:
-    """Stored scenes of one physics, the first `count`; those that the file lacks are solved and added to it.
+    """All stored scenes of one physics; those of the first `count` that the file lacks are solved and added to it.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def collect(
         with gzip.open(file, "at", encoding="utf-8") as lines:
             lines.write(json.dumps(row) + "\n")
         say(f"{case} {seed}: {name} {row.get('failed') or row['seconds']}")
-    return rows[:count]
+    return rows
 
 
 def measure(_: Code, task: Task) -> Sample:
