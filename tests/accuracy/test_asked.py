@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from math import log, pi
 
 import pytest
@@ -35,6 +36,7 @@ FRICTION = {
     "friction": {"type": "coulomb", "coefficient": 0.3},
     "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.1, "increments": 2}],
 }
+HISTORY = {**FRICTION, "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.1, "increments": 8}]}
 
 
 def closed_form():
@@ -292,7 +294,57 @@ def test_a_finer_run_that_fails_leaves_the_one_before():
     assert answer.stopped == "no convergence"
 
 
-def known(depth, table):
+def test_finer_load_steps_are_judged_by_the_run_before_alone():
+    """Of first order in the load steps: each further run is the only one on its load steps."""
+
+    def depth(plan):
+        return 1.0 + 0.5 / plan.steps
+
+    answer, solved = known(depth, {"depth": "1 %"}, HISTORY)
+    assert answer.last.holds
+    bar = answer.last.bars["depth"]
+    assert depth(answer.last.run.plan) - 1.0 == close(bar.error)  # one step size tells first order exactly
+    assert len(answer.rungs) >= 3
+    assert len(solved) == 4 + len(answer.rungs) - 1  # pilot, two coarser grids, half the increments
+    assert len({plan.grid.nx for plan in solved[4:]} | {solved[0].grid.nx}) == 1
+
+
+def test_cells_are_varied_on_few_load_steps():
+    edge = ec.plan(pilot_tables(ec.plan({**HERTZ, **HISTORY}))).grid.dx
+
+    def depth(plan):
+        return 1.0 + 0.05 * (plan.grid.dx / edge) ** 2 + 0.5 / plan.steps
+
+    answer, solved = known(depth, {"depth": "2 %"}, HISTORY)
+    last = answer.last.run.plan
+    assert answer.last.holds
+    assert depth(last) - 1.0 <= answer.last.bars["depth"].error <= 0.021
+    first, second = (rung.run.plan for rung in answer.rungs[:2])
+    assert second.steps >= 2 * first.steps
+    assert [plan.grid.nx for plan in solved if plan.steps == second.steps] == [second.grid.nx]
+    assert second.grid.nx in [plan.grid.nx for plan in solved if plan.steps == first.steps]
+
+
+@pytest.mark.parametrize("source", ["load steps", "cells"])
+def test_a_run_before_with_a_wrong_step_size_is_seen(monkeypatch, source):
+    """Planted fault: coarser runs count as twice as coarse as they are."""
+    vary = bars.joined_bars
+
+    def fault(whole, comparisons):
+        wrong = [
+            replace(one, others=[(2.0 * size, values) for size, values in one.others])
+            if one.source.name == source
+            else one
+            for one in comparisons
+        ]
+        return vary(whole, wrong)
+
+    monkeypatch.setattr(bars, "joined_bars", fault)
+    with pytest.raises(AssertionError):
+        test_cells_are_varied_on_few_load_steps()
+
+
+def known(depth, table, tables=None):
     """Pursuit of a depth that follows from the plan, nothing is solved; and the plans that it would solve."""
     solved = []
 
@@ -301,7 +353,7 @@ def known(depth, table):
         solved.append(plan)
         return Run(plan, summary(value))
 
-    planned = ec.plan({**HERTZ, "accuracy": {"approach": "1 %"}})
+    planned = ec.plan({**HERTZ, **(tables or {}), "accuracy": {"approach": "1 %"}})
     targets = planned.scene.accuracy.model_copy(update={"numbers": table["depth"]})
     targets.__pydantic_extra__.clear()
     return pursue(planned, targets, Runs(make=ec.plan, solve=solve)), solved

@@ -201,7 +201,7 @@ class Coarser:
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
 
     def vary(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Varied, str]:
-        """Runs of a source, none where it has none, and why one was refused; those of the sources before it are given."""
+        """Runs of a source, and why one was refused; `varied` has those of the sources before it."""
         others: list[tuple[float, Run]] = []
         start = self.own
         try:
