@@ -119,7 +119,7 @@ def shear_radii(paths: Any, normals: Any, out: Any) -> None:
     for p in range(paths.shape[0]):
         q = p if normals.shape[0] > 1 else 0
         if np.isnan(normals[q, 0, 0]):
-            out[p] = np.nan
+            out[p].fill(np.nan)
             continue
         path, size = paths[p], 0.0
         for c in range(6):
@@ -147,7 +147,8 @@ def normal_extremes(paths: Any, normals: Any, largest: Any, smallest: Any) -> No
     for p in range(paths.shape[0]):
         q = p if normals.shape[0] > 1 else 0
         if np.isnan(normals[q, 0, 0]):
-            largest[p], smallest[p] = np.nan, np.nan
+            largest[p].fill(np.nan)
+            smallest[p].fill(np.nan)
             continue
         for k in range(normals.shape[1]):
             nx, ny, nz = normals[q, k, 0], normals[q, k, 1], normals[q, k, 2]
@@ -177,6 +178,13 @@ def neighbours(points: Any, normals: Any, angles: Any, turns: Any, out: Any) -> 
             out[p, k, 0] = cosine * nx + c * ax + s * bx
             out[p, k, 1] = cosine * ny + c * ay + s * by
             out[p, k, 2] = cosine * nz + c * az + s * bz
+
+
+@_compiled
+def _copy(values: Any, out: Any, count: int) -> None:
+    """First values of an array; an assignment to a slice is compiled with the words of its errors, for two seconds."""
+    for i in range(count):
+        out[i] = values[i]
 
 
 @_compiled
@@ -242,7 +250,7 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
                 size = max(size, points[t, c] ** 2)
         slack = _ROUND_OFF * size
         support[0], count_on_boundary, square = 0, 1, 0.0
-        centre[:] = points[0]
+        _copy(points[0], centre, dim)
         for _ in range(40 * steps):
             far, distance = 0, -1.0
             for t in range(steps):
@@ -262,7 +270,7 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
                         count += 1
                 if count > dim:
                     continue
-                candidate = _centre_through(points, chosen, count, far, gram, offset)
+                candidate = _centre_through(points, chosen, int(count), int(far), gram, offset)
                 if candidate >= smallest:
                     continue
                 encloses = True
@@ -275,13 +283,14 @@ def balls(paths: Any, centres: Any, radii: Any) -> None:
                         break
                 if encloses:
                     smallest, best_count = candidate, count
-                    best[:] = chosen
-                    next_centre[:] = points[far] + offset
+                    _copy(chosen, best, count)
+                    for c in range(dim):
+                        next_centre[c] = points[far, c] + offset[c]
             if smallest <= square or best_count == 0:  # round-off
                 break
             square, count_on_boundary = smallest, best_count + 1
-            support[:best_count] = best[:best_count]
+            _copy(best, support, best_count)
             support[best_count] = far
-            centre[:] = next_centre
-        centres[p] = centre
+            _copy(next_centre, centre, dim)
+        _copy(centre, centres[p], dim)
         radii[p] = np.sqrt(square)
