@@ -373,8 +373,8 @@ def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
     def solve(planned: Plan, words: str) -> Run:
         if announced is not None:
             announced(words)
-        kept, summary = _in_memory(planned)
-        return Run(planned, summary, kept.store.results(), kept)
+        stored, summary = _in_memory(planned)
+        return Run(planned, summary, stored.store.results(), stored)
 
     return solve
 

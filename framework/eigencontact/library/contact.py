@@ -143,8 +143,14 @@ def solve_contact(
     history = _steps(load, approach, tangential_load, shift, increments) if steps is None else _history(steps)
     if steps is not None:
         controls = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
-        beside = [name for name, value in controls.items() if value is not None]
-        require(not beside, _HERE, "steps", f"{', '.join(beside)} too", "given alone: they hold all loads and motions")
+        conflicting = [name for name, value in controls.items() if value is not None]
+        require(
+            not conflicting,
+            _HERE,
+            "steps",
+            f"{', '.join(conflicting)} too",
+            "given alone: they hold all loads and motions",
+        )
     inclusions = [
         table
         for number, body in enumerate((lower, upper), 1)

@@ -48,30 +48,30 @@ class Fatigue(Answer):
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
-        found = self.summary
-        unit = found["unit"]
-        value = f"{found['damage']:.6g}" if unit == "1" else readable(found["damage"], unit)
-        limit = f"{found['limit']:.6g}" if unit == "1" else readable(found["limit"], unit)
-        place = ", ".join(readable(at, "m") for at in found["place"])
+        summary = self.summary
+        unit = summary["unit"]
+        value = f"{summary['damage']:.6g}" if unit == "1" else readable(summary["damage"], unit)
+        limit = f"{summary['limit']:.6g}" if unit == "1" else readable(summary["limit"], unit)
+        place = ", ".join(readable(at, "m") for at in summary["place"])
         head = (
-            f"{found['criterion']['type']} over steps {found['steps'][0]} to {found['steps'][-1]} in "
-            f"{found['region']!r}: {found['utilisation']:.4g} of the limit ({value} of {limit}) at ({place})"
+            f"{summary['criterion']['type']} over steps {summary['steps'][0]} to {summary['steps'][-1]} in "
+            f"{summary['region']!r}: {summary['utilisation']:.4g} of the limit ({value} of {limit}) at ({place})"
         )
         out = [head]
-        if found["normal"] is not None:
-            out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*found["normal"]))
-        if found["distance"] is not None:
-            at, length = found["at_distance"], readable(found["distance"], "m")
-            words = f"volume method, radius {length}" if found["method"] == "volume" else ""
-            out.append(f"{words or found['method'] + ' method, distance ' + length}: {at:.4g} of the limit")
-        if (life := found["life"]) is not None:
+        if summary["normal"] is not None:
+            out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*summary["normal"]))
+        if summary["distance"] is not None:
+            at, length = summary["at_distance"], readable(summary["distance"], "m")
+            words = f"volume method, radius {length}" if summary["method"] == "volume" else ""
+            out.append(f"{words or summary['method'] + ' method, distance ' + length}: {at:.4g} of the limit")
+        if (life := summary["life"]) is not None:
             cycles = "no end of life" if life["cycles"] is None else f"{life['cycles']:.3g} cycles"
             out.append(
                 f"{cycles} at a failure probability of {life['failure_probability']:g}; at "
                 f"{life['amplitude_ratio']:.4g} of the limit amplitude {life['failure_probability_without_end']:.3g} "
                 "of all fail in the end"
             )
-        return out + [f"warning: {caution['words']}" for caution in found["warnings"]]
+        return out + [f"warning: {caution['words']}" for caution in summary["warnings"]]
 
 
 def fatigue(
@@ -174,11 +174,11 @@ def _component(criterion: Any) -> FatigueCriterion:
 def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> xarray.Dataset:
     import xarray
 
-    found, value, normal = damage.region, damage.value, damage.normal
-    dims = tuple(dim.removeprefix(f"{found.region}_") for dim in found.dims)
+    region_cycle, value, normal = damage.region, damage.value, damage.normal
+    dims = tuple(dim.removeprefix(f"{region_cycle.region}_") for dim in region_cycle.dims)
     coordinates: dict[str, Any] = {}
-    for axis, places in zip("xyz", found.places, strict=True):
-        grid = places.reshape(found.shape)
+    for axis, places in zip("xyz", region_cycle.places, strict=True):
+        grid = places.reshape(region_cycle.shape)
         if axis in dims:
             rows: Any = tuple(slice(None) if dim == axis else 0 for dim in dims)
             coordinates[axis] = (axis, grid[rows], {"units": "m"})
@@ -188,17 +188,21 @@ def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> x
             coordinates[axis] = (dims, grid, {"units": "m"})
     attrs = {"units": criterion.unit, "long_name": f"damage parameter of {criterion.key}"}
     fields: dict[str, Any] = {
-        "damage": (dims, value.reshape(found.shape), attrs),
+        "damage": (dims, value.reshape(region_cycle.shape), attrs),
         "utilisation": (
             dims,
-            value.reshape(found.shape) / criterion.limit,
+            value.reshape(region_cycle.shape) / criterion.limit,
             {"units": "1", "long_name": "damage parameter over limit"},
         ),
     }
     if normal is not None:
         words = "unit normal of the plane of the criterion"
-        fields["normal"] = (("axis", *dims), normal.T.reshape(3, *found.shape), {"units": "1", "long_name": words})
+        fields["normal"] = (
+            ("axis", *dims),
+            normal.T.reshape(3, *region_cycle.shape),
+            {"units": "1", "long_name": words},
+        )
         coordinates["axis"] = ("axis", ["x", "y", "z"])
-    described = {"source": f"eigencontact {__version__}", "region": found.region, "body": found.body}
-    described |= {"criterion": criterion.key, "first_step": found.steps[0], "last_step": found.steps[-1]}
+    described = {"source": f"eigencontact {__version__}", "region": region_cycle.region, "body": region_cycle.body}
+    described |= {"criterion": criterion.key, "first_step": region_cycle.steps[0], "last_step": region_cycle.steps[-1]}
     return xarray.Dataset(fields, coordinates, described | {"scene_hash": str(dataset.attrs["scene_hash"])})

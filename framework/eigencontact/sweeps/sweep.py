@@ -294,9 +294,9 @@ def read_sweep_file(path: Path) -> dict[str, Any]:
             raise SceneError(f"unknown key {key!r} in the sweep; known: {', '.join(_KEYS)}{nearest(key, _KEYS)}")
     if not isinstance(table.get("scene"), str | dict) or not isinstance(table.get("vary"), dict):
         raise SceneError(f"{path} must have scene (a file, a bundled name, or tables) and a table vary")
-    beside = path.parent / table["scene"] if isinstance(table["scene"], str) else None
-    if beside is not None and beside.is_file():
-        table["scene"] = beside
+    scene_path = path.parent / table["scene"] if isinstance(table["scene"], str) else None
+    if scene_path is not None and scene_path.is_file():
+        table["scene"] = scene_path
     return {**table, "vary": _dotted(table["vary"])}
 
 

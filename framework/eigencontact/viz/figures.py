@@ -129,14 +129,14 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
     """Pictures of the pressure after one step, and of the displacement by eigenstrain after another."""
     outlined = "outline" in dataset
     if not vanishes(dataset, ["pressure"], loaded):
-        beside = " beside the closed form" if "reference_pressure" in dataset else ""
+        comparison = " beside the closed form" if "reference_pressure" in dataset else ""
         homogeneous = homogeneous_words(dataset)
-        beside = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else beside
+        comparison = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else comparison
         when, lines = moment(dataset, loaded), "; dashed lines are inclusions below" if outlined else ""
         if not is_line(dataset):
             sentence = f"Contact pressure, cut to the contact{when}{lines}."
             yield "pressure.png", sentence, partial(pressure_map, dataset, loaded)
-        sentence = f"Contact pressure {_along(dataset)}{beside}{when}; markers are computed cells."
+        sentence = f"Contact pressure {_along(dataset)}{comparison}{when}; markers are computed cells."
         yield "pressure-profiles.png", sentence, partial(pressure_profiles, dataset, loaded)
     if not vanishes(dataset, ["residual_displacement_z"], step):
         when, lines = moment(dataset, step), "; lines are outlines of the inclusions from above" if outlined else ""
@@ -203,12 +203,12 @@ def _friction(dataset: Results, step: int) -> Iterator[Picture]:
     if "contact_zone" not in dataset:
         return
     closed_form = any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy")
-    beside = " beside the closed form" if closed_form else ""
+    comparison = " beside the closed form" if closed_form else ""
     when = moment(dataset, step)
     if not vanishes(dataset, ["shear_x", "shear_y"], step):
         if not is_line(dataset):
             yield "shear.png", f"Shear traction as arrows over stick and slip{when}.", partial(shear_map, dataset, step)
-        sentence = f"Shear traction {_along(dataset)}{beside}, and the bound of friction{when}."
+        sentence = f"Shear traction {_along(dataset)}{comparison}, and the bound of friction{when}."
         yield "shear-profiles.png", sentence, partial(shear_profiles, dataset, step)
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         draw = dissipation_profile if is_line(dataset) else dissipation_map

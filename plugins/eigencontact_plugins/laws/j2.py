@@ -107,10 +107,10 @@ class J2(BodyConstants):
     @property
     def advice(self) -> str:  # type: ignore[override]
         """See `ConstitutiveLaw.advice`."""
-        ways = ["hardening that falls less steeply"]
+        remedies = ["hardening that falls less steeply"]
         if self.damage is not None and self.yield_on == "effective":
-            ways += [f"a {'larger ' if self.damage.length else ''}length in damage", 'yield-on = "nominal"']
-        return f"give it {' or '.join(ways)}"
+            remedies += [f"a {'larger ' if self.damage.length else ''}length in damage", 'yield-on = "nominal"']
+        return f"give it {' or '.join(remedies)}"
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]

@@ -281,8 +281,8 @@ def _evaluate(
     out[:, distant] = distant_derivatives(potential, orders, [t[distant] for t in offsets], half)
     near = ~distant
     if near.any():
-        beside = None if side is None else side[near]
-        out[:, near] = _corner_sum(potential, orders, [t[near] for t in offsets], half, beside)
+        near_side = None if side is None else side[near]
+        out[:, near] = _corner_sum(potential, orders, [t[near] for t in offsets], half, near_side)
     return out
 
 
