@@ -27,7 +27,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     key : str
         Name of the plugin: ``"sphere"``, or ``"package:sphere"`` where packages share a key.
     kind : str, optional
-        Kind of plugin, where several kinds know the key and the parameters do not tell them apart.
+        Kind of plugin, if several kinds have the key and accept the parameters.
     **parameters
         Fields of the component; text with units is accepted.
 

@@ -86,7 +86,7 @@ def fatigue(
     folder: str | Path | None = None,
     threads: int | None = None,
 ) -> Fatigue:
-    """Where a crack starts: a fatigue criterion over one cycle at the points of a region.
+    """Fatigue criterion over one cycle at the points of a region, with the hot spot where a crack starts first.
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def fatigue(
     criterion : FatigueCriterion, mapping or str
         A component, the table of one (``{"type": "crossland", "slope": 0.3, "limit-amplitude": "250 MPa"}``).
     region : str or mapping, optional
-        Name of a region with stress, by default the only one; or the table of a new one as of ``[[stress]]``, found
-        at each step of the cycle without solving again.
+        Name of a region with stress, by default the only one; or the table of a new region as in ``[[stress]]``, whose
+        stress is computed at each step of the cycle without a new solution.
     cycle : {"last", "all"} or (int, int)
         The last closed cycle of the history, all steps, or the numbers of the first and last step.
     distance : float or str, optional
-        Critical distance L [m]. The value near the hot spot is evaluated too, `at_distance` in the summary.
+        Critical distance L [m] for an additional value near the hot spot, `at_distance` in the summary.
     method : {"point", "line", "volume"}
         At L/2 below the hot spot; mean of the damage parameter down to 2 L; mean over the part of the body within the
         radius L.
@@ -108,7 +108,7 @@ def fatigue(
         Wöhler curve relative to the limit amplitude: ``{"slope": 5, "knee_cycles": 1e6, "scatter": 1.5,
         "failure_probability": 0.1}``, see `eigencontact.scene.fatigue.Life`.
     folder : str or Path, optional
-        Where ``fatigue-<criterion>-<region>`` is stored: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
+        Folder for ``fatigue-<criterion>-<region>``: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
         default nothing is stored.
     threads : int, optional
         Threads that share the points; by default one for each core.
@@ -121,24 +121,24 @@ def fatigue(
     Raises
     ------
     SceneError, PluginError, ResultsError
-        What is refused names the argument, the rule and the nearest valid choice.
+        An invalid argument, with the rule and the nearest valid choice.
 
     Notes
     -----
-    Strain, where a criterion needs it, is that of the region if it stores it (``fields = ["stress", "strain"]``: total
-    strain, plastic strain included), else the elastic one of the stress, for bodies of one elastic material only.
+    Criteria with strain use the stored strain of the region (``fields = ["stress", "strain"]``: total strain with
+    plastic strain), or else the elastic strain of the stress, for bodies of one elastic material only.
 
     Examples
     --------
     >>> import eigencontact as ec
     >>> changes = ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=10"]
-    >>> found = ec.fatigue(
+    >>> fatigue = ec.fatigue(
     ...     ec.run(ec.load_scene("hertz", changes)),
     ...     {"type": "crossland", "slope": 0.3, "limit-amplitude": "250 MPa"},
     ...     region="section",
     ...     cycle="all",
     ... )
-    >>> sorted(found.dataset)
+    >>> sorted(fatigue.dataset)
     ['damage', 'utilisation']
     """
     component = _component(criterion)

@@ -69,8 +69,8 @@ class Brittle(BodyConstants):
 
     symmetric: ClassVar[bool] = False
     variables: ClassVar[Mapping[str, Variable]] = {
-        "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
-        "damage": Variable("1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"),
+        "equivalent_strain": Variable("1", "largest equivalent strain so far, by Mazars", elastic=True),
+        "damage": Variable("1", "lost fraction of the stiffness", largest="max_damage", extent="damaged_volume"),
     }
 
     damage: StrainDamage

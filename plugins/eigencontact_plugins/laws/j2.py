@@ -92,10 +92,10 @@ class J2(BodyConstants):
             "plastic_work_density": Variable("J/m^3", "plastic work", total=("plastic_work", "J")),
         }
         for number in range(1, len(self._kinematic) + 1):
-            declared[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
+            declared[f"back_stress_{number}"] = Variable("Pa", "centre of the yield surface", 6)
         if self.damage is not None:
             declared["damage"] = Variable(
-                "1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"
+                "1", "lost fraction of the stiffness", largest="max_damage", extent="damaged_volume"
             )
         return declared
 
