@@ -24,9 +24,9 @@ _PART = 100
 class Papadopoulos(WeightedNormalStress):
     """``root of 5 times the mean square resolved shear amplitude + slope max p``, over all planes and directions.
 
-    The resolved shear amplitude is half of the range of the shear along one direction of one plane. Of a fully reversed
-    torsion the root is the amplitude of the shear stress. For hard metals, with limits of torsion over bending of 0.577
-    to 0.8. No plane.
+    The resolved shear amplitude is half of the range of the shear along one direction of one plane. For fully reversed
+    torsion the root is the amplitude of the shear stress. The criterion is for hard metals, with ratios of the limits
+    of torsion and bending from 0.577 to 0.8, and has no plane.
 
     Parameters
     ----------

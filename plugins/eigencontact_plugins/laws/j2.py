@@ -38,18 +38,18 @@ _DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
 class J2(BodyConstants):
     """Von Mises plasticity: isotropic elasticity up to the yield stress, and plastic flow along the deviator beyond it.
 
-    The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
+    The integration is implicit (backward Euler), and stable for large increments, reversals and cycles.
 
     Parameters
     ----------
     hardening : HardeningLaw, or several
-        One that is isotropic, which gives the yield stress, and any number of back-stresses; several of
+        One isotropic hardening law for the yield stress, and any number of back-stresses; several of
         ``armstrong-frederick`` are Chaboche's law.
     damage : PlasticDamage, optional
         Loss of stiffness by plastic strain; with a length, by its mean over a neighbourhood.
     yield_on : str
-        Of a material with damage: ``"nominal"``, the stress itself, or ``"effective"``, that in the part of the
-        material that still bears, ``σ / (1 - D)``; the nominal strength falls then with damage.
+        Stress in the yield condition of a material with damage: ``"nominal"``, the stress, or ``"effective"``, the
+        stress ``σ / (1 - D)`` of the undamaged part; the nominal strength then decreases with damage.
     """
 
     key: ClassVar[str] = "j2"
