@@ -73,7 +73,8 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     Returns
     -------
     Plan
-        ``plan.explain()`` says it in words; ``plan.kernels``, ``plan.blocks``, ``plan.cost`` and ``plan.grid`` in data.
+        ``plan.explain()`` is its description; ``plan.kernels``, ``plan.blocks``, ``plan.cost`` and ``plan.grid`` are
+        its data.
 
     Raises
     ------
@@ -97,7 +98,7 @@ def explain(
 ) -> str:
     """Describe a scene before the run: model, kernels, memory, time, and omitted effects with reasons.
 
-    With an accuracy, as `run` takes it or in the scene, it also foretells the runs that lead there.
+    With an accuracy, as an argument like that of `run` or in the scene, it also predicts the necessary runs.
 
     Examples
     --------
@@ -142,34 +143,34 @@ def run(
     Parameters
     ----------
     scene : Scene, Plan, str, Path or mapping
-        What to solve.
+        Scene to solve.
     folder : str or Path, optional
-        Where results, summary and pictures go; without it nothing is left on disk and no pictures are drawn.
+        Folder of results, summary and pictures; without it the run stores nothing and draws no pictures.
     resume : bool
         Continue an interrupted run of the same scene in `folder`.
     overwrite : bool
-        Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
-        not write is never replaced: see `eigencontact.results.ownership`.
+        Replace results of another scene in `folder`, or damaged ones. The package never replaces a file that it did
+        not write: see `eigencontact.results.ownership`.
     errors : bool
         Estimate the error of every number and field from coarser runs (`eigencontact.accuracy`); ``errors`` and
         ``field_errors`` of the summary, and variables ``<field>_error`` of the results, hold them. The key
         ``output.errors`` of a scene does the same.
     accuracy : str, float or mapping, optional
-        Error that the main results may have, ``"1 %"``, or a table ``accuracy`` of a scene: ``{"max-pressure": "0.5 %",
-        "time": "10 min"}``. The run then chooses cells, increments and tolerances itself (`eigencontact.accuracy`);
-        ``accuracy`` of the summary says how it went.
+        Largest error of the main results, ``"1 %"``, or a table ``accuracy`` of a scene: ``{"max-pressure": "0.5 %",
+        "time": "10 min"}``. The run then chooses cells, increments and tolerances (`eigencontact.accuracy`);
+        ``accuracy`` of the summary describes the sequence of runs.
     watcher : Watcher, optional
-        Told of the course, for progress bars.
+        Receives the progress of the run, for progress bars.
     registry : Registry, optional
-        Plugins to use; by default all that are installed.
+        Available plugins; by default all installed ones.
     painter : Painter, optional
-        Process that draws the pictures (`eigencontact.viz.painter`); by default they are drawn in this one.
+        Process that draws the pictures (`eigencontact.viz.painter`); by default this process.
 
     Raises
     ------
     EigencontactError
-        `SceneError`, `PluginError`, `PlanError` before anything is computed or written; `NotConverged`,
-        `DomainTooSmall` or `ResultsError` on the way, with accepted steps kept.
+        `SceneError`, `PluginError`, `PlanError` before the run computes or writes; `NotConverged`,
+        `DomainTooSmall` or `ResultsError` during the run, which keeps the accepted steps.
 
     Examples
     --------
@@ -373,8 +374,8 @@ def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
     def solve(planned: Plan, words: str) -> Run:
         if announced is not None:
             announced(words)
-        kept, summary = _in_memory(planned)
-        return Run(planned, summary, kept.store.results(), kept)
+        stored, summary = _in_memory(planned)
+        return Run(planned, summary, stored.store.results(), stored)
 
     return solve
 

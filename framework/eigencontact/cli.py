@@ -148,12 +148,12 @@ def run(
     from eigencontact.progress import progress
     from eigencontact.viz.painter import painter_of
 
-    here = Path.cwd()  # before a plugin can change it
+    current_folder = Path.cwd()  # before a plugin can change it
     with refusals(interrupted="accepted steps are kept, continue with --resume"):
         loaded = calls.load_scene(scene, changes or [])
         with painter_of(loaded.numerics.threads, pictures=loaded.output.pictures) as painter:
             planned = calls.plan(loaded)
-            folder = here / (planned.name if output is None else output)
+            folder = current_folder / (planned.name if output is None else output)
             with progress(
                 enabled=verbose or not (quiet or as_json), verbose=verbose, unit=planned.grid.unit
             ) as watcher:

@@ -22,7 +22,7 @@ class Probe(Observer):
     points : tuple of (float, float)
         Points (x, y) [m] inside the window.
     field : str
-        Name of a surface field: ``pressure``, ``gap``, ``displacement_z`` and others, as the run provides them.
+        Name of a surface field of the run: ``pressure``, ``gap``, ``displacement_z`` and others.
 
     Notes
     -----

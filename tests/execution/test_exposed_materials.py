@@ -113,7 +113,7 @@ REFUSED = {
     ),
     "materials in both bodies": (
         {"friction": COULOMB, "inclusions": [BAR, BAR | {"body": 2, "name": "beam"}], "body2": STEEL},
-        "friction.type must be a law that does not tell materials apart where both bodies have several",
+        "friction.type must be a law without names of materials if both bodies have several",
     ),
 }  # fmt: skip
 

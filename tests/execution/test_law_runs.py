@@ -242,7 +242,7 @@ def test_laws_side_by_side_are_stored_in_one_field(laws):
 
 
 CLASHES = {
-    "unit": ('Variable(unit="1", meaning="a number")', r"'hardening' as 'yielding' of 'one' does, \[Pa\] with 1"),
+    "unit": ('Variable(unit="1", meaning="a number")', r"equals that of 'yielding' of 'one', \[Pa\] with 1"),
     "components": ('Variable(unit="Pa", meaning="two", components=2)', r"\(got \"'clashing': \[Pa\] with 2\"\)"),
 }
 
@@ -258,7 +258,7 @@ class Clashing(Stiffening):
     clashing = RUBBER | {"type": "clashing"}
     both = ball(STEEL, 0.2, name="one"), ball(clashing, 0.2, x=0.5, name="two")
     where = r"material of inclusion 'two' \(second\)"
-    with pytest.raises(SceneError, match=f"{where} must be of a law that remembers .*{message}"):
+    with pytest.raises(SceneError, match=f"{where} must be of a law whose variable .*{message}"):
         ec.plan(scene(*both))
     elastic = {"body2": {"young-modulus": E, "poisson-ratio": NU}}
     ec.plan(scene(both[0], both[1] | {"body": 2}, **elastic))
@@ -270,7 +270,7 @@ class Bold(Stiffening):
     key = "bold"
     variables = {"equivalent_eigenstrain": Variable(unit="1", meaning="mine", components=6)}
 """, "Bold")  # fmt: skip
-    words = r"inclusions.material must be of a law with names of its own .* \(got 'bold'\)"
+    words = r"inclusions.material must be of a law with another name for its variable.* \(got 'bold'\)"
     with pytest.raises(SceneError, match=words):
         ec.plan(scene(ball(RUBBER | {"type": "bold"})))
 

@@ -110,7 +110,7 @@ def test_a_run_warns_of_what_does_not_rise():
     *_, end = drive(made)
     (caution,) = [one for one in noticed(made.model, made.blocks, end, [end.scalars]) if one.code == "worn-regions"]
     assert caution.error == close(end.scalars["max_worn_depth"] / 2e-6, rel=1e-12)
-    assert "stays where it was" in caution.words
+    assert "keeps its depth" in caution.words
     plain = ec.plan(scene((10,), (2,)))
     assert "worn-regions" not in [one.code for one in noticed(plain.model, plain.blocks, list(drive(plain))[-1], [])]
 

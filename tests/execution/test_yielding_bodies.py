@@ -176,9 +176,9 @@ def test_resume_after_growth_continues_to_the_bit(grown, tmp_path):
     ("law", "more", "message"),
     [
         ({"type": "isotropic", "young-modulus": 1e9, "poisson-ratio": 0.3}, {}, "body1.law.type must be of a material"),
-        (perfect("1 GPa", **{"young-modulus": "9 GPa"}), {}, r"begins with the constants of body 1"),
+        (perfect("1 GPa", **{"young-modulus": "9 GPa"}), {}, r"with the elastic constants of body 1"),
         pytest.param(  # the default tests of the elastic zone have a law of another kind
-            perfect("1 Pa"), {}, r"body1.law must yield near the contact alone .* times its yield.*; check the unit of",
+            perfect("1 Pa"), {}, r"body1.law must yield only near the contact .* times the yield.*; check the unit of",
             marks=pytest.mark.slow,
         ),
         ({"type": "j3"}, {}, r"body1.law.*'j2'"),

@@ -174,7 +174,7 @@ def test_a_yielding_body_of_layers_is_refused_by_name():
 
 
 def test_a_law_whose_constants_are_others_at_depth_is_refused():
-    with pytest.raises(ec.EigencontactError, match=r"begins with the constants of body 1: .* at a depth of"):
+    with pytest.raises(ec.EigencontactError, match=r"with the elastic constants of body 1: .* at a depth of"):
         ec.explain(scene(by_depth(perfect(), perfect(**HARD))))
 
 

@@ -187,8 +187,8 @@ def test_a_number_that_falls_names_its_largest_value_and_the_skipped_cycles_coun
     ]
     assert answer(columns, [1, 2, 3]) == [
         "Largest contact pressure: 0 GPa; the largest value is 2 GPa, at step 2.",
-        "Volume that both bodies have lost: 2 µm³ (estimated error 0.64 %).",
-        "Work of friction that wore, that of cycles between solved ones included: 160 mJ.",
+        "Worn volume of both bodies: 2 µm³ (estimated error 0.64 %).",
+        "Work of friction of all cycles, with the skipped ones: 160 mJ.",
     ]
 
 

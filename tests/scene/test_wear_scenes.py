@@ -159,11 +159,11 @@ REFUSED = {
     ),
     "amplitude without cycles": (
         {"wear": AMPLITUDE, "steps": [PRESSED, {"shift-x": "1 um"}]},
-        "steps must have a cycle with wear.type = 'amplitude-scaled', which looks at the slip amplitude of a cycle (go",
+        "steps must have a cycle with wear.type = 'amplitude-scaled', which uses the slip amplitude of a cycle (go",
     ),
     "amplitude of increments": (
         {"wear": AMPLITUDE | {"update": "increment"}},
-        "wear.update must be 'cycle' with 'amplitude-scaled', which looks at the slip amplitude of a cycle (got 'incr",
+        "wear.update must be 'cycle' with 'amplitude-scaled', which uses the slip amplitude of a cycle (got 'incr",
     ),
     "travel in a cycle": (
         {"wear": ARCHARD, "friction": None, "steps": {"cycle": [PRESSED | {"travel-x": "1 um"}], "repeat": 3}},

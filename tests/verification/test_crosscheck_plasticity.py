@@ -168,7 +168,7 @@ def test_an_elastic_deviator_that_is_not_traceless_is_refused(monkeypatch):
         return drive
 
     monkeypatch.setattr(j2.J2, "_drive", fault)
-    with pytest.raises(SceneError, match="a law that begins with the constants of body 1"):
+    with pytest.raises(SceneError, match="a law with the elastic constants of body 1"):
         ec.plan(CASES["perfect"].problem.scene(4))
 
 

@@ -129,5 +129,5 @@ def arrest_length(lengths: FloatArray, effective: FloatArray, threshold: FloatAr
     if after == 0:
         return 0.0
     before = excess[after - 1]
-    part = before / (before - excess[after]) if np.isfinite(excess[after]) else 0.0
-    return float(np.exp(np.interp(part, [0.0, 1.0], np.log(lengths[after - 1 : after + 1]))))
+    fraction = before / (before - excess[after]) if np.isfinite(excess[after]) else 0.0
+    return float(np.exp(np.interp(fraction, [0.0, 1.0], np.log(lengths[after - 1 : after + 1]))))

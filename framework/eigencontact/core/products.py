@@ -62,6 +62,6 @@ def distance_of(left: FloatArray, right: FloatArray) -> float:
     """
     left, right, total = left.ravel(), right.ravel(), 0.0
     for first in range(0, left.size, _AT_ONCE):
-        part = left[first : first + _AT_ONCE] - right[first : first + _AT_ONCE]
-        total += float(np.einsum("i,i->", part, part))
+        difference = left[first : first + _AT_ONCE] - right[first : first + _AT_ONCE]
+        total += float(np.einsum("i,i->", difference, difference))
     return float(np.sqrt(total))

@@ -160,7 +160,7 @@ class Quantity:
     )
 
 
-#: Of displacements that the contact feels; see `eigencontact.solvers.mean_surface`.
+#: Displacements in the gap of the contact; see `eigencontact.solvers.mean_surface`.
 _AS_MEANS = "; by inhomogeneities the mean over each cell, along the tractions of a contact"
 
 QUANTITIES: dict[str, Quantity] = {
@@ -169,7 +169,7 @@ QUANTITIES: dict[str, Quantity] = {
     "reference_pressure": Quantity("Pa", "contact pressure in closed form", converges=False),
     "homogeneous_pressure": Quantity(
         "Pa",
-        "contact pressure in closed form on bodies of their deep material throughout, under the same load",
+        "contact pressure in closed form of homogeneous bodies of the deep material, under the same load",
         converges=False,
     ),
     "gap": Quantity("m", "gap between the deformed surfaces"),
@@ -183,13 +183,13 @@ QUANTITIES: dict[str, Quantity] = {
     "reference_shear_y": Quantity("Pa", "shear traction on body 1 along y in closed form", converges=False),
     "slip_x": Quantity("m", "slip of body 1 on body 2 in this step along x", converges=False),
     "slip_y": Quantity("m", "slip of body 1 on body 2 in this step along y", converges=False),
-    "slip_distance": Quantity("m", "length of the path slipped in contact so far"),
-    "dissipated_energy_density": Quantity("J/m2", "work of friction so far"),
-    "worn_depth": Quantity("m", "depth that both bodies together have lost"),
-    "worn_depth_1": Quantity("m", "depth that body 1 has lost"),
-    "worn_depth_2": Quantity("m", "depth that body 2 has lost"),
+    "slip_distance": Quantity("m", "slip distance in contact so far"),
+    "dissipated_energy_density": Quantity("J/m2", "work of friction per area so far"),
+    "worn_depth": Quantity("m", "worn depth of both bodies together"),
+    "worn_depth_1": Quantity("m", "worn depth of body 1"),
+    "worn_depth_2": Quantity("m", "worn depth of body 2"),
     "exposed_material": Quantity(
-        "1", "number of the material that the step met at the surface, 0 the substrate", converges=False
+        "1", "number of the exposed material in the step, 0 is the substrate", converges=False
     ),
     "contact_zone": Quantity("1", "0 out of contact, 1 slipping in this step, 2 sticking", converges=False),
     "residual_displacement_z": Quantity(
@@ -201,7 +201,7 @@ QUANTITIES: dict[str, Quantity] = {
     "residual_displacement_y": Quantity(
         "m", f"surface displacement by eigenstrain along y, body 1 minus body 2{_AS_MEANS}"
     ),
-    "displacement": Quantity("m", "displacement against distant points of the body"),
+    "displacement": Quantity("m", "displacement relative to distant points of the body"),
     "strain": Quantity("1", "total strain, expansion positive"),
     "stress": Quantity("Pa", "sub-surface stress, positive in tension"),
     "von_mises": Quantity("Pa", "von Mises stress"),

@@ -171,13 +171,13 @@ class Cluster:
                     f"workers of {self._address} must stay while they are asked what they have (got "
                     f"{type(problem).__name__}: {' '.join(str(problem).split())}); run the same command again"
                 ) from problem
-            lost = deque[tuple[Task, str]]()
+            lost_tasks = deque[tuple[Task, str]]()
             for task, result in self._answers(function, tasks, name, workers=0):
                 if isinstance(result, Lost):
-                    lost.append((task, result.reason))
+                    lost_tasks.append((task, result.reason))
                 else:
                     yield task, result
-            for task, _ in lost:  # perhaps it only waited at a worker that another task took along: again, alone
+            for task, _ in lost_tasks:  # perhaps it only waited at a worker that another task took along: again, alone
                 yield from self._answers(function, [task], name, workers=1)
         finally:
             if probe is not None:

@@ -116,8 +116,8 @@ class Processes(_Local):
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
     ) -> Iterator[tuple[Task, Answer | Lost]]:
         """As `Engine.map`."""
-        lost = yield from self._pool(function, tasks, begin, self._workers)
-        for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that it takes none along
+        lost_tasks = yield from self._pool(function, tasks, begin, self._workers)
+        for task in lost_tasks:  # their process died, or that of a neighbour: each again in its own process
             if (yield from self._pool(function, [task], begin, 1)):
                 yield task, Lost(f"its process died twice: it ran out of memory, was killed, or {GUARD}")
 
@@ -129,7 +129,7 @@ class Processes(_Local):
         count: int,
     ) -> Generator[tuple[Task, Answer | Lost], None, list[Task]]:
         """Yield results of tasks; return the tasks whose process died."""
-        lost, count = list[Task](), min(count, len(tasks))
+        lost_tasks, count = list[Task](), min(count, len(tasks))
         share = Share(max(1, available_threads() // self._workers), machine_bytes() / self._workers)
         with ProcessPoolExecutor(max(1, count), get_context("spawn"), _begin, (begin, share)) as pool:
             running: dict[Future[Answer], Task] = {pool.submit(_perform, function, task): task for task in tasks}
@@ -138,11 +138,11 @@ class Processes(_Local):
                     try:
                         yield running[future], future.result()
                     except BrokenProcessPool:
-                        lost.append(running[future])
+                        lost_tasks.append(running[future])
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
-        return lost
+        return lost_tasks
 
 
 #: What the tasks of this process share, where it is one of a pool.

@@ -102,13 +102,13 @@ def moment_field(
 
     def fill(first: int) -> None:
         at = slice(first, first + step)
-        here = (x[at], y[at], z[at])
-        values = moment_sums(shape, degree, real, here, image=False).reshape(len(batch), rows, -1)
+        points = (x[at], y[at], z[at])
+        values = moment_sums(shape, degree, real, points, image=False).reshape(len(batch), rows, -1)
         if image:
-            powers = moment_sums(shape, degree, image, here, image=True).reshape(-1, *values.shape)
+            powers = moment_sums(shape, degree, image, points, image=True).reshape(-1, *values.shape)
             total = powers[-1]
             for power in powers[-2::-1]:
-                total = total * here[2] + power
+                total = total * points[2] + power
             values = values + total
         out[:, :, at] = values
 
@@ -199,9 +199,9 @@ def moment_sums(
     count = next(len(of_orders) for _, of_orders in weights.values())
     out = np.zeros((count, x.size))
     for first in range(0, x.size, _FEW):
-        here = (x[first : first + _FEW], y[first : first + _FEW], z[first : first + _FEW])
+        chunk_points = (x[first : first + _FEW], y[first : first + _FEW], z[first : first + _FEW])
         for name, (orders, of_orders) in weights.items():
-            values = _potentials(shape, degree, name, list(orders), here, image=image)
+            values = _potentials(shape, degree, name, list(orders), chunk_points, image=image)
             out[:, first : first + _FEW] += np.einsum("kno,nop->kp", of_orders, values, optimize=True)
     return out
 

@@ -153,18 +153,18 @@ class VoxelisedShape:
         Offsets from the mirror image count downwards: its nodes lie above the surface, their order is turned over.
         """
         mirror = np.array([1.0, 1.0, -1.0 if image else 1.0])[:, None]
-        beside = 0.0
+        side = 0.0
         if self._flush and not image and point[2] == 0:  # the side from which a point of the surface sees it
-            beside = -1.0 if np.signbit(point[2]) else 1.0
+            side = -1.0 if np.signbit(point[2]) else 1.0
         at = point / self._unit
         nodes, weights = [self._nodes], [self._weights]
         for axis in (0, 1) if image else (0, 1, 2):
-            section = self._section(axis, float(at[axis]), beside if axis == 2 else 0.0)
+            section = self._section(axis, float(at[axis]), side if axis == 2 else 0.0)
             nodes.append(section[0])
             weights.append(section[1])
         offset = at[:, None] - mirror * np.concatenate(nodes, axis=1)
         offset[np.abs(offset) <= _SNAP] = 0.0
-        offset[2][offset[2] == 0] = beside * _BESIDE
+        offset[2][offset[2] == 0] = side * _BESIDE
         even, odd = np.sign(offset), np.ones_like(offset)
         if image:  # all of it lies above the point
             even[2] = 1.0

@@ -89,10 +89,10 @@ def _text(path: Path) -> str:
     if (sent := _SENT.get(str(_resolved(path)))) is not None:
         return sent
     if path.suffix != ".py" or not path.is_file():
-        beside = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
+        neighbours = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
         reason = "no Python file" if path.exists() else "no such file"
         raise PluginError(
-            f"plugin file must be a Python file (got {str(path)!r}, {reason}){nearest(path.name, beside)}"
+            f"plugin file must be a Python file (got {str(path)!r}, {reason}){nearest(path.name, neighbours)}"
         )
     try:
         return path.read_text(encoding="utf-8")

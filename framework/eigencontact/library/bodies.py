@@ -52,25 +52,25 @@ class Body(ABC):
         points : (n, 3) [m]
             x, y and depth z, 0 or more.
         pressure : (ny, nx) [Pa], optional
-            Pushes into the body; rows run along y.
+            Pressure into the body; rows along y.
         shear : (2, ny, nx) [Pa], optional
             Tractions on the body along x and along y.
         spacing : float or (float, float)
             Edges of a cell along x and y [m]; text with a unit is accepted.
         center : (float, float)
-            Middle of the window (x, y) [m].
+            Centre of the window (x, y) [m].
 
         Returns
         -------
         (n, 3, 3) [Pa]
-            Symmetric tensors, tension positive. Less than a quarter of a cell below the surface they are means over
-            cells, joined linearly between their centres, where the stress at points has infinite edges.
+            Symmetric tensors, tension positive. At depths of less than a quarter of a cell they are means over
+            cells, interpolated linearly between the centres, because the stress at cell edges is infinite.
 
         Raises
         ------
         SceneError
-            Arrays that do not fit, tractions that are missing or not finite, points above the surface, or a body with
-            inclusions, which answer to a contact alone.
+            Arrays of different shapes, tractions that are missing or not finite, points above the surface, or a body
+            with inclusions, which need a contact solution.
 
         Examples
         --------
@@ -96,7 +96,7 @@ class Body(ABC):
         Returns
         -------
         (n, 3) [m]
-            Against distant points of the body; z runs into it.
+            Displacement relative to distant points of the body; z points into the body.
 
         Examples
         --------
@@ -143,8 +143,8 @@ class HalfSpace(Body):
     inclusions : sequence of mappings, optional
         Regions of a shape, as the tables ``[[inclusions]]`` of a scene.
     bulk_stress : mapping, optional
-        Stress by a load far away, before the first step, as the table of a scene: ``{"xx": "200 MPa"}``. Steps ramp it
-        by their keys ``bulk-stress-xx`` and so on.
+        Stress by a distant load, before the first step, as the table of a scene: ``{"xx": "200 MPa"}``. Steps ramp it
+        by their keys ``bulk-stress-xx``, ``bulk-stress-yy`` and ``bulk-stress-xy``.
 
     Raises
     ------
@@ -236,12 +236,12 @@ class Layered(Body):
     layers : sequence of (thickness, young_modulus, poisson_ratio)
         From the surface down; thickness [m], E [Pa], ν [-]. Text with units is accepted.
     substrate : HalfSpace or (young_modulus, poisson_ratio)
-        What lies below them; of one material, without a law or regions.
+        Half-space below the layers, of one material, without a law or regions.
 
     Raises
     ------
     SceneError
-        Layers or constants that are refused.
+        Invalid layers or constants.
 
     Examples
     --------

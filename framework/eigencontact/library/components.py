@@ -27,7 +27,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     key : str
         Name of the plugin: ``"sphere"``, or ``"package:sphere"`` where packages share a key.
     kind : str, optional
-        Kind of plugin, where several kinds know the key and the parameters do not tell them apart.
+        Kind of plugin, if several kinds have the key and accept the parameters.
     **parameters
         Fields of the component; text with units is accepted.
 
@@ -143,17 +143,17 @@ def rectangle_field(
     from eigencontact.core.tensors import to_matrix
     from eigencontact.model.installed import installed_influence
 
-    here = "rectangle_field"
+    caller = "rectangle_field"
     rule = "three finite numbers (q_x, q_y, p) [Pa]"
-    load = real_array(traction, here, "traction", rule, "Pa")
-    require(load.shape == (3,) and np.all(np.abs(load) <= LARGEST), here, "traction", traction, rule)
+    load = real_array(traction, caller, "traction", rule, "Pa")
+    require(load.shape == (3,) and np.all(np.abs(load) <= LARGEST), caller, "traction", traction, rule)
     rule = "two positive numbers (a, b) [m]"
-    widths = real_array(half_widths, here, "half_widths", rule, "m")
+    widths = real_array(half_widths, caller, "half_widths", rule, "m")
     good = widths.shape == (2,) and np.all(widths >= SMALLEST) and np.all(widths <= LARGEST)
-    require(good, here, "half_widths", half_widths, rule)
-    at = field_points(points, here, half_space=True)
+    require(good, caller, "half_widths", half_widths, rule)
+    at = field_points(points, caller, half_space=True)
     supported = isinstance(quantity, str) and quantity in ("displacement", "stress")
-    require(supported, here, "quantity", quantity, "'displacement' or 'stress'")
+    require(supported, caller, "quantity", quantity, "'displacement' or 'stress'")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
     total, registry = np.zeros((len(names), len(at))), installed_plugins()

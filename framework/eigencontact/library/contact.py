@@ -61,15 +61,15 @@ def solve_contact(
     ----------
     gap : (ny, nx) array [m], geometry component, or several components
         Initial separation of the surfaces on the cells of the window, rows along y, with its `spacing` or `size`; or
-        ``make("sphere", radius=1e-3)``, whose window is chosen unless it is given. Of a line contact the array is of
+        ``make("sphere", radius=1e-3)``, with an automatic window by default. For a line contact the array has the
         shape (nx,), (1, nx) or (nx, 1).
     bodies : HalfSpace, Layered or pair of them
-        The lower body, which z points into, and the upper one; None is rigid, and so is an upper one that is not given.
+        Lower body, into which z points, and upper body; None is rigid. A single body lies below a rigid one.
     load : float, text or sequence of them, optional
-        Normal load [N]; of a sequence one step after the other. Either it or `approach` is given. In a line contact
-        this load and the tangential one are per length [N/m]: ``"400 N/mm"``.
+        Normal load [N]; a sequence has one load step per value. Give either it or `approach`. In a line contact
+        this load and the tangential load are per length [N/m]: ``"400 N/mm"``.
     approach : float, text or sequence of them, optional
-        How far the bodies have come together from a separation of 0 [m]; in a line contact only with `datum_depth`.
+        Approach of the bodies from first touch [m]; in a line contact only with `datum_depth`.
     friction : float, mapping or component, optional
         Coefficient of friction, or a friction law. Without it the contact is frictionless.
     tangential_load : float, text or pair, optional
@@ -77,9 +77,9 @@ def solve_contact(
     shift : float, text or pair, optional
         Motion of the upper body along x, or along x and y, in place of a tangential load [m].
     steps : sequence of mappings, optional
-        The whole history instead, as the tables ``[[steps]]`` of a scene.
+        Load history as the tables ``[[steps]]`` of a scene, in place of loads and motions.
     increments : int
-        Equal parts of each step.
+        Number of equal increments of each step.
     spacing : float, text or pair, optional
         Edges of a cell along x and y [m].
     size : float, text or pair, optional
@@ -90,10 +90,10 @@ def solve_contact(
         Length of the contact along y: ``"infinite"`` makes a line contact in plane strain. `cells`, `size` and
         `spacing` are then single values, those along x; arrays of the result are of shape (1, nx).
     datum_depth : float or text, optional
-        Of a line contact, and of one that repeats along y alone: depth of the points in each body against which the
-        surfaces move [m], by default the width of the window.
+        For a line contact, and a contact periodic along y only: datum depth of the displacements in each body [m],
+        by default the width of the window.
     numerics : mapping, optional
-        Fidelity and effort, as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``, or ``"periodic-y"``.
+        Numerical settings as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``, or ``"periodic-y"``.
 
     Returns
     -------
@@ -102,19 +102,19 @@ def solve_contact(
     Raises
     ------
     SceneError
-        An argument that is refused, by its name; `NotConverged`, `DomainTooSmall` on the way.
+        An invalid argument, with its name; `NotConverged`, `DomainTooSmall` during the solution.
 
     Examples
     --------
-    A ball of 105 µm on steel, as numbers of one's own:
+    A ball of 105 µm radius on steel, from an array of gaps:
 
     >>> import numpy as np, eigencontact as ec
     >>> x = (np.arange(64) - 31.5) * 0.25e-6
     >>> gap = (x**2 + x[:, None] ** 2) / (2 * 105e-6)
-    >>> found = ec.solve_contact(gap, ec.HalfSpace("210 GPa", 0.3), load="0.65 N", spacing=0.25e-6)
-    >>> f"{found.max_pressure / 1e9:.2f} GPa, {found.radius * 1e6:.2f} um, {found.approach * 1e9:.0f} nm"
+    >>> contact = ec.solve_contact(gap, ec.HalfSpace("210 GPa", 0.3), load="0.65 N", spacing=0.25e-6)
+    >>> f"{contact.max_pressure / 1e9:.2f} GPa, {contact.radius * 1e6:.2f} um, {contact.approach * 1e9:.0f} nm"
     '8.47 GPa, 6.03 um, 349 nm'
-    >>> found.stress([[0, 0, 3e-6]]).shape
+    >>> contact.stress([[0, 0, 3e-6]]).shape
     (1, 3, 3)
 
     A cylinder of 10 mm, as a line contact:
@@ -143,8 +143,14 @@ def solve_contact(
     history = _steps(load, approach, tangential_load, shift, increments) if steps is None else _history(steps)
     if steps is not None:
         controls = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
-        beside = [name for name, value in controls.items() if value is not None]
-        require(not beside, _HERE, "steps", f"{', '.join(beside)} too", "given alone: they hold all loads and motions")
+        conflicting = [name for name, value in controls.items() if value is not None]
+        require(
+            not conflicting,
+            _HERE,
+            "steps",
+            f"{', '.join(conflicting)} too",
+            "given alone: they hold all loads and motions",
+        )
     inclusions = [
         table
         for number, body in enumerate((lower, upper), 1)

@@ -58,10 +58,10 @@ def inclusion_field(
     space : {"half", "full"}
         With or without the free surface z = 0.
     cells : int
-        Cells across the longest extent of a shape that offers only ``contains``; others do not use it.
+        Cells across the longest extent of a shape that has only ``contains``; other shapes do not use it.
     tolerance : float
-        Error allowed where many shapes meet many points, relative to the largest value of the field of them; 0 sums one
-        by one to round-off.
+        Error allowed for many shapes and points, relative to the largest value of their field; 0 sums all shapes
+        one by one to round-off.
 
     Returns
     -------

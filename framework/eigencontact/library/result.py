@@ -47,11 +47,11 @@ class ContactResult:
     --------
     >>> import eigencontact as ec
     >>> ball = ec.make("sphere", radius="105 um")
-    >>> found = ec.solve_contact(ball, ec.HalfSpace("210 GPa", 0.3), load=["0.3 N", "0.65 N"])
-    >>> found  # doctest: +NORMALIZE_WHITESPACE
+    >>> contact = ec.solve_contact(ball, ec.HalfSpace("210 GPa", 0.3), load=["0.3 N", "0.65 N"])
+    >>> contact  # doctest: +NORMALIZE_WHITESPACE
     ContactResult(normal load 650 mN, approach 348.97 nm, contact radius 6.0393 um, largest pressure 8.468 GPa,
                   step 2 of 2)
-    >>> round(found.at(1).load, 6)
+    >>> round(contact.at(1).load, 6)
     0.3
     """
 
@@ -83,7 +83,7 @@ class ContactResult:
         Raises
         ------
         SceneError
-            A step that was not solved.
+            An unsolved step.
 
         Examples
         --------
@@ -169,7 +169,7 @@ class ContactResult:
         axis : {"x", "y"}
             Along which axis.
         at : float or str
-            Where the line lies on the other axis [m]; the dataset holds the place of the cells that were taken.
+            Coordinate of the line on the other axis [m]; the dataset has the coordinate of the selected cells.
 
         Raises
         ------
@@ -180,9 +180,9 @@ class ContactResult:
         --------
         >>> import eigencontact as ec
         >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
-        >>> found = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
-        >>> line = found.profile("x")
-        >>> error = abs(line.pressure - line.reference_pressure).max() / found.max_pressure
+        >>> contact = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
+        >>> line = contact.profile("x")
+        >>> error = abs(line.pressure - line.reference_pressure).max() / contact.max_pressure
         >>> line.pressure.dims, f"{float(error):.2f} of the largest pressure from Hertz"
         (('x',), '0.01 of the largest pressure from Hertz')
         """
@@ -205,13 +205,13 @@ class ContactResult:
         points : (n, 3) [m]
             x, y and depth z into that body, 0 or more.
         body : {1, 2}
-            The lower or the upper one, which must be elastic.
+            Lower or upper body, which must be elastic.
 
         Returns
         -------
         (n, 3, 3) [Pa]
-            Symmetric tensors, tension positive. Less than a quarter of a cell below the surface stress by tractions is
-            a mean over cells. Points are summed cell by cell: for planes and volumes `region` is faster.
+            Symmetric tensors, tension positive. At depths of less than a quarter of a cell the stress by tractions is
+            a mean over cells. The method sums over all cells: for planes and volumes `region` is faster.
 
         Raises
         ------
@@ -235,15 +235,15 @@ class ContactResult:
         Returns
         -------
         (n, 3) [m]
-            z runs into that body; of a periodic window, against the mean of its surface.
+            z points into the body; in a periodic window, relative to the mean of the surface.
 
         Examples
         --------
         >>> import eigencontact as ec
         >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
-        >>> found = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
-        >>> u = found.displacement([[0, 0, 0]])
-        >>> f"{u[0, 2] / found.approach:.4f}"  # the ball pushes the middle of the surface down by the approach
+        >>> contact = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
+        >>> u = contact.displacement([[0, 0, 0]])
+        >>> f"{u[0, 2] / contact.approach:.4f}"  # the ball pushes the middle of the surface down by the approach
         '1.0000'
         """
         return np.ascontiguousarray(self._at_points(points, body, "displacement").T)
@@ -260,8 +260,8 @@ class ContactResult:
         --------
         >>> import eigencontact as ec
         >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
-        >>> found = ec.solve_contact(ball, steel, load="0.65 N")
-        >>> section = found.region(name="section", shape="plane", normal="y", depth_max="10 um", depth_cells=40)
+        >>> contact = ec.solve_contact(ball, steel, load="0.65 N")
+        >>> section = contact.region(name="section", shape="plane", normal="y", depth_max="10 um", depth_cells=40)
         >>> f"{float(section.section_von_mises.max()) / 1e9:.2f} GPa"
         '5.25 GPa'
         """
@@ -301,7 +301,7 @@ class ContactResult:
         Parameters
         ----------
         field : str, optional
-            ``"pressure"`` by default, ``"gap"``, ``"shear"``; an unknown name is answered with all of them.
+            ``"pressure"`` by default, ``"gap"``, ``"shear"``; the message about an unknown name lists all names.
         **options
             ``component``, ``zoom``, ``cmap`` and ``style`` of `eigencontact.plot`.
 
@@ -313,7 +313,7 @@ class ContactResult:
         Raises
         ------
         SceneError
-            A field that there is none of.
+            An unknown field.
 
         Examples
         --------

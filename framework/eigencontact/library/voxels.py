@@ -26,7 +26,7 @@ class Voxels:
     Parameters
     ----------
     labels : (nz, ny, nx) of int
-        Number of each voxel; z runs into the body. 0 is the body itself.
+        Number of each voxel; z points into the body. 0 is the material of the body.
     spacing : float or (float, float, float)
         Edges (dx, dy, dz) of a voxel [m], or one for all; text with a unit is accepted.
     materials : mapping of int to mapping or component
@@ -44,8 +44,8 @@ class Voxels:
 
     Notes
     -----
-    A contact cuts the body into cells as wide as those of its window and, by default, as high as the voxels. Where
-    faces of cells lie in faces of voxels the array is met exactly; elsewhere a cell takes the voxels' shares.
+    A contact divides the body into cells of the width of its window's cells and, by default, of the height of the
+    voxels. If the faces of cells and voxels coincide, the discretisation is exact; other cells have volume fractions.
 
     Examples
     --------

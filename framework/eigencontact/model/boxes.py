@@ -243,14 +243,14 @@ def _around(source: Source, height: float, grid: Grid, setting: _Setting | None)
 def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> None:
     """Refuse too many cells; name the setting of their height if some layers would fit, otherwise the region."""
     nz, ny, nx = lattice.shape
-    each = BYTES_OF_LAW_CELL if isinstance(source, Inhomogeneity) else BYTES_OF_ONE
-    if lattice.cells <= most(each):
+    bytes_per_cell = BYTES_OF_LAW_CELL if isinstance(source, Inhomogeneity) else BYTES_OF_ONE
+    if lattice.cells <= most(bytes_per_cell):
         return
     got = f"{nx} x {ny} x {nz} for {source.name!r}"
-    if setting is not None and _FEW * ny * nx <= comfortable(each):
+    if setting is not None and _FEW * ny * nx <= comfortable(bytes_per_cell):
         name, value, power = setting
-        nearest = cut_down(value**power, lattice.cells, each=each) ** power
-        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do", each)
+        nearest = cut_down(value**power, lattice.cells, each=bytes_per_cell) ** power
+        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do", bytes_per_cell)
     wide = f"{lattice.edges[2]:.3g} m x {lattice.edges[1]:.3g} m"
     advice = f"its cells are {wide} wide: give a smaller one, or a coarser grid"
-    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice, each)
+    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice, bytes_per_cell)

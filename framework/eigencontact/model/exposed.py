@@ -62,13 +62,13 @@ class Exposed:
 
     def share_below(self, lost: FloatArray, added: FloatArray) -> float:
         """Volume fraction of additional wear ``(ny, nx)`` [m] below the exposed material."""
-        now = self.at(lost)
-        crossed = self.at(lost + added) != now
+        numbers = self.at(lost)
+        crossed = self.at(lost + added) != numbers
         if not crossed.any():
             return 0.0
-        low, step = np.zeros(now.shape), 0.5
+        low, step = np.zeros(numbers.shape), 0.5
         for _ in range(_BISECTIONS):
-            low = np.where(self.at(lost + (low + step) * added) == now, low + step, low)
+            low = np.where(self.at(lost + (low + step) * added) == numbers, low + step, low)
             step *= 0.5
         return float((added * (1.0 - low))[crossed].sum() / added.sum())
 
@@ -109,7 +109,7 @@ def exposed_of(
     if len(several) > 1 and material_laws:
         table, law = material_laws[0]
         raise SceneError(
-            f"{table}.type must be a law that does not tell materials apart where both bodies have several (got "
+            f"{table}.type must be a law without names of materials if both bodies have several materials (got "
             f"{law.key!r}, and {', '.join(candidates[1].names)} in body 1, {', '.join(candidates[2].names)} in body "  # type: ignore[attr-defined]
             "2); make one body of one material"
         )

@@ -302,13 +302,13 @@ def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
     first: dict[tuple[int, str], Inhomogeneity] = {}
     for source in inhomogeneities:
         for name, variable in source.law.variables.items():
-            rule = f"of a law with names of its own for what it remembers; {name!r} is stored of every cell"
+            rule = f"of a law with another name for its variable; the program stores its own {name!r} of every cell"
             require(name not in _STORED, source.where, "material", source.law.key, rule)
             earlier = first.setdefault((source.body, name), source)
             stored = earlier.law.variables[name]
             alike = (variable.unit, variable.components) == (stored.unit, stored.components)
-            rule = f"of a law that remembers {name!r} as {earlier.law.key!r} of {earlier.name!r} does, [{stored.unit}] "
-            rule += f"with {stored.components} components, or in the other body"
+            rule = f"of a law whose variable {name!r} equals that of {earlier.law.key!r} of {earlier.name!r}, "
+            rule += f"[{stored.unit}] with {stored.components} components, or in the other body"
             got = f"{source.law.key!r}: [{variable.unit}] with {variable.components}"
             require(alike, source.where, "material", got, rule)
 

@@ -65,16 +65,16 @@ def wear_model(scene: Scene, registry: Registry) -> WearModel | None:
         ]
         raise SceneError(
             f"wear.type must name a law of pressure and path in a contact without friction, {' or '.join(candidates)} "
-            f"(got {law.key!r}, which looks at the work of friction); set it, or add [friction]"
+            f"(got {law.key!r}, which uses the work of friction); change it, or add [friction]"
         )
     if law.needs_cycles and table.update == "increment":
         raise SceneError(
-            f"wear.update must be 'cycle' with {law.key!r}, which looks at the slip amplitude of a cycle (got "
-            "'increment'); leave it out"
+            f"wear.update must be 'cycle' with {law.key!r}, which uses the slip amplitude of a cycle (got "
+            "'increment'); remove wear.update"
         )
     if law.needs_cycles and all(step.cycle is None for step in scene.steps):
         raise SceneError(
-            f"steps must have a cycle with wear.type = {law.key!r}, which looks at the slip amplitude of a cycle (got "
+            f"steps must have a cycle with wear.type = {law.key!r}, which uses the slip amplitude of a cycle (got "
             "none); write them as cycle = [{ ... }]"
         )
     return WearModel(

@@ -61,18 +61,18 @@ def degrees_of(
     contrasts = [_contrast(source, matrix) for source in sources]
     degrees = []
     for number, source in enumerate(sources):
-        quality, beside = _closest(number, centers, halves, radii, surface=surface)
+        quality, neighbour_number = _closest(number, centers, halves, radii, surface=surface)
         needed = degree_for(contrasts[number], quality, whole.allowed)
         degree = max(LEAST_DEGREE, min(needed, HIGHEST_DEGREE)) if whole.whole == "auto" else whole.whole
         error = stated_error(contrasts[number], quality, degree)
         if degree < needed and whole.is_asked:
-            neighbour = "the surface" if beside is None else repr(sources[beside].name)
+            neighbour = "the surface" if neighbour_number is None else repr(sources[neighbour_number].name)
             raise SceneError(
                 f"{source.where} ({source.name!r}) must be farther from {neighbour} for numerics.inclusion-resolution "
-                f"with error = {whole.allowed:g} (got an error of {error:.2g} with degree {degree}: it falls by "
-                f"{quality:.2f} per degree); allow that error, "
-                + ("take a higher degree, " if degree < HIGHEST_DEGREE else "")
-                + 'move it, or set "cells"'
+                f"with error = {whole.allowed:g} (got an error of {error:.2g} with degree {degree}; the error falls by "
+                f"a factor {quality:.2f} per degree); allow this error, "
+                + ("set a higher degree, " if degree < HIGHEST_DEGREE else "")
+                + 'move the region, or set "cells"'
             )
         degrees.append(WholeDegree(degree=degree, quality=quality, error=error))
     return degrees
@@ -82,7 +82,7 @@ def _closest(
     number: int, centers: FloatArray, halves: FloatArray, radii: FloatArray, *, surface: bool
 ) -> tuple[float, int | None]:
     """Strongest interaction of an inclusion, and the neighbour that causes it; None for the surface."""
-    best, beside = 0.0, None
+    best, neighbour = 0.0, None
     if surface:
         best = reflection(2.0 * centers[number, 2], halves[number, 2], halves[number, 2])
     gaps = np.linalg.norm(centers - centers[number], axis=1)
@@ -90,8 +90,8 @@ def _closest(
         if other != number:
             quality = reflection(float(gaps[other]), float(radii[number]), float(radii[other]))
             if quality > best:
-                best, beside = quality, int(other)
-    return best, beside
+                best, neighbour = quality, int(other)
+    return best, neighbour
 
 
 def _contrast(source: Inhomogeneity, matrix: Material) -> float:

@@ -175,9 +175,9 @@ class _Trial:
             if reached.any():
                 mises = readable(float(von_mises(bulk)), "Pa")
                 raise SceneError(
-                    f"body{self.where[4]}.bulk-stress, also of steps, must leave the law of the body elastic (got a "
-                    f"von Mises stress of {mises}, which {self.law.key!r} does not bear elastically at a depth of "
-                    f"{depths[np.argmax(reached)]:g} m): the body outside the cells is elastic; lower it"
+                    f"body{self.where[4]}.bulk-stress, also of steps, must be within the elastic range of the law (got "
+                    f"a von Mises stress of {mises}, beyond the range of {self.law.key!r} at a depth of "
+                    f"{depths[np.argmax(reached)]:g} m), because the body is elastic outside the cells; reduce it"
                 )
 
     def _require_constants(self, depths: FloatArray) -> None:
@@ -187,8 +187,8 @@ class _Trial:
             differs = self._differs(np.tile(scale * stress, depths.size), z)
             if not differs.any():
                 return
-        rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
-        got = f"{self.law.key!r}, with others at a depth of {z[np.argmax(differs)]:g} m"
+        rule = f"of a law with the elastic constants of body {self.where[4]}: remove the constants from the law"
+        got = f"{self.law.key!r}, with other constants at a depth of {z[np.argmax(differs)]:g} m"
         require(False, self.where, "type", got, rule)
 
     def _differs(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
@@ -215,8 +215,8 @@ class _Trial:
         out = np.asarray(np.linalg.norm(stress, axis=0) > 0.0)
         if depths.size > 1:
             for depth in depths:
-                here = z == depth
-                out[here] = self._differs(stress[:, here], z[here])
+                at_depth = z == depth
+                out[at_depth] = self._differs(stress[:, at_depth], z[at_depth])
         return out
 
 
@@ -248,7 +248,7 @@ def _box_where(
                     got, advice = _pressed(trial, load, elastic, scene)
                     sides = (zone.high - zone.low)[list(grid.bounded_axes)]
                     got += f"the plastic zone is larger than {_sizes(*sides)}"
-                    raise SceneError(f"{trial.where} must yield near the contact alone (got {got}); {advice}")
+                    raise SceneError(f"{trial.where} must yield only near the contact (got {got}); {advice}")
                 zones.append((zone.low, zone.high))
         return _around(zones)
 
@@ -267,8 +267,8 @@ def _box_where(
     if scene.numerics.inclusion_pitch is None and cells > most(BYTES_OF_LAW_CELL):
         hardest = max(loads, key=lambda load: float(load[1]["p"].max()))
         got, advice = _pressed(trial, hardest, elastic, scene)
-        got += f"the plastic zone and the room around it measure {_sizes(x1 - x0, y1 - y0, depth)}"
-        advice += ", coarsen the grid or lower numerics.law-room"
+        got += f"the plastic zone with its margin measures {_sizes(x1 - x0, y1 - y0, depth)}"
+        advice += ", use a coarser grid or reduce numerics.law-room"
         refuse_more(cells, trial.where, "cells inside a body", got, advice, BYTES_OF_LAW_CELL)
     deep = float(depth + (_ROOM_OF_LAYERS - scene.numerics.law_room) * (high - low)[2])
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth)))), deep
@@ -280,8 +280,8 @@ def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scen
     table = getattr(scene, trial.where.split(".")[0]).law
     limits = ", ".join(f"{name} = {value!r}" for name, value in _limits(table)) or "the limits of the law"
     return (
-        f"a body pressed to {ratio:.2g} times its yield stress or other limit: ",
-        f"check the unit of {limits} (a stress without a unit is in Pa), lower the load",
+        f"an elastic stress of {ratio:.2g} times the yield stress or other limit: ",
+        f"check the unit of {limits} (a stress without a unit is in Pa), reduce the load",
     )
 
 

@@ -113,10 +113,10 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
     inclusion = number(points)
     breaks = np.flatnonzero(inclusion[1:] != inclusion[:-1])
     low, high = np.zeros(breaks.size), np.ones(breaks.size)
-    first, way = points[:, breaks], points[:, breaks + 1] - points[:, breaks]
+    first, span = points[:, breaks], points[:, breaks + 1] - points[:, breaks]
     for _ in range(_HALVINGS if breaks.size else 0):
         middle = 0.5 * (low + high)
-        as_inner = number(first + middle * way) == inclusion[breaks]
+        as_inner = number(first + middle * span) == inclusion[breaks]
         low, high = np.where(as_inner, middle, low), np.where(as_inner, high, middle)
     border = np.full(points.shape[1], np.nan)
     border[breaks] = 0.5 * (low + high)

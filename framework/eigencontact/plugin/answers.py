@@ -22,7 +22,7 @@ def checked_answer(
 ) -> FloatArray:
     """Result ``(ny, nx)`` [`unit`] of a method of a law for a read-only state, checked.
 
-    It must be finite and not negative in `cells` ``(ny, nx)``, which the message calls `cells_are`.
+    The result must be finite and not negative in `cells` ``(ny, nx)``; the message names these cells by `cells_are`.
 
     Raises
     ------

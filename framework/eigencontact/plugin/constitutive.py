@@ -34,15 +34,15 @@ class Variable:
     unit : str
         SI unit, ``"1"`` for a number.
     meaning : str
-        In words; stored beside the values.
+        Description, stored with the values.
     components : int
-        Numbers a point; 6 is a Mandel vector.
+        Numbers per point; 6 is a Mandel vector.
     elastic : bool
-        Whether it changes also where the answer is that of sound elasticity: the cells of a body are enough as long as
-        no other variable of their rim has changed.
+        True if the variable also changes in the elastic range. The cells of a body are sufficient as long as no other
+        variable has changed in the outermost cells.
     largest, extent : str
-        Names under which every step gives the largest value in the bodies, and the volume [m^3] where it is not zero;
-        none is given without a name.
+        Names of two numbers of every step: the largest value in the bodies, and the volume [m^3] with nonzero values. A
+        number without a name is not computed.
     total : (str, str), optional
         Name and SI unit of its integral over the volume.
 
@@ -68,12 +68,12 @@ class LawStep:
     Attributes
     ----------
     x, y, z : (n,) float64
-        Places of the points [m], z into the body.
+        Coordinates of the points [m], z into the body.
     time, duration : float
         End of the load increment, in load steps (1 ends the first), and its length.
     means : mapping of str to (components, n) float64
-        Mean about each point of the variables that `ConstitutiveLaw.averaged` names, at the end of the increment. Empty
-        where there is no neighbourhood: the value of the point itself then counts.
+        Means over the neighbourhood of each point, of the variables in `ConstitutiveLaw.averaged`, at the end of the
+        increment. Empty without a neighbourhood: the law then uses the value of the point.
 
     Examples
     --------
@@ -104,9 +104,9 @@ class Response:
     stress : (6, n) float64
         Mandel stress [Pa], positive in tension.
     tangent : (6, 6, n) or (6, 6) float64
-        Derivative of the stress by the strain [Pa], of all points where one matrix is given.
+        Derivative of the stress by the strain [Pa]; a single matrix applies to all points.
     variables : mapping of str to (components, n) float64
-        What the points remember after the increment: the names that the law declares.
+        Internal variables after the increment, with the names that the law declares.
 
     Examples
     --------
@@ -123,20 +123,20 @@ class Response:
 class ConstitutiveLaw(Component, ABC):
     """Stress of a total strain, at any number of points at once.
 
-    A law is pure: the same question has the same answer, and arrays that it is given stay as they are. Within an
-    increment it is asked again and again, always with the variables from before the increment.
+    A law is a pure function: equal arguments lead to equal results, and the law does not change its arguments. The
+    solver calls it several times within an increment, always with the variables before the increment.
 
     Attributes
     ----------
     variables : mapping of str to Variable
-        Class attribute; what a point remembers. They are stored with every accepted step.
+        Class attribute; internal variables of a point, stored with every accepted step.
     symmetric : bool
-        Class attribute; whether the tangent is.
+        Class attribute; True if the tangent is symmetric.
     isotropic : bool
-        Class attribute; whether the material has no directions of its own. One that has them gives them in fields that
-        are annotated `Direction` or `Rotation`: turned with the strain and what is remembered, they turn the stress.
+        Class attribute; True if the material has no preferred directions. Preferred directions are fields with the
+        annotation `Direction` or `Rotation`: a rotation of directions, strain and variables rotates the stress.
     advice : str
-        Class attribute; what helps where cells of the material find no answer, or several, for messages.
+        Class attribute; remedy in messages about cells without a solution, or with several solutions.
 
     Examples
     --------
@@ -163,16 +163,16 @@ class ConstitutiveLaw(Component, ABC):
         Parameters
         ----------
         strain : (6, n)
-            Mandel strain at the end of the increment, less the prestrain of the material [-].
+            Mandel strain at the end of the increment, minus the prestrain of the material [-].
         before : mapping of str to (components, n)
             Variables at the start of the increment.
         step : LawStep
-            Where the points lie, and when.
+            Coordinates of the points, and time.
 
         Raises
         ------
         NotUnique
-            Points that soften so fast that a strain has several answers; `NotConverged` for other reasons.
+            Points that soften so fast that a strain has several stresses; `NotConverged` for other reasons.
         """
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:  # noqa: ARG002
@@ -196,14 +196,14 @@ class ConstitutiveLaw(Component, ABC):
     def averaged(self) -> Mapping[str, float]:
         """Radius R [m] of the neighbourhood of each nonlocal variable; none by default.
 
-        Where a material softens, strain localises in one layer of cells, however thin, unless the law has a length. The
+        In a softening material, strain localises in a single layer of cells unless the law has a length. The
         mean over all points q of the same material about a point p is ``sum w(|p - q|) v(q) / sum w(|p - q|)`` with the
         bell ``w(r) = (1 - r²/R²)²`` for r < R: a constant keeps its value up to surfaces and interfaces, and as the
         weights are constant the mean of a variable that never falls never falls.
 
-        The means are unknowns of the step like the eigenstrain, and are solved for together with it: a law uses
-        `LawStep.means` as given, in its tangent too, and returns variables of which the next means are computed. At
-        the end both agree to the tolerance of the scene.
+        The means are unknowns of the step, solved together with the eigenstrain. A law uses `LawStep.means` as
+        constants, also in its tangent, and returns the variables from which the next means are computed. At convergence
+        both agree to the tolerance of the scene.
 
         References
         ----------
@@ -231,10 +231,10 @@ class ConstitutiveLaw(Component, ABC):
 
 
 class LinearLaw(ConstitutiveLaw):
-    """Elasticity: stress is stiffness times strain, and nothing is remembered.
+    """Linear elasticity: stress is stiffness times strain, without internal variables.
 
-    One method is enough. A law whose stiffness may be infinite (incompressible, rigid) gives `factors` as well; the
-    solvers ask for nothing else.
+    A subclass defines one method. A law with infinite stiffness (incompressible, rigid) also defines `factors`, the
+    only method that the solvers use.
 
     Examples
     --------
@@ -260,8 +260,9 @@ class LinearLaw(ConstitutiveLaw):
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
         """``soft = (C + 2G)^-1`` [1/Pa] and ``stiff = C soft`` [-], each ``(6, 6)`` or ``(n, 6, 6)``.
 
-        C is the stiffness, G = `shear_modulus` [Pa] that of the material around. Both are bounded and symmetric for
-        every material, from a void to a rigid one, and ``stiff + 2 G soft`` is the unit matrix.
+        C is the stiffness, G = `shear_modulus` [Pa] the shear modulus of the surrounding material. Both factors are
+        bounded and symmetric for every material, from a void to a rigid one, and ``stiff + 2 G soft`` is the unit
+        matrix.
         """
         return factors_of_stiffness(self.stiffness_matrix(), shear_modulus)
 
@@ -334,8 +335,8 @@ class Surroundings:
 class HasCellAnswer(Protocol):
     """Optional ability of a law: response of cells in an elastic body, faster than Newton's method on `update`.
 
-    It is the local step of an iteration, and any answer leads to the same result: at the end the stress is that of
-    `update` for the strain.
+    The method is the local step of an iteration. Any response leads to the same result: at convergence the stress is
+    that of `update` for the strain.
     """
 
     def cell_answer(
@@ -351,7 +352,7 @@ class HasCellAnswer(Protocol):
         Parameters
         ----------
         foreign : (6, n)
-            Mandel stress that all others cause [Pa].
+            Mandel stress by all other cells and loads [Pa].
         prestrain : (6, n)
             Strain without stress of the material [-].
         around : Surroundings
@@ -361,8 +362,8 @@ class HasCellAnswer(Protocol):
         Returns
         -------
         eigenstrain : (6, n)
-            Strain less that of the stress in the material around, prestrain included [-].
+            Strain minus the elastic strain of the stress in the surrounding material, with the prestrain [-].
         variables : mapping of str to (components, n)
-            One that no cell changes may be the array of `before` itself: it is then not checked again.
+            An unchanged variable may be the array of `before`, which is not checked again.
         """
         ...

@@ -18,15 +18,16 @@ __all__ = ["DamageLaw", "PlasticDamage", "StrainDamage"]
 
 @dataclass(frozen=True, kw_only=True)
 class DamageLaw(Component, ABC):
-    """Stiffness is ``(1 - D)`` times that of the sound material: D follows from a number that never falls.
+    """Damage law: the stiffness is ``(1 - D)`` times that of the undamaged material, with D of a non-decreasing number.
 
-    The number is the equivalent plastic strain of a `PlasticDamage` law, and the largest equivalent strain so far of a
-    `StrainDamage` law. A curve that serves both derives from both.
+    The number is the equivalent plastic strain for a `PlasticDamage` law, and the largest equivalent strain so far for
+    a `StrainDamage` law. A law for both derives from both classes.
 
     Parameters
     ----------
     length : float, optional
-        Radius [m] over which the number is averaged before D is taken of it; without it D is that of the point.
+        Radius [m] of the average of the number, of which D is a function; without it D follows from the number at the
+        point.
 
     Examples
     --------
@@ -50,7 +51,7 @@ class DamageLaw(Component, ABC):
         Parameters
         ----------
         driven : (n,)
-            The number that drives it [-], zero or positive.
+            Number that drives the damage [-], zero or positive.
 
         Returns
         -------
@@ -64,7 +65,7 @@ class DamageLaw(Component, ABC):
         Raises
         ------
         SceneError
-            A length that is none.
+            An invalid length.
         """
         if self.length is None:
             return {}
@@ -89,7 +90,7 @@ class PlasticDamage(DamageLaw):
 class StrainDamage(DamageLaw):
     """Damage by strain: the argument of `DamageLaw.damage` is the largest equivalent strain so far.
 
-    D stays zero up to a strain that is not: the material is elastic until then.
+    D is zero up to a positive strain: the material is elastic below it.
 
     Examples
     --------

@@ -26,7 +26,7 @@ class StressCycle:
         Mandel stress [Pa], tension positive, residual stress included. The cycle is closed: the step after the last is
         the first.
     strain : (steps, 6, points) float64, or None
-        Mandel strain [-]; given to criteria that say ``needs_strain = True``.
+        Mandel strain [-], for criteria with ``needs_strain = True``.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class DamageParameter:
     value : (points,) float64
         Damage parameter, in the unit of the criterion.
     normal : (points, 3) float64, or None
-        Unit normal of the plane that the criterion chose, z positive; None where it knows no plane.
+        Unit normal of the critical plane, z positive; None for criteria without a plane.
 
     Examples
     --------
@@ -88,8 +88,8 @@ class FatigueCriterion(Component, ABC):
     needs_strain : bool
         Whether the criterion reads `StressCycle.strain`.
     amplitude_power : float
-        Power of the amplitude with which the damage parameter grows: 2 of a product of stress and strain. A Wöhler
-        curve is one of the amplitude.
+        Power with which the damage parameter grows with the amplitude, for Wöhler curves: 2 for a product of stress and
+        strain.
 
     Examples
     --------

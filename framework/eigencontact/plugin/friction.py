@@ -24,19 +24,19 @@ class FrictionState:
     Attributes
     ----------
     pressure : (ny, nx) float64
-        Contact pressure at the end of the increment that is being solved [Pa], compression positive, 0 out of contact.
+        Contact pressure at the end of the present increment [Pa], compression positive, 0 out of contact.
     x : (1, nx) float64
         Centres of the cells along x [m].
     y : (ny, 1) float64
         Centres of the cells along y [m].
     slip_distance : (ny, nx) float64
-        Length of the path that each point has slipped in contact, up to the start of the increment [m].
+        Slip distance of each point in contact, up to the start of the increment [m].
     time : float
         End of the increment, in load steps: 1 ends the first.
     material : (ny, nx) int, or (1, 1)
-        What is exposed: a number of `materials`; 0 is the substrate.
+        Exposed material, a number of `materials`; 0 is the substrate.
     materials : tuple of str
-        Names by number. They are told where a law names materials (`NamesMaterials`), or surfaces wear.
+        Names by number, if a law names materials (`NamesMaterials`) or surfaces wear.
 
     Examples
     --------
@@ -58,8 +58,8 @@ class FrictionState:
 class FrictionLaw(Component, ABC):
     """Largest shear traction at each point of the contact: the point slips at this bound and sticks below it.
 
-    The law sets the size of the shear traction alone. That slip and shear point in opposite directions, where the
-    surfaces stick and how far they slip is found by the solver.
+    The law defines only the magnitude of the shear traction. The solver computes the stick zone, the slip, and the
+    direction of the shear, which opposes the slip.
 
     Examples
     --------
@@ -79,9 +79,9 @@ class FrictionLaw(Component, ABC):
     def shear_bound(self, state: FrictionState) -> FloatArray:
         """Shear bound ``(ny, nx)`` [Pa]: finite, zero or positive.
 
-        Values out of contact, where ``state.pressure`` is 0, are not used. The law is asked several times within an
-        increment, with better and better pressures, and must keep no memory of that: what it may remember is in the
-        state.
+        Values out of contact, where ``state.pressure`` is 0, are not used. The solver calls the law several times
+        within an increment, with increasingly accurate pressures, so the law must not store anything: its history is in
+        the state.
         """
 
 
@@ -91,7 +91,7 @@ def checked_shear_bound(law: FrictionLaw, state: FrictionState) -> FloatArray:
     Raises
     ------
     PluginError
-        The law answers with another shape, with numbers that are not finite, or with negative ones.
+        A result of another shape, or with numbers that are negative or not finite.
     """
     loaded = state.pressure > 0
     bound = checked_answer(law, "shear_bound", "Pa", state, loaded, "points of the contact")

@@ -52,8 +52,8 @@ class HasReferencePressure(Protocol):
 class HasNativeGrid(Protocol):
     """Optional ability of a geometry: the grid of its measurement, used with ``grid = "auto"``.
 
-    An attribute ``larger_window`` of the class, a phrase such as ``"measure a larger patch"``, says what there is to do
-    where the contact reaches the edge of that grid.
+    The optional class attribute ``larger_window``, a phrase such as ``"measure a larger patch"``, is the remedy in the
+    message about a contact at the edge of this grid.
     """
 
     def native_grid(self) -> Grid:

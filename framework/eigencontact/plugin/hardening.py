@@ -33,7 +33,7 @@ class HardeningLaw(Component, ABC):
 
 
 class IsotropicHardening(HardeningLaw):
-    """The size of the yield surface.
+    """Size of the yield surface: flow stress as a function of the equivalent plastic strain.
 
     Examples
     --------
@@ -58,14 +58,14 @@ class IsotropicHardening(HardeningLaw):
         Returns
         -------
         flow_stress, slope : (n,)
-            In uniaxial tension, positive, and its derivative by p, both [Pa]. The slope may be negative.
+            Flow stress in uniaxial tension, positive, and its derivative by p, both [Pa]. The slope may be negative.
         """
 
 
 class KinematicHardening(HardeningLaw):
-    """One back-stress X, the middle of the yield surface.
+    """Back-stress X, the centre of the yield surface.
 
-    A plastic strain dε_p, of the size dp, turns X into ``θ(dp) (X + (2/3) C dε_p)``.
+    A plastic strain dε_p, with the equivalent strain dp, changes X to ``θ(dp) (X + (2/3) C dε_p)``.
 
     Attributes
     ----------

@@ -19,10 +19,10 @@ Point = tuple[float, float, float]
 class InclusionShape(Component, ABC):
     """A bounded region of the body, z >= 0, that may carry an eigenstrain.
 
-    Two members are enough: the framework then cuts the region into cuboids with volume fractions. A shape that also
-    has ``phi`` and ``psi`` (`HasPotentials`) gives the exact field of a uniform eigenstrain; ``chi``
-    (`HasMirrorPotential`) and ``far_field`` (`HasFarField`) make it faster and keep its digits at a distance.
-    Displacement, strain and stress, the free surface, grids and materials are the framework's business.
+    A shape defines two members; the framework then divides the region into cuboids with volume fractions. With ``phi``
+    and ``psi`` (`HasPotentials`) the field of a uniform eigenstrain is exact; ``chi`` (`HasMirrorPotential`) and
+    ``far_field`` (`HasFarField`) make it faster and more accurate at a distance. The framework computes displacement,
+    strain and stress, and handles the free surface, grids and materials.
 
     Examples
     --------
@@ -60,8 +60,8 @@ class EigenstrainField(Component, ABC):
     Attributes
     ----------
     uniform : bool
-        Class attribute; True where the value does not depend on the place, so that a shape with potentials needs no
-        cutting into cells.
+        Class attribute; True if the value does not depend on the position, so that a shape with potentials needs no
+        cells.
 
     Examples
     --------

@@ -20,12 +20,12 @@ __all__ = ["HasResponseAtDepths", "LayeredMedium", "Thinning"]
 class LayeredMedium(Component, ABC):
     """Half-space z >= 0 whose elastic constants depend only on z; homogeneous and isotropic below some depth.
 
-    The author writes its answer to tractions that vary as ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
+    A subclass defines the response to tractions ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
     `SurfaceInfluence`: ``"p"`` pushes along +z, ``"q_x"`` and ``"q_y"`` act on the body along +x and +y. Stress is
     positive in tension, in the order and the Mandel scaling of `COMPONENTS`. The optional ability `HasResponseAtDepths`
-    saves time where stress is asked for at many depths. What follows from the response is kept on disk under the fields
-    of the medium, the source of its module and its answer to some waves; for a medium whose fields are not text,
-    numbers and dataclasses of these it is computed each time.
+    saves time for stress at many depths. The framework stores influence coefficients on disk under a hash of the fields
+    of the medium, the source of its module and its response to some waves. It computes them again for a medium whose
+    fields are not text, numbers and dataclasses of these.
 
     Examples
     --------
@@ -90,7 +90,7 @@ class LayeredMedium(Component, ABC):
         z : float
             Depth [m], zero or positive.
         side : "above" or "below"
-            The material that counts where z is the depth of an interface: the one nearer to the surface, or the deeper.
+            Side of an interface at the depth z: the material above or below it.
 
         Notes
         -----

@@ -20,7 +20,7 @@ SUBSTRATE = "substrate"
 class NamesMaterials(Protocol):
     """Optional ability of a friction or wear law: parameters by the name of the material.
 
-    A scene whose body has no material of such a name is refused, with the nearest.
+    The program refuses a scene whose bodies have no material of such a name, and suggests the nearest name.
     """
 
     @property
@@ -40,16 +40,16 @@ def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[
     Parameters
     ----------
     law : str
-        Names the law in messages.
+        Name of the law for messages.
     state : FrictionState or WearState
         With ``material``, ``materials``, ``pressure``, ``x`` and ``y``.
     known : collection of str
-        Materials that the law knows; others may be exposed where nothing touches, and are left out.
+        Materials of the law. Other materials may be exposed out of contact; the function omits them.
 
     Raises
     ------
     SceneError
-        A material in contact that the law does not know.
+        A material in contact without parameters in the law.
     """
     material = np.broadcast_to(state.material, state.pressure.shape)
     for number in np.unique(material):

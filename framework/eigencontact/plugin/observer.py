@@ -23,10 +23,10 @@ class RegionView:
     dims : tuple of str
         Dimensions of the points: ``("point",)`` of lines and lists, ``("z", "x")`` of a plane normal to y.
     coords : mapping of str to array or float
-        x, y, z [m] along the dimension of their name, or along ``point``; one number where all points share it.
+        x, y, z [m] along the dimension of their name, or along ``point``; a single number if it is equal at all points.
     fields : mapping of str to array
-        As results hold them: ``stress (6, ...)`` [Pa] and ``strain (6, ...)`` in plain components xx, yy, zz, yz, xz,
-        xy; ``displacement (3, ...)`` [m]; ``von_mises (...)`` and other numbers read off the stress [Pa].
+        Fields as in the results: ``stress (6, ...)`` [Pa] and ``strain (6, ...)`` in plain components xx, yy, zz, yz,
+        xz, xy; ``displacement (3, ...)`` [m]; ``von_mises (...)`` and other scalars of the stress [Pa].
 
     Examples
     --------
@@ -48,7 +48,7 @@ class RememberedView:
     Attributes
     ----------
     values : (components, nz, ny, nx) or (components, n) array
-        In cells, or of whole inclusions; six components are a Mandel vector.
+        Values in cells, or of whole inclusions; six components are a Mandel vector.
     coords : mapping of str to array
         Centres of the cells along z, y, x [m]; empty for whole inclusions.
     unit : str
@@ -78,13 +78,13 @@ class StepView:
     grid : Grid
         Grid of the surface fields.
     fields : mapping of str to (ny, nx) array
-        ``pressure`` [Pa], ``gap`` [m], ``displacement_z`` [m] and whatever else the plan provides.
+        ``pressure`` [Pa], ``gap`` [m], ``displacement_z`` [m] and other fields of the plan.
     scalars : mapping of str to float
         ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``contact_area`` [m^2] and others.
     regions : mapping of str to RegionView
-        Regions of the scene, and those that the observer asks for, by name.
+        Regions of the scene and of the observer, by name.
     history : mapping of str to RememberedView
-        What the bodies remember: ``equivalent_eigenstrain_1`` of the inhomogeneities of body 1, ``<variable>_1`` of
+        History fields of the bodies: ``equivalent_eigenstrain_1`` of the inhomogeneities of body 1, ``<variable>_1`` of
         its constitutive laws.
 
     Examples
@@ -110,11 +110,11 @@ class Observer(Component, ABC):
     Attributes
     ----------
     remembered : sequence of str
-        Class attribute: names of `StepView.history` without which the observer is of no use. A scene whose bodies do
-        not remember them is refused.
+        Class attribute: names of `StepView.history` that the observer needs. The program refuses a scene whose bodies
+        do not have them.
     counted : sequence of str
-        Class attribute: its numbers that are counted in cells, or are places of cells, and so jump as cells move. Their
-        errors are not extrapolated.
+        Class attribute: names of numbers that count cells or are positions of cells, and therefore jump with the cells.
+        Their errors are not extrapolated.
 
     Examples
     --------

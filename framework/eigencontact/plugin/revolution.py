@@ -35,13 +35,13 @@ NODES, WEIGHTS = 0.5 * (_X + 1.0), 0.5 * _W
 class Revolution(Geometry):
     """Convex body of revolution about a vertical axis, defined by its profile and the derivative of its approach.
 
-    Separation, and the pressure in closed form that pictures and `tradeoff` compare with (`HasReferencePressure`),
-    follow from these two.
+    The class computes the separation from the profile, and the pressure in closed form for comparisons
+    (`HasReferencePressure`) from the derivative of the approach.
 
     Attributes
     ----------
     center : (float, float)
-        The axis (x, y) [m]; a field of the class that derives.
+        Position (x, y) of the axis [m]; a field of the subclass.
     junction : float
         Radius [m] at which the profile changes its form; 0 if it never does.
     limit : float

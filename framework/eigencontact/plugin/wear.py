@@ -28,18 +28,17 @@ class WearState:
     shear : (ny, nx) float64
         Magnitude of the shear traction at its end [Pa]; 0 without friction.
     slip : (ny, nx) float64
-        Length of the path slipped in it [m].
+        Slip distance in it [m].
     slip_amplitude : (ny, nx) float64
-        Quarter of that path in a cycle [m]: half of the way from one end of it to the other, there and back. 0 outside
-        of cycles.
+        Quarter of the slip distance of a cycle [m], half of the range of a reciprocating slip. 0 outside of cycles.
     energy : (ny, nx) float64
         Work of friction in it [J/m²]; 0 without friction.
     worn_depth : (ny, nx) float64
-        Depth that both bodies together have lost before [m].
+        Worn depth of both bodies together before it [m].
     total_energy : (ny, nx) float64
-        Work of friction of all that came before, skipped cycles included [J/m²].
+        Work of friction of all earlier increments, with skipped cycles [J/m²].
     material : (ny, nx) int
-        What is exposed: a number of `materials`; 0 is the substrate.
+        Exposed material, a number of `materials`; 0 is the substrate.
     materials : tuple of str
         Names by number.
     x, y : (1, nx), (ny, 1) float64
@@ -78,12 +77,12 @@ class WearLaw(Component, ABC):
     Attributes
     ----------
     linear_in_pressure : bool
-        Whether the depth is in proportion to pressure, shear and energy together, at the slip that there was: the
-        update of the surface is then implicit as it is. Of other laws the derivative is taken by a small change.
+        True if the depth is proportional to pressure, shear and energy together at constant slip: the update of the
+        surface is then implicit. For other laws the solver computes the derivative by finite differences.
     needs_friction : bool
-        Whether it looks at shear or energy: without friction there are none.
+        True if the law uses shear or energy, which need friction.
     needs_cycles : bool
-        Whether it looks at the slip amplitude: only a cycle has one.
+        True if the law uses the slip amplitude, which needs cycles.
 
     Examples
     --------
@@ -109,8 +108,8 @@ class WearLaw(Component, ABC):
     def depth(self, state: WearState) -> FloatArray:
         """Worn depth ``(ny, nx)`` [m] of this increment or cycle: finite, zero or positive.
 
-        The law must keep no memory: what it may remember is in the state. Cells out of contact through all of it have
-        no slip and no energy in the state.
+        The law must not store anything: its history is in the state. Cells that are always out of contact have zero
+        slip and energy in the state.
         """
 
     @property
@@ -125,6 +124,6 @@ def checked_depth(law: WearLaw, state: WearState) -> FloatArray:
     Raises
     ------
     PluginError
-        The law answers with another shape, with numbers that are not finite, or with negative ones.
+        A result of another shape, or with numbers that are negative or not finite.
     """
     return checked_answer(law, "depth", "m", state, np.ones(state.pressure.shape, dtype=bool), "cells")

@@ -99,7 +99,7 @@ def crack(
     body: Literal[1, 2] = 1,
     folder: str | Path | None = None,
 ) -> Crack:
-    """Whether a straight crack from the surface grows or stops, over one cycle of stored stress.
+    """Growth or arrest of a straight crack from the surface, over one cycle of stored stress.
 
     Parameters
     ----------
@@ -116,23 +116,23 @@ def crack(
     at : (x, y), optional
         Place on the surface where the crack starts [m].
     criterion : FatigueCriterion, mapping or str, optional
-        Instead: the hot spot of a fatigue criterion in `region`, whose plane is that of the crack unless `angle` is
-        given.
+        Fatigue criterion in place of `at`: the crack starts at its hot spot in `region`, along its plane unless
+        `angle` is given.
     angle : float or str, optional
         Between the crack and the inward normal of the surface [rad], positive towards +x, ``"20 deg"``.
     rule : {"el-haddad", "kitagawa-takahashi"}
         Threshold of short cracks.
     mode : {"both", "opening"}
-        Whether the threshold is compared with the range of both modes together, or with that of opening alone.
+        Range that is compared with the threshold: both modes together, or opening only.
     region : str, optional
-        Stored plane normal to y that holds the path. By default the stress is found at the points of the path, where
-        the results are stored; else in the only region with stress.
+        Stored plane normal to y that contains the path. By default the stress is computed at the points of the path
+        if the results are stored; else it is read from the only region with stress.
     cycle : {"last", "all"} or (int, int)
         The last closed cycle of the history, all steps, or the numbers of the first and last step.
     body : {1, 2}
-        Body in which the crack lies, where no region says so.
+        Body of the crack, if there is no region.
     folder : str or Path, optional
-        Where ``crack.nc``, ``crack.json`` and ``crack.png`` are stored; by default nothing is stored.
+        Folder for ``crack.nc``, ``crack.json`` and ``crack.png``; by default nothing is stored.
 
     Returns
     -------
@@ -142,14 +142,14 @@ def crack(
     Raises
     ------
     SceneError, ResultsError
-        What is refused names the argument, the rule and the nearest valid choice.
+        An invalid argument, with the rule and the nearest valid choice.
 
     Notes
     -----
-    Stress intensity factors are those of an edge crack in a plane-strain half-plane of one elastic material
-    (`eigencontact.halfspace.edge_crack`) under the stress that the body has without the crack; the crack does not
-    change the contact. See `eigencontact.core.crack_growth` for closed faces, ranges and thresholds. Tearing (mode III)
-    is left out.
+    The stress intensity factors are those of an edge crack in a plane-strain half-plane of one elastic material
+    (`eigencontact.halfspace.edge_crack`) under the stress of the body without the crack; the crack does not
+    change the contact. See `eigencontact.core.crack_growth` for closed faces, ranges and thresholds. The model omits
+    tearing (mode III).
 
     Examples
     --------

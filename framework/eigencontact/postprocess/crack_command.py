@@ -73,7 +73,7 @@ def crack(
             length=length,
             threshold=threshold,
             limit_amplitude=limit_amplitude,
-            at=None if at is None else tuple(part.strip() for part in at.split(",")),
+            at=None if at is None else tuple(coordinate.strip() for coordinate in at.split(",")),
             criterion=None if criterion is None else {"type": criterion, **parameters_of(changes or [])},
             angle=angle,
             rule=rule,  # type: ignore[arg-type]

@@ -145,17 +145,17 @@ def _in_section(section: CycleOfRegion, path: CrackPath) -> tuple[FloatArray, Fl
             f"{readable(path.y, 'm')})"
         )
     distances = np.linspace(0.0, path.length, max(8, int(2 * path.length / pitch) + 1))
-    way = dict(zip("xz", path.at(distances), strict=True))
+    coordinates = dict(zip("xz", path.at(distances), strict=True))
     for axis, values in zip("zx", axes, strict=True):
         low, high = values[0] - (axis == "z") * pitch, values[-1]
-        if not low <= way[axis].min() <= way[axis].max() <= high * (1 + 1e-12):
+        if not low <= coordinates[axis].min() <= coordinates[axis].max() <= high * (1 + 1e-12):
             raise SceneError(
                 f"path must stay within region {name!r}, {axis} = {readable(float(values[0]), 'm')} to "
-                f"{readable(float(high), 'm')} (got {readable(float(way[axis][-1]), 'm')} at its end); give a shorter "
-                "length or a larger region"
+                f"{readable(float(high), 'm')} (got {readable(float(coordinates[axis][-1]), 'm')} at its end); "
+                "give a shorter length or a larger region"
             )
     points = np.stack(
-        [np.clip(way[axis], values[0], values[-1]) for axis, values in zip("zx", axes, strict=True)], axis=-1
+        [np.clip(coordinates[axis], values[0], values[-1]) for axis, values in zip("zx", axes, strict=True)], axis=-1
     )
     grid = section.cycle.stress.reshape(-1, 6, *section.shape)
     grid = np.moveaxis(grid, (0, 1), (-1, -2))

@@ -48,30 +48,30 @@ class Fatigue(Answer):
 
     def lines(self) -> list[str]:
         """Words for the terminal."""
-        found = self.summary
-        unit = found["unit"]
-        value = f"{found['damage']:.6g}" if unit == "1" else readable(found["damage"], unit)
-        limit = f"{found['limit']:.6g}" if unit == "1" else readable(found["limit"], unit)
-        place = ", ".join(readable(at, "m") for at in found["place"])
+        summary = self.summary
+        unit = summary["unit"]
+        value = f"{summary['damage']:.6g}" if unit == "1" else readable(summary["damage"], unit)
+        limit = f"{summary['limit']:.6g}" if unit == "1" else readable(summary["limit"], unit)
+        place = ", ".join(readable(at, "m") for at in summary["place"])
         head = (
-            f"{found['criterion']['type']} over steps {found['steps'][0]} to {found['steps'][-1]} in "
-            f"{found['region']!r}: {found['utilisation']:.4g} of the limit ({value} of {limit}) at ({place})"
+            f"{summary['criterion']['type']} over steps {summary['steps'][0]} to {summary['steps'][-1]} in "
+            f"{summary['region']!r}: {summary['utilisation']:.4g} of the limit ({value} of {limit}) at ({place})"
         )
         out = [head]
-        if found["normal"] is not None:
-            out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*found["normal"]))
-        if found["distance"] is not None:
-            at, length = found["at_distance"], readable(found["distance"], "m")
-            words = f"volume method, radius {length}" if found["method"] == "volume" else ""
-            out.append(f"{words or found['method'] + ' method, distance ' + length}: {at:.4g} of the limit")
-        if (life := found["life"]) is not None:
+        if summary["normal"] is not None:
+            out.append("normal of the plane ({:.3f}, {:.3f}, {:.3f})".format(*summary["normal"]))
+        if summary["distance"] is not None:
+            at, length = summary["at_distance"], readable(summary["distance"], "m")
+            words = f"volume method, radius {length}" if summary["method"] == "volume" else ""
+            out.append(f"{words or summary['method'] + ' method, distance ' + length}: {at:.4g} of the limit")
+        if (life := summary["life"]) is not None:
             cycles = "no end of life" if life["cycles"] is None else f"{life['cycles']:.3g} cycles"
             out.append(
                 f"{cycles} at a failure probability of {life['failure_probability']:g}; at "
                 f"{life['amplitude_ratio']:.4g} of the limit amplitude {life['failure_probability_without_end']:.3g} "
                 "of all fail in the end"
             )
-        return out + [f"warning: {caution['words']}" for caution in found["warnings"]]
+        return out + [f"warning: {caution['words']}" for caution in summary["warnings"]]
 
 
 def fatigue(
@@ -86,7 +86,7 @@ def fatigue(
     folder: str | Path | None = None,
     threads: int | None = None,
 ) -> Fatigue:
-    """Where a crack starts: a fatigue criterion over one cycle at the points of a region.
+    """Fatigue criterion over one cycle at the points of a region, with the hot spot where a crack starts first.
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def fatigue(
     criterion : FatigueCriterion, mapping or str
         A component, the table of one (``{"type": "crossland", "slope": 0.3, "limit-amplitude": "250 MPa"}``).
     region : str or mapping, optional
-        Name of a region with stress, by default the only one; or the table of a new one as of ``[[stress]]``, found
-        at each step of the cycle without solving again.
+        Name of a region with stress, by default the only one; or the table of a new region as in ``[[stress]]``, whose
+        stress is computed at each step of the cycle without a new solution.
     cycle : {"last", "all"} or (int, int)
         The last closed cycle of the history, all steps, or the numbers of the first and last step.
     distance : float or str, optional
-        Critical distance L [m]. The value near the hot spot is evaluated too, `at_distance` in the summary.
+        Critical distance L [m] for an additional value near the hot spot, `at_distance` in the summary.
     method : {"point", "line", "volume"}
         At L/2 below the hot spot; mean of the damage parameter down to 2 L; mean over the part of the body within the
         radius L.
@@ -108,7 +108,7 @@ def fatigue(
         Wöhler curve relative to the limit amplitude: ``{"slope": 5, "knee_cycles": 1e6, "scatter": 1.5,
         "failure_probability": 0.1}``, see `eigencontact.scene.fatigue.Life`.
     folder : str or Path, optional
-        Where ``fatigue-<criterion>-<region>`` is stored: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
+        Folder for ``fatigue-<criterion>-<region>``: ``.nc``, ``.json``, and ``.png`` of planes and volumes; by
         default nothing is stored.
     threads : int, optional
         Threads that share the points; by default one for each core.
@@ -121,24 +121,24 @@ def fatigue(
     Raises
     ------
     SceneError, PluginError, ResultsError
-        What is refused names the argument, the rule and the nearest valid choice.
+        An invalid argument, with the rule and the nearest valid choice.
 
     Notes
     -----
-    Strain, where a criterion needs it, is that of the region if it stores it (``fields = ["stress", "strain"]``: total
-    strain, plastic strain included), else the elastic one of the stress, for bodies of one elastic material only.
+    Criteria with strain use the stored strain of the region (``fields = ["stress", "strain"]``: total strain with
+    plastic strain), or else the elastic strain of the stress, for bodies of one elastic material only.
 
     Examples
     --------
     >>> import eigencontact as ec
     >>> changes = ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=10"]
-    >>> found = ec.fatigue(
+    >>> fatigue = ec.fatigue(
     ...     ec.run(ec.load_scene("hertz", changes)),
     ...     {"type": "crossland", "slope": 0.3, "limit-amplitude": "250 MPa"},
     ...     region="section",
     ...     cycle="all",
     ... )
-    >>> sorted(found.dataset)
+    >>> sorted(fatigue.dataset)
     ['damage', 'utilisation']
     """
     component = _component(criterion)
@@ -174,11 +174,11 @@ def _component(criterion: Any) -> FatigueCriterion:
 def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> xarray.Dataset:
     import xarray
 
-    found, value, normal = damage.region, damage.value, damage.normal
-    dims = tuple(dim.removeprefix(f"{found.region}_") for dim in found.dims)
+    region_cycle, value, normal = damage.region, damage.value, damage.normal
+    dims = tuple(dim.removeprefix(f"{region_cycle.region}_") for dim in region_cycle.dims)
     coordinates: dict[str, Any] = {}
-    for axis, places in zip("xyz", found.places, strict=True):
-        grid = places.reshape(found.shape)
+    for axis, places in zip("xyz", region_cycle.places, strict=True):
+        grid = places.reshape(region_cycle.shape)
         if axis in dims:
             rows: Any = tuple(slice(None) if dim == axis else 0 for dim in dims)
             coordinates[axis] = (axis, grid[rows], {"units": "m"})
@@ -188,17 +188,21 @@ def _dataset(dataset: Results, criterion: FatigueCriterion, damage: Damage) -> x
             coordinates[axis] = (dims, grid, {"units": "m"})
     attrs = {"units": criterion.unit, "long_name": f"damage parameter of {criterion.key}"}
     fields: dict[str, Any] = {
-        "damage": (dims, value.reshape(found.shape), attrs),
+        "damage": (dims, value.reshape(region_cycle.shape), attrs),
         "utilisation": (
             dims,
-            value.reshape(found.shape) / criterion.limit,
+            value.reshape(region_cycle.shape) / criterion.limit,
             {"units": "1", "long_name": "damage parameter over limit"},
         ),
     }
     if normal is not None:
         words = "unit normal of the plane of the criterion"
-        fields["normal"] = (("axis", *dims), normal.T.reshape(3, *found.shape), {"units": "1", "long_name": words})
+        fields["normal"] = (
+            ("axis", *dims),
+            normal.T.reshape(3, *region_cycle.shape),
+            {"units": "1", "long_name": words},
+        )
         coordinates["axis"] = ("axis", ["x", "y", "z"])
-    described = {"source": f"eigencontact {__version__}", "region": found.region, "body": found.body}
-    described |= {"criterion": criterion.key, "first_step": found.steps[0], "last_step": found.steps[-1]}
+    described = {"source": f"eigencontact {__version__}", "region": region_cycle.region, "body": region_cycle.body}
+    described |= {"criterion": criterion.key, "first_step": region_cycle.steps[0], "last_step": region_cycle.steps[-1]}
     return xarray.Dataset(fields, coordinates, described | {"scene_hash": str(dataset.attrs["scene_hash"])})

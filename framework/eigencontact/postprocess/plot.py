@@ -41,11 +41,11 @@ def plot(
     Parameters
     ----------
     results : str, Path, xarray.Dataset or RunResult
-        A folder of results or its ``results.nc``, what `open_results` or `region` returned, or what a run returned.
+        A folder of results or its ``results.nc``, or the value returned by `open_results`, `region` or a run.
     field : str, optional
-        ``"pressure"``, ``"shear"``, ``"gap"``, ``"stress"``, ``"von-mises"``, ``"plastic-strain"``, … whatever the
-        results hold; an unknown name is answered with all of them. The name of a standard picture works too:
-        ``"worn-profiles"``. By default the pressure, or the equivalent stress of a region.
+        Any field of the results: ``"pressure"``, ``"shear"``, ``"gap"``, ``"stress"``, ``"von-mises"``,
+        ``"plastic-strain"``, …; the message about an unknown name lists all names. The name of a standard picture is
+        also valid: ``"worn-profiles"``. By default the pressure, or the equivalent stress of a region.
     component : str, optional
         ``"xz"`` of a stress, or ``"1"`` for its largest principal value; ``"x"`` of a displacement or of a traction.
     step : int, optional
@@ -55,22 +55,22 @@ def plot(
         through the middle of the contact; by default the surface where the field lies there, else the first region that
         has it.
     zoom : str or pairs of numbers, optional
-        What is seen, along the horizontal and the vertical: ``"-6 um:6 um, 0:8 um"``, or pairs of numbers [m].
+        Visible range along the horizontal and the vertical: ``"-6 um:6 um, 0:8 um"``, or pairs of numbers [m].
     cmap : str, optional
-        Colour map of matplotlib; by default one that the colour-blind can read.
+        Colour map of matplotlib; by default one for readers with colour blindness.
     style : str
         ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points, thin lines) or ``"talk"``.
 
     Returns
     -------
     matplotlib.axes.Axes
-        Of a new figure of pyplot, which notebooks show; ``axes.figure`` is all of it, with its colour bar, and
-        ``axes.figure.savefig("name.pdf")`` stores it. Lengths and values are in the units that its labels name.
+        Axes of a new figure of pyplot, which notebooks show; ``axes.figure`` is the figure with its colour bar, and
+        ``axes.figure.savefig("name.pdf")`` stores it. Lengths and values have the units of the labels.
 
     Raises
     ------
     SceneError, ResultsError
-        One line that names what is unknown and the nearest valid choice; results that are missing or damaged.
+        An unknown argument, with the nearest valid choice; results that are missing or damaged.
 
     Examples
     --------

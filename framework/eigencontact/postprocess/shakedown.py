@@ -67,20 +67,20 @@ def shakedown(
     tolerance: float = 1e-3,
     folder: str | Path | None = None,
 ) -> Shakedown:
-    """Whether the cells of a body shake down, from the plastic strain at both ends of a cycle.
+    """Shakedown or ratchetting of the cells of a body, from the plastic strain at both ends of a cycle.
 
     Parameters
     ----------
     results : str, Path, xarray.Dataset or RunResult
         Of a run with ``output.history = "all"``.
     body : {1, 2}
-        A body with a law that remembers plastic strain.
+        Body with a law that stores plastic strain.
     cycle : {"last", "all"} or (int, int)
-        As of `eigencontact.fatigue`. Both ends must be the same state of the load.
+        Cycle as in `eigencontact.fatigue`. The loads at both ends must be equal.
     tolerance : float
-        Part of the largest equivalent plastic strain, below which an increment in the cycle counts as none.
+        Fraction of the largest equivalent plastic strain below which an increment in the cycle counts as zero.
     folder : str or Path, optional
-        Where ``shakedown-body<number>`` is stored: ``.nc``, ``.json`` and ``.png``; by default nothing is stored.
+        Folder for ``shakedown-body<number>``: ``.nc``, ``.json`` and ``.png``; by default nothing is stored.
 
     Raises
     ------
@@ -89,9 +89,9 @@ def shakedown(
 
     Notes
     -----
-    A cell is elastic (it never flowed), in elastic shakedown (it flowed before this cycle only), in plastic shakedown
-    (it flows, and its plastic strain returns) or ratchets (its plastic strain grows by a net increment). One cycle
-    tells the present state; more cycles may shake down further.
+    A cell is elastic (it has never yielded), in elastic shakedown (it yielded only before this cycle), in plastic
+    shakedown (it yields, and its plastic strain returns) or ratchets (its plastic strain grows by a net increment).
+    The result describes this cycle; later cycles may shake down further.
 
     Examples
     --------

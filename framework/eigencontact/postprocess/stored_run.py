@@ -99,29 +99,29 @@ def region(
     step: int | None = None,
     folder: str | Path | None = None,
 ) -> xarray.Dataset:
-    """Stress, strain or displacement in another region of a finished run; nothing is solved again.
+    """Stress, strain or displacement in another region of a finished run, without a new solution.
 
     Parameters
     ----------
     results : str or Path
         A folder of results or its ``results.nc``.
     table : mapping or str
-        What a table ``[[stress]]`` of a scene says, or its text: ``'shape = "plane", depth-max = "2 mm"'``.
+        Table like ``[[stress]]`` of a scene, or its text: ``'shape = "plane", depth-max = "2 mm"'``.
     step : int, optional
-        Number of the load step, from 1; the last by default. Where bodies remember something, of inhomogeneities or
-        laws, an earlier one needs a run with ``output.history = "all"``.
+        Number of the load step, from 1; the last by default. With inhomogeneities or laws, an earlier step needs a run
+        with ``output.history = "all"``.
     folder : str or Path, optional
-        Where ``region-<name>.nc`` is stored, which opens and is drawn like results; by default nothing is stored.
+        Folder for ``region-<name>.nc``, a results file with this region; by default nothing is stored.
 
     Returns
     -------
     xarray.Dataset
-        As of results, with this region alone.
+        Dataset like that of results, with only this region.
 
     Raises
     ------
     SceneError, ResultsError
-        A region that is refused; a step, or what the bodies remember after it, that is not stored.
+        An invalid region; a step that is not stored, or whose internal variables are not stored.
 
     Examples
     --------

@@ -22,7 +22,7 @@ def meanings(cls: type) -> dict[str, str]:
     --------
     >>> from eigencontact.scene.wear import Shares
     >>> meanings(Shares)["body1"]
-    'Part of the worn depth that body 1 loses.'
+    'Share of body 1 in the worn depth.'
     """
     meaning_of: dict[str, str] = {}
     for base in reversed(cls.__mro__):

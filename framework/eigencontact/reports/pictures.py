@@ -47,9 +47,9 @@ def pictures_of(source: Source) -> tuple[list[Picture], bool]:
         return read_pictures(folder, captions), False
     from eigencontact.viz.figures import draw_all
 
-    with TemporaryDirectory(prefix="eigencontact-report-") as beside:
-        new_captions = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
-        return read_pictures(Path(beside), new_captions), True
+    with TemporaryDirectory(prefix="eigencontact-report-") as copy_folder:
+        new_captions = draw_all(source.dataset, Path(copy_folder), solid="plastic-surfaces.png" in captions)
+        return read_pictures(Path(copy_folder), new_captions), True
 
 
 def animation_of(source: Source) -> Picture | None:

@@ -35,18 +35,18 @@ _ROWS = 200
 def report(results: str | Path, file: str | Path | None = None) -> Path:
     """Write one HTML page about a run or a sweep, which needs no network and no other file.
 
-    It holds the scene, what was modelled and what was left out, certificates and warnings, the numbers of all steps,
-    the pictures, surface fields that can be turned, times, versions, and the sources to cite. Of a run that is not
-    finished it says so, and shows the steps that are stored. Of a sweep it holds what was varied, figures, the numbers
-    of every variant, and why some failed.
+    The page contains the scene, the model and its omitted effects, certificates and warnings, the numbers of all steps,
+    the pictures, surface fields as rotatable height maps, times, versions, and the sources to cite. For an unfinished
+    run it states this and shows the stored steps. For a sweep it contains the varied parameters, figures, the numbers
+    of every variant, and the reasons of failures.
 
     Parameters
     ----------
     results : str or Path
         The folder of a run, or its ``results.nc``; or the folder of a sweep.
     file : str or Path, optional
-        The page; by default ``report.html`` beside the results. An earlier report is replaced, complete or not at all;
-        a file of another origin never is.
+        Path of the page; by default ``report.html`` in the folder of the results. It replaces an earlier report
+        atomically, and never a file of another origin.
 
     Returns
     -------

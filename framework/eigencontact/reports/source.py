@@ -87,8 +87,8 @@ def opened(results: str | Path) -> Iterator[Source]:
 
     folder = _folder(results)
     if folder is not None and stored_files(folder):
-        with TemporaryDirectory(prefix="eigencontact-report-") as beside:
-            joined = Path(beside) / RESULTS
+        with TemporaryDirectory(prefix="eigencontact-report-") as copy_folder:
+            joined = Path(copy_folder) / RESULTS
             join_unfinished(folder, joined)
             with open_stored(joined) as dataset:
                 yield Source(file=folder / RESULTS, dataset=dataset, finished=False)

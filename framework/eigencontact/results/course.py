@@ -149,8 +149,8 @@ def _table_columns(
     choice = [("load", "N", "normal_load")]
     if "slip_fraction" in columns:
         for motion in motions:
-            way, way_unit, force, force_unit = _MOTIONS[motion]
-            choice += [(way, way_unit, _MODES[motion].displacement), (force, force_unit, _MODES[motion].force)]
+            displacement, way_unit, force, force_unit = _MOTIONS[motion]
+            choice += [(displacement, way_unit, _MODES[motion].displacement), (force, force_unit, _MODES[motion].force)]
         if not motions:
             choice.append(("radius", "m", "contact_radius"))
     else:

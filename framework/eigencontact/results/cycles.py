@@ -116,7 +116,8 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
 
     def area(pairs: tuple[tuple[str, str], ...]) -> float:
         return sum(
-            _polygon(columns.get(way, zero)[cycle_steps], columns.get(load, zero)[cycle_steps]) for load, way in pairs
+            _polygon(columns.get(displacement, zero)[cycle_steps], columns.get(load, zero)[cycle_steps])
+            for load, displacement in pairs
         )
 
     def amplitude(side: int) -> float:
@@ -159,8 +160,12 @@ def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | Non
 
 def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
     """Loads and displacements relative to their ranges, ``(steps, k)``, of the pairs with significant work."""
-    pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
-    works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
+    pairs = [
+        (columns[load], columns[displacement])
+        for load, displacement in _PAIRS
+        if load in columns and displacement in columns
+    ]
+    works = [float(np.ptp(load) * np.ptp(displacement)) for load, displacement in pairs]
     driven = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
     scaled = [values / np.ptp(values) for pair in driven for values in pair]
     return np.stack(scaled, axis=-1) if scaled else np.zeros((0, 0))

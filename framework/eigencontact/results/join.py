@@ -236,6 +236,6 @@ def join_unfinished(folder: Path, target: Path) -> int:
     """
     steps = stored_files(folder)
     if steps:
-        beside = history_name(steps[-1])
-        join_steps(target, steps, [beside] if beside.exists() else [])
+        history_path = history_name(steps[-1])
+        join_steps(target, steps, [history_path] if history_path.exists() else [])
     return len(steps)

@@ -192,7 +192,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
             dims = (name_of[axis] if axis in region.dims else f"{name}_point",)
         attrs = {**axis_attributes(axis), "region": name}
         yield Variable(name=name_of[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
-    beside = " ".join(["time", *(name_of[axis] for axis in region.coords if axis not in region.dims)])
+    coordinate_names = " ".join(["time", *(name_of[axis] for axis in region.coords if axis not in region.dims)])
     sizes = {axis: np.size(region.coords[axis]) for axis in region.dims if axis in region.coords}
     sizes["point"] = max((np.size(values) for values in region.coords.values()), default=1)
     grid = tuple(sizes[axis] for axis in region.dims)
@@ -201,7 +201,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         _fits(f"{name}.{quantity}", np.shape(values), (*((6,) if lead == ("component",) else (3,) * len(lead)), *grid))
         attrs = {
             **described("region", QUANTITIES.get(quantity, Quantity("unknown", quantity))),
-            "coordinates": beside,
+            "coordinates": coordinate_names,
             "region": name,
             "shape": region.shape,
             "body": region.body,

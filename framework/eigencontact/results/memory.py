@@ -58,8 +58,8 @@ class MemoryStore:
 
     def history(self, last: StepRecord) -> list[dict[str, Any]]:
         """Scalars of every step in order; NaN where an earlier step lacks one."""
-        nothing = dict.fromkeys((name for row in self._rows for name in row), float("nan"))
-        return [*(nothing | row for row in self._rows[:-1]), last.row()]
+        missing_values = dict.fromkeys((name for row in self._rows for name in row), float("nan"))
+        return [*(missing_values | row for row in self._rows[:-1]), last.row()]
 
     def join(self, path: Path) -> None:
         """Write the stored steps to a results file."""

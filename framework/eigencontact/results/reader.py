@@ -40,7 +40,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     Raises
     ------
     ResultsError
-        When there is nothing, only the steps of an interrupted run, or a file that is damaged, edited or not ours.
+        No results, only the steps of an interrupted run, or a file that is damaged, edited or of another origin.
 
     Examples
     --------

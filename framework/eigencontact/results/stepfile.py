@@ -102,8 +102,8 @@ def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRe
 
     Empty where they remember nothing, or where it was not kept.
     """
-    beside = history_name(path)
-    with _opened(beside if beside.exists() else path, scene_hash) as file:
+    history_path = history_name(path)
+    with _opened(history_path if history_path.exists() else path, scene_hash) as file:
         return history_of(file, index)
 
 

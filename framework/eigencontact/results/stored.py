@@ -189,8 +189,12 @@ class _Stored:
     @cached_property
     def data_vars(self) -> dict[str, _Variable]:
         """Variables that are not coordinates."""
-        beside = {name for variable in self.variables.values() for name in variable.coordinates.split()}
-        return {name: variable for name, variable in self.variables.items() if name not in beside | self.sizes.keys()}
+        coordinate_names = {name for variable in self.variables.values() for name in variable.coordinates.split()}
+        return {
+            name: variable
+            for name, variable in self.variables.items()
+            if name not in coordinate_names | self.sizes.keys()
+        }
 
 
 def _plain(value: Any) -> Any:

@@ -43,8 +43,8 @@ def _target(value: Any) -> Any:
         valid = bool(unit) and ("%" not in unit or unit == "%")
     else:
         valid = isinstance(value, int | float) and not isinstance(value, bool)
-    part = part_of(value) if valid else None
-    if not valid or (part is not None and not 0.0 < part < 1.0):
+    fraction = part_of(value) if valid else None
+    if not valid or (fraction is not None and not 0.0 < fraction < 1.0):
         raise ValueError(_RULE)
     return value
 

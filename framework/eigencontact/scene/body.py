@@ -88,12 +88,14 @@ class Body(Table):
             raise ValueError("rigid without bulk stress, or elastic: leave out rigid or bulk-stress")
         if self.medium is not None:
             alternatives = ("rigid", "young_modulus", "poisson_ratio", "law")
-            beside = [name for name in alternatives if getattr(self, name) not in (None, False)]
-            if beside:
-                way = f"a medium alone: leave out medium or {', '.join(beside)}".replace("_", "-")
+            conflicting = [name for name in alternatives if getattr(self, name) not in (None, False)]
+            if conflicting:
+                rule = f"a medium alone: leave out medium or {', '.join(conflicting)}".replace("_", "-")
                 if self.law is not None:
-                    way += '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
-                raise ValueError(way)
+                    rule += (
+                        '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
+                    )
+                raise ValueError(rule)
             return self
         missing = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
         if self.rigid and len(missing) < 2:

@@ -148,14 +148,14 @@ def _check_number_of_steps(scene: Scene) -> None:
     counts = [expected_points([step], scene.solved_cycles) for step in scene.steps]
     if sum(counts) > _MOST_STEPS:
         largest = max(range(len(counts)), key=counts.__getitem__)
-        step, left = scene.steps[largest], _MOST_STEPS - sum(counts) + counts[largest]
+        step, remaining = scene.steps[largest], _MOST_STEPS - sum(counts) + counts[largest]
         where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
         name = "repeat" if step.cycle else "increments"
-        if step.cycle and expected_points(step.cycle) > left:
+        if step.cycle and expected_points(step.cycle) > remaining:
             place, step = max(enumerate(step.cycle), key=lambda item: item[1].increments)
             where, name = f"{where}.cycle.{place}", "increments"
         count = getattr(step, name)
-        most = max(1, count * left // counts[largest])
+        most = max(1, count * remaining // counts[largest])
         fewer = name == "repeat" and scene.wear is not None and scene.wear.cycles_per_update is not None
         raise ValueError(
             f"!{where}.{name} must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "

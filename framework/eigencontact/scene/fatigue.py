@@ -168,7 +168,7 @@ class FatigueRequest(CriticalDistance, ComponentTable):
             )
 
 
-def elastic_constants(body: Mapping[str, Any], beside: Iterable[str], region: str) -> tuple[float, float]:
+def elastic_constants(body: Mapping[str, Any], materials: Iterable[str], region: str) -> tuple[float, float]:
     """Young's modulus and Poisson's ratio of an elastic body of one material.
 
     Parameters
@@ -187,7 +187,7 @@ def elastic_constants(body: Mapping[str, Any], beside: Iterable[str], region: st
     """
     table = {name.replace("_", "-"): value for name, value in body.items()}
     names = ("young-modulus", "poisson-ratio")
-    others = [*(name for name in table if name not in (*names, *_ELASTIC)), *beside]
+    others = [*(name for name in table if name not in (*names, *_ELASTIC)), *materials]
     if others or not all(isinstance(table.get(name), int | float) for name in names):
         raise SceneError(
             f"region {region!r} must store its strain where the body is not elastic and of one material (got "

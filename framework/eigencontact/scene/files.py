@@ -118,8 +118,8 @@ def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
         return value
     inner = [argument for argument in get_args(hint) if argument is not Ellipsis]
     if get_origin(hint) in (tuple, list) and isinstance(value, list | tuple):
-        each = inner if Ellipsis not in get_args(hint) and len(inner) == len(value) else inner[:1] * len(value)
-        return [_placed(argument, item, registry, place) for argument, item in zip(each, value, strict=True)]
+        item_hints = inner if Ellipsis not in get_args(hint) and len(inner) == len(value) else inner[:1] * len(value)
+        return [_placed(argument, item, registry, place) for argument, item in zip(item_hints, value, strict=True)]
     for argument in inner:  # of a union; at most one of its members fits the value
         value = _placed(argument, value, registry, place)
     return value

@@ -78,7 +78,7 @@ def check_repeating(scene: Scene) -> None:
         "body2.law": scene.body2.law, "body1.medium": scene.body1.medium, "body2.medium": scene.body2.medium,
         "bulk-stress": scene.bulk_at_rest,
     }  # fmt: skip
-    present = next((name for name, part in parts.items() if part), None)
+    present = next((name for name, is_present in parts.items() if is_present), None)
     if present is not None:
         raise ValueError(
             f"!{present} must be left out {where} (got both): homogeneous elastic bodies can repeat along y alone"

@@ -75,8 +75,8 @@ def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        beside = sorted(item.name for item in path.parent.glob("*.toml")) if path.parent.is_dir() else []
-        suggestion = nearest(path.name, beside) or nearest(path.stem, bundled_names())
+        neighbours = sorted(item.name for item in path.parent.glob("*.toml")) if path.parent.is_dir() else []
+        suggestion = nearest(path.name, neighbours) or nearest(path.stem, bundled_names())
         raise SceneError(f"scene file must exist (got {str(path)!r}){suggestion}; {_LISTED}") from None
     except (OSError, ValueError) as problem:  # ValueError: bytes that are no text, a path with a zero in it
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None

@@ -91,9 +91,9 @@ class StressRequest(Table):
         if self.shape not in ("plane", "volume") and (self.around or self.refinement):
             raise ValueError(f"a plane or volume with around or refinement (a {self.shape} has points of its own)")
         if self.around is not None:
-            beside = [name for name in ("depths", "depth_max", "start", "end") if getattr(self, name) is not None]
-            if beside:
-                raise ValueError(f"given around alone: leave out {', '.join(beside)}".replace("_", "-"))
+            conflicting = [name for name in ("depths", "depth_max", "start", "end") if getattr(self, name) is not None]
+            if conflicting:
+                raise ValueError(f"given around alone: leave out {', '.join(conflicting)}".replace("_", "-"))
             return self
         if self.shape in ("plane", "volume") and (self.start is None) != (self.end is None):
             raise ValueError("given both start and end, or neither")

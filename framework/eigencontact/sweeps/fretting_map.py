@@ -81,22 +81,22 @@ def fretting_map(
     scene : Scene, str, Path or mapping
         Its steps have a normal load and a closed cycle of one shift or tangential load.
     load, amplitude : str, mapping or sequence
-        Values as of a sweep: ``"5 N:50 N:20"``, ``["5 N", "10 N"]``. All normal loads of the steps are scaled so that
-        the largest is the load, all values of the motion so that the largest magnitude is the amplitude (half of the
-        range of a symmetric cycle).
+        Values as in a sweep: ``"5 N:50 N:20"``, ``["5 N", "10 N"]``. The map scales all normal loads of the steps so
+        that the largest is the load, and all values of the motion so that the largest magnitude is the amplitude
+        (half of the range of a symmetric cycle).
     criterion : mapping or str, optional
         Fatigue criterion: ``utilisation`` is its largest value over the limit in `region`, or with ``distance`` (and
         ``method``) in the table its value at this critical distance, as of ``[[fatigue]]``.
     crack : mapping, optional
         Arguments of `eigencontact.crack`: ``arrest_length`` [m], 0 where no crack grows, infinite where none stops.
     region : str, optional
-        Region of the scene with stress, for both.
+        Region of the scene with stress, for criterion and crack.
     workers : int
         Processes that share the variants; more than one needs a guard as for `eigencontact.sweep`.
     folder : str or Path, optional
-        Where ``map.nc`` and ``map.png`` are stored; by default nothing is stored.
+        Folder for ``map.nc`` and ``map.png``; by default nothing is stored.
     told : callable, optional
-        Gets each outcome, its number and how many there will be.
+        Receives each outcome, its number and the number of variants.
 
     Raises
     ------
@@ -107,8 +107,8 @@ def fretting_map(
 
     Notes
     -----
-    A cycle with a step in which all of the contact slips is gross slip. Below an energy ratio ``E / (4 Q* delta*)`` of
-    0.02 it counts as stick, else as partial slip. The runs stay in memory.
+    A cycle is gross slip if the whole contact slips in at least one step, stick if the energy ratio
+    ``E / (4 Q* delta*)`` is below 0.02, and else partial slip. The runs remain in memory.
 
     Examples
     --------

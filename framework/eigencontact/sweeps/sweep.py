@@ -84,24 +84,24 @@ def sweep(
     Parameters
     ----------
     scene : Scene, str, Path or mapping
-        What is varied.
+        Scene with the unvaried keys.
     vary : mapping or sequence of str
         Values by dotted key, ``{"steps.normal-load": ["1 N", "2 N"]}`` or
         ``{"geometry.radius": {"from": 1e-4, "to": 1e-2, "count": 5, "log": True}}``; or texts as of ``--vary``.
     folder : str or Path, optional
-        Each variant has a folder in it, beside ``sweep.nc``, ``sweep.csv`` and figures. Finished variants are reused;
-        a damaged one is computed again. Without it everything stays in memory.
+        Folder for ``sweep.nc``, ``sweep.csv``, figures, and a folder of each variant. The sweep reuses finished
+        variants and computes damaged ones again. Without a folder all results remain in memory.
     pairs : bool
-        Take the values in step with each other, not each with each.
+        Vary the keys together, not in all combinations.
     fields : sequence of str
         Surface fields at the last step to store of all variants, which must have the same cells; with a folder,
         also a figure of each with the profiles of all variants along x.
     scalars : sequence of str
-        Numbers to draw; by default those that most look at.
+        Numbers to draw; by default the main results.
     grid : {"own", "shared"}
-        Whether each variant has the window that it asks for, or all have one that holds them.
+        Window of each variant: its own window, or a shared window that contains all windows.
     workers : int
-        Processes that share the variants. A script that asks for more than one needs ``if __name__ == "__main__":``
+        Processes that share the variants. A script with more than one process needs ``if __name__ == "__main__":``
         around the call, because each process imports the script.
     cluster : str, optional
         Workers of dask.distributed that run them instead: ``"local:4"`` for four processes of this machine, the
@@ -113,26 +113,26 @@ def sweep(
         Replace the results of another sweep in `folder`, and run finished variants again. Files that this package did
         not write are never replaced.
     told : callable, optional
-        Gets each outcome, its number and how many there will be.
+        Receives each outcome, its number and the number of variants.
     say : callable, optional
-        Gets a line for each key that is varied: its values as they were understood, with their unit.
+        Receives one line for each varied key: its values with their unit.
 
     Raises
     ------
     SceneError, PlanError
-        A description that no variant can follow; chosen fields on different cells, before anything is run.
+        Invalid arguments, or fields on different cells, before the first run.
     ResultsError
         A folder that cannot be written, that holds the sweep of another scene, or files of others under the names of
         ours.
     EigencontactError
         Every variant failed, or a script has no guard for its processes.
     ClusterError
-        A cluster that is not reachable, that is lost, or whose workers cannot do what is asked.
+        A cluster without connection, or whose workers cannot perform the runs.
 
     Examples
     --------
-    >>> found = sweep("hertz", {"steps.normal-load": ["0.1 N", "0.8 N"], "stress": [[]]})
-    >>> ratio = found.dataset.max_pressure[1] / found.dataset.max_pressure[0]
+    >>> result = sweep("hertz", {"steps.normal-load": ["0.1 N", "0.8 N"], "stress": [[]]})
+    >>> ratio = result.dataset.max_pressure[1] / result.dataset.max_pressure[0]
     >>> f"{float(ratio.squeeze()):.2f}"
     '2.00'
     """
@@ -294,9 +294,9 @@ def read_sweep_file(path: Path) -> dict[str, Any]:
             raise SceneError(f"unknown key {key!r} in the sweep; known: {', '.join(_KEYS)}{nearest(key, _KEYS)}")
     if not isinstance(table.get("scene"), str | dict) or not isinstance(table.get("vary"), dict):
         raise SceneError(f"{path} must have scene (a file, a bundled name, or tables) and a table vary")
-    beside = path.parent / table["scene"] if isinstance(table["scene"], str) else None
-    if beside is not None and beside.is_file():
-        table["scene"] = beside
+    scene_path = path.parent / table["scene"] if isinstance(table["scene"], str) else None
+    if scene_path is not None and scene_path.is_file():
+        table["scene"] = scene_path
     return {**table, "vary": _dotted(table["vary"])}
 
 

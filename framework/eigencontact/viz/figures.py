@@ -129,14 +129,14 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
     """Pictures of the pressure after one step, and of the displacement by eigenstrain after another."""
     outlined = "outline" in dataset
     if not vanishes(dataset, ["pressure"], loaded):
-        beside = " beside the closed form" if "reference_pressure" in dataset else ""
+        comparison = " with the closed form" if "reference_pressure" in dataset else ""
         homogeneous = homogeneous_words(dataset)
-        beside = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else beside
+        comparison = f" with the closed form of the {homogeneous}" if homogeneous else comparison
         when, lines = moment(dataset, loaded), "; dashed lines are inclusions below" if outlined else ""
         if not is_line(dataset):
             sentence = f"Contact pressure, cut to the contact{when}{lines}."
             yield "pressure.png", sentence, partial(pressure_map, dataset, loaded)
-        sentence = f"Contact pressure {_along(dataset)}{beside}{when}; markers are computed cells."
+        sentence = f"Contact pressure {_along(dataset)}{comparison}{when}; markers are computed cells."
         yield "pressure-profiles.png", sentence, partial(pressure_profiles, dataset, loaded)
     if not vanishes(dataset, ["residual_displacement_z"], step):
         when, lines = moment(dataset, step), "; lines are outlines of the inclusions from above" if outlined else ""
@@ -185,11 +185,11 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> Iterator[Picture]:
             name, sentence = f"plastic-surfaces{second[field.body]}.png", "Surfaces of equal plastic strain, cut open"
             yield name, f"{sentence}{when}.", partial(plastic_surfaces, dataset, field, step)
     for field in remembered_fields(dataset, step, DAMAGE):
-        labels = ("Damage", "Part of the stiffness that is lost [%]")
+        labels = ("Damage", "Lost fraction of the stiffness [%]")
         name, sentence = f"damage{second[field.body]}.png", f"Damage {largest}"
         yield name, sentence, partial(plastic_section, dataset, field, step, labels)
     if unloads(dataset) and not rolls(dataset):
-        yield "load-depth.png", "Normal load over approach, loading and unloading.", partial(load_depth, dataset)
+        yield "load-depth.png", "Normal load over approach during loading and unloading.", partial(load_depth, dataset)
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
     if prefix is None or f"{prefix}_volume" not in dataset or dataset.sizes["step"] < LOOP_STEPS:
         return
@@ -203,16 +203,16 @@ def _friction(dataset: Results, step: int) -> Iterator[Picture]:
     if "contact_zone" not in dataset:
         return
     closed_form = any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy")
-    beside = " beside the closed form" if closed_form else ""
+    comparison = " with the closed form" if closed_form else ""
     when = moment(dataset, step)
     if not vanishes(dataset, ["shear_x", "shear_y"], step):
         if not is_line(dataset):
             yield "shear.png", f"Shear traction as arrows over stick and slip{when}.", partial(shear_map, dataset, step)
-        sentence = f"Shear traction {_along(dataset)}{beside}, and the bound of friction{when}."
+        sentence = f"Shear traction {_along(dataset)}{comparison}, and the bound of friction{when}."
         yield "shear-profiles.png", sentence, partial(shear_profiles, dataset, step)
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         draw = dissipation_profile if is_line(dataset) else dissipation_map
-        yield "dissipation.png", f"Work of friction for each area{when}.", partial(draw, dataset, step)
+        yield "dissipation.png", f"Work of friction per area{when}.", partial(draw, dataset, step)
     if dataset.sizes["step"] < LOOP_STEPS:
         return
     if is_a_loop(dataset):
@@ -229,8 +229,8 @@ def _wear(dataset: Results, step: int) -> Iterator[Picture]:
         return
     when = moment(dataset, step)
     if not is_line(dataset):
-        yield "worn-depth.png", f"Depth that both bodies together have lost{when}.", partial(worn_map, dataset, step)
-    sentence = f"Surfaces of both bodies before and after they wore, and the worn depth, {_along(dataset)}{when}."
+        yield "worn-depth.png", f"Worn depth of both bodies together{when}.", partial(worn_map, dataset, step)
+    sentence = f"Surfaces of both bodies before and after wear, and the worn depth, {_along(dataset)}{when}."
     yield "worn-profiles.png", sentence, partial(worn_profiles, dataset, step)
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
         sentence = f"Worn surfaces over the interfaces of layers and coatings, {_along(dataset)}{when}."
@@ -239,10 +239,10 @@ def _wear(dataset: Results, step: int) -> Iterator[Picture]:
         sentence = f"Materials at the surface, by name{when}; the line is the outline of the contact."
         yield "exposed-materials.png", sentence, partial(exposed_map, dataset, step)
     if dataset.sizes["step"] >= LOOP_STEPS:
-        sentence = "Worn volume and depth, largest pressure and contact area through the wear."
+        sentence = "Worn volume and depth, largest pressure and contact area over the history of wear."
         yield "wear-history.png", sentence, partial(wear_history, dataset)
     if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
-        yield "wear-loops.png", "Loops of chosen cycles over each other.", partial(worn_loops, dataset)
+        yield "wear-loops.png", "Loops of selected cycles, drawn over each other.", partial(worn_loops, dataset)
 
 
 def _along(dataset: Results) -> str:

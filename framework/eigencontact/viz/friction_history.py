@@ -62,14 +62,21 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
     with paper_style():
         figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4, on)
         for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
-            load, way, labels = MODES[mode]
-            forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
+            load, displacement, labels = MODES[mode]
+            forces, displacements = (np.asarray(dataset[name].values, dtype=float) for name in (load, displacement))
             cycle = last_cycle(history_of(dataset), "twist" if mode == "twist" else "shift")
-            scales = scale_for(ways, si_unit(dataset, way)), scale_for(forces, si_unit(dataset, load))
+            scales = scale_for(displacements, si_unit(dataset, displacement)), scale_for(forces, si_unit(dataset, load))
             if on is None:
-                _loop(figure, axes, scales[0](ways), scales[1](forces), cycle, strands_of(cycles_with_loops(dataset)))
+                _loop(
+                    figure,
+                    axes,
+                    scales[0](displacements),
+                    scales[1](forces),
+                    cycle,
+                    strands_of(cycles_with_loops(dataset)),
+                )
             else:
-                draw_way(axes, scales[0](ways), scales[1](forces), step)
+                draw_way(axes, scales[0](displacements), scales[1](forces), step)
             axes.set(xlabel=f"{labels[1]} [{scales[0].unit}]", ylabel=f"{labels[0]} [{scales[1].unit}]")
         title = _energy_words(dataset, modes) if on is None else _spent_words(dataset, step)
         figure.suptitle(title)

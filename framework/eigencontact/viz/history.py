@@ -139,14 +139,14 @@ def history_panels(dataset: Results) -> list[Panel]:
         return []
     worn = wears(dataset)
     steps = ends_of_cycles(dataset) if worn else np.arange(dataset.sizes["step"])
-    force, way = _driver(dataset)
+    force, displacement = _driver(dataset)
     if not varies(force.values):
         return []
-    x, y, start = way.at(steps), force.at(steps), None
-    if not varies(way.values):
+    x, y, start = displacement.at(steps), force.at(steps), None
+    if not varies(displacement.values):
         values, words, unit = course(dataset)
         x = Quantity(values[steps], words, unit)
-    elif way.words == "Approach":
+    elif displacement.words == "Approach":
         start = first_touch(dataset)
     panels = [Panel(x.from_start(start), y.from_start(None if start is None else 0.0), start is not None, steps)]
     if area_varies(dataset) and not worn:  # the history of wear shows the area
@@ -195,8 +195,8 @@ def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
             if names[0] in dataset and np.ptp(dataset[names[1]].values) > 0 and varies(dataset[names[0]].values):
                 pairs.insert(0, (*names, f"Moment about {axis}", f"Tilt about {axis}"))
                 break
-    force, way, load, motion = pairs[0]
-    return Quantity.stored(dataset, force, load), Quantity.stored(dataset, way, motion)
+    force, displacement, load, motion = pairs[0]
+    return Quantity.stored(dataset, force, load), Quantity.stored(dataset, displacement, motion)
 
 
 def varies(values: ArrayLike, share: float = CONSTANT) -> bool:

@@ -99,18 +99,18 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
     unit = SAME * float(np.ptp(places, axis=0).max())
     _, first, number = np.unique(np.round(places / unit) + 0.0, axis=0, return_index=True, return_inverse=True)
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
-    beside: dict[int, list[int]] = defaultdict(list)
+    neighbours: dict[int, list[int]] = defaultdict(list)
     for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
-        beside[a].append(b)
-        beside[b].append(a)
+        neighbours[a].append(b)
+        neighbours[b].append(a)
     # Ends of open lines come first; what is left then are closed ones.
     paths = []
-    for start in sorted(beside, key=lambda point: len(beside[point]) % 2 == 0):
-        while beside[start]:
+    for start in sorted(neighbours, key=lambda point: len(neighbours[point]) % 2 == 0):
+        while neighbours[start]:
             path = [start]
-            while beside[path[-1]]:
-                ahead = beside[path[-1]].pop()
-                beside[ahead].remove(path[-1])
+            while neighbours[path[-1]]:
+                ahead = neighbours[path[-1]].pop()
+                neighbours[ahead].remove(path[-1])
                 path.append(ahead)
             paths.append(places[first[path]])
     return paths
@@ -130,15 +130,15 @@ def inclusion_segments(dataset: Results, body: int, normal: str, at: float, numb
 
     `normal` is the axis normal to the plane, `at` where the plane cuts it [m].
     """
-    nothing = np.empty((0, 2, 2))
+    empty = np.empty((0, 2, 2))
     if "section_segments" not in dataset:
-        return nothing
+        return empty
     table = np.asarray(dataset["section_table"].values, dtype=float)
     numbers = [n for n, item in enumerate(_inclusions(dataset)) if item["body"] == body and number in (None, n)]
     table = table[np.isin(table[:, 0], numbers) & (table[:, 1] == "xyz".index(normal))]
     away = np.abs(table[:, 2] - at)
     if not away.size or away.min() > NEAR * widest_edge(dataset):
-        return nothing
+        return empty
     segments = np.asarray(dataset["section_segments"].values, dtype=float)
     sections = table[table[:, 2] == table[away.argmin(), 2]]
     return np.concatenate([segments[int(row[5]) : int(row[5] + row[6])] + row[3:5] for row in sections])

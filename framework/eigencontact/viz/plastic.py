@@ -94,7 +94,11 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
     """
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
     last = len(loads) - 1 if on is None else step % len(loads)
-    largest, left, unloaded = float(depths[: last + 1].max()), float(depths[last]), loads[last] <= FALL * loads.max()
+    largest, residual, unloaded = (
+        float(depths[: last + 1].max()),
+        float(depths[last]),
+        loads[last] <= FALL * loads.max(),
+    )
     touch, errors = first_touch(dataset), history_errors(dataset, "approach") if on is None else None
     if touch is not None:
         loads, depths, last = np.append(0.0, loads), np.append(touch, depths), last + 1
@@ -106,9 +110,9 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
         if on is not None:
             draw_way(axes, length(depths), force(loads), last, line=False)
         labelled: set[str] = set()
-        for first, end, way in _runs(loads[: last + 1]):
-            name, style = _WAYS[way]
-            if end - first == 1 and way < 0:
+        for first, end, direction in _runs(loads[: last + 1]):
+            name, style = _WAYS[direction]
+            if end - first == 1 and direction < 0:
                 style = {**style, "linestyle": ":", "linewidth": 0.8}
             branch = slice(first, end + 1)
             label = None if name in labelled else name
@@ -119,7 +123,7 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
             labelled.add(name)
         depths_in_title = f"largest {length.text(largest)}"
         if last > 0 and unloaded:
-            depths_in_title += f", {scale_for([left], 'm').text(left)} after unloading"
+            depths_in_title += f", {scale_for([residual], 'm').text(residual)} after unloading"
         axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
         axes.set_title(f"Load and depth\n{depths_in_title}")
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
@@ -135,9 +139,9 @@ def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
     if loads.size < 2:
         return []
     change = np.diff(loads)
-    ways = np.where(np.abs(change) > FALL * np.abs(loads).max(), np.sign(change), 0.0).astype(int)
-    ends = [0, *(np.flatnonzero(ways[1:] != ways[:-1]) + 1).tolist(), ways.size]
-    return [(first, end, int(ways[first])) for first, end in pairwise(ends)]
+    directions = np.where(np.abs(change) > FALL * np.abs(loads).max(), np.sign(change), 0.0).astype(int)
+    ends = [0, *(np.flatnonzero(directions[1:] != directions[:-1]) + 1).tolist(), directions.size]
+    return [(first, end, int(directions[first])) for first, end in pairwise(ends)]
 
 
 def plastic_section(

@@ -87,21 +87,21 @@ def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Stran
     The arguments, (steps,), are the position along the path and whether the bodies touch.
     """
     strands: list[Strand] = []
-    first, way = None, 0.0
+    first, direction = None, 0.0
     for step in range(place.size):
         if not pressed[step]:
             first = None
             continue
         if first is None:
-            first, way = step, 0.0
+            first, direction = step, 0.0
             continue
         move = float(np.sign(place[step] - place[step - 1]))
-        if way and move and move != way:
+        if direction and move and move != direction:
             first = step - 1
-        way = move or way
+        direction = move or direction
         if strands and strands[-1].first == first:
             strands[-1] = Strand(first, step, strands[-1].number)
-        elif way:
+        elif direction:
             strands.append(Strand(first, step, len(strands) + 1.0))
     return strands
 

@@ -122,8 +122,8 @@ class Sides:
 def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float, ...]:
     """Depths [m] of the interfaces of a layered body in a step, below the surface that its kernels have then."""
     name = f"layer_lost_{body}"
-    lost = float(dataset[name][step]) if name in dataset else 0.0
-    return tuple(depth - lost for depth in interfaces(dataset, body) if depth > lost)
+    worn_depth = float(dataset[name][step]) if name in dataset else 0.0
+    return tuple(depth - worn_depth for depth in interfaces(dataset, body) if depth > worn_depth)
 
 
 def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -1) -> Sides:
@@ -188,11 +188,11 @@ def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
     inside = np.zeros((plane.v.size, plane.h.size), dtype=bool)
     unit = float(np.ptp(path, axis=0).max())
     for (h0, v0), (h1, v1) in pairwise(path):
-        met = (plane.h >= h0) != (plane.h >= h1)
-        if not met.any():
+        crossed = (plane.h >= h0) != (plane.h >= h1)
+        if not crossed.any():
             continue
-        at = v0 + (plane.h[met] - h0) * (v1 - v0) / (h1 - h0)
-        inside[:, met] ^= plane.v[:, None] < at - SAME * unit
+        at = v0 + (plane.h[crossed] - h0) * (v1 - v0) / (h1 - h0)
+        inside[:, crossed] ^= plane.v[:, None] < at - SAME * unit
     return inside
 
 
@@ -222,9 +222,9 @@ def _uncut_points(
         return uncut, uncut
     from scipy.ndimage import binary_dilation
 
-    beside = _touching(binary_dilation(cut, np.ones((3, 3))), places, first)
+    near = _touching(binary_dilation(cut, np.ones((3, 3))), places, first)
     rows, columns = (np.abs(at - np.floor(at) - 0.5) <= MIDDLE for at in places)
-    return uncut, uncut & (~beside | (rows[:, None] & columns))
+    return uncut, uncut & (~near | (rows[:, None] & columns))
 
 
 def _on_border(plane: Plane, paths: list[FloatArray]) -> NDArray[np.bool_]:

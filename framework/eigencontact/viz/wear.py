@@ -194,23 +194,29 @@ class _Section:
     def draw(self, axes: Axes, line: SurfaceLine, ends: tuple[float, float]) -> None:
         """Draw both bodies, their worn material, and the interfaces of their layers."""
         z, at = scale_for(ends, "m"), self.length(line.at)
-        lost = self.worn(line)
-        none = np.zeros(line.at.size)
-        before = {1: none, 2: -self._first[line.where]}
-        now = {1: none + lost.get(1, 0.0), 2: before[2] - lost.get(2, 0.0)}
+        worn_depth = self.worn(line)
+        zero = np.zeros(line.at.size)
+        before = {1: zero, 2: -self._first[line.where]}
+        worn_surface = {1: zero + worn_depth.get(1, 0.0), 2: before[2] - worn_depth.get(2, 0.0)}
         for body, end in ((1, ends[1]), (2, ends[0])):
-            axes.fill_between(at, z(now[body]), z(end), color=TINTS[body], linewidth=0, label=f"body {body}")
-        for body in lost:
-            axes.fill_between(at, z(before[body]), z(now[body]), color=LOST, linewidth=0, zorder=2, label="worn off")
+            axes.fill_between(at, z(worn_surface[body]), z(end), color=TINTS[body], linewidth=0, label=f"body {body}")
+        for body in worn_depth:
+            axes.fill_between(
+                at, z(before[body]), z(worn_surface[body]), color=LOST, linewidth=0, zorder=2, label="worn off"
+            )
         for body in (1, 2):
             axes.plot(at, z(before[body]), "--", color="0.35", linewidth=0.9, zorder=3, label="initial surface")
-            axes.plot(at, z(now[body]), "-", color=COLOURS[body - 1], zorder=4, label=f"surface of body {body}")
+            axes.plot(
+                at, z(worn_surface[body]), "-", color=COLOURS[body - 1], zorder=4, label=f"surface of body {body}"
+            )
             sign = 1.0 if body == 1 else -1.0
             for places, depths in self._under(body, line):
                 level = np.interp(places, line.at, before[body]) + sign * depths
-                left = sign * (level - np.interp(places, line.at, now[body])) >= 0.0  # of what is not worn off
-                if left.any() and ends[0] < level.max() and level.min() < ends[1]:
-                    shown = (self.length(places), np.where(left, z(level), np.nan))
+                remaining = (
+                    sign * (level - np.interp(places, line.at, worn_surface[body])) >= 0.0
+                )  # of what is not worn off
+                if remaining.any() and ends[0] < level.max() and level.min() < ends[1]:
+                    shown = (self.length(places), np.where(remaining, z(level), np.nan))
                     axes.plot(*shown, "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
         axes.set_xlim(float(at[0]), float(at[-1]))
         axes.set_ylim(float(z(ends[1])), float(z(ends[0])))
@@ -293,16 +299,16 @@ def loop_cycles(dataset: Results) -> list[SolvedCycle]:
 def worn_loops(dataset: Results) -> Figure:
     """Loops of selected cycles drawn over each other, coloured by the number of cycles."""
     mode = driven(dataset)[0]
-    load, way, words = MODES[mode]
-    forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
-    force, length = scale_for(forces, si_unit(dataset, load)), scale_for(ways, si_unit(dataset, way))
+    load, displacement, words = MODES[mode]
+    forces, displacements = (np.asarray(dataset[name].values, dtype=float) for name in (load, displacement))
+    force, length = scale_for(forces, si_unit(dataset, load)), scale_for(displacements, si_unit(dataset, displacement))
     with paper_style():
         figure = new_figure(5.4, 3.6)
         axes = figure.add_subplot()
         axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
         axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
         strands = strands_of(loop_cycles(dataset))
-        draw_strands(figure, axes, length(ways), force(forces), strands, "Cycle", markers=False)
+        draw_strands(figure, axes, length(displacements), force(forces), strands, "Cycle", markers=False)
         axes.set(xlabel=f"{words[1]} [{length.unit}]", ylabel=f"{words[0]} [{force.unit}]")
         axes.set_title("Loops of solved cycles")
     return figure

@@ -118,8 +118,8 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
         lines["x"] = interface.separation(x[:, ends], y).T
     seams = []
     for axis, (first, second, last_but_one, last) in lines.items():
-        step, *beside = (float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first))
-        seams.append((step / (max(beside) or np.inf), axis, step, max(beside)))
+        step, *neighbours = (float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first))
+        seams.append((step / (max(neighbours) or np.inf), axis, step, max(neighbours)))
     ratio, axis, step, usual = max(seams)
     if ratio > _SEAM:
         words = (

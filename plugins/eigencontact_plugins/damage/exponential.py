@@ -14,7 +14,7 @@ __all__ = ["ExponentialDamage"]
 
 @dataclass(frozen=True, kw_only=True)
 class ExponentialDamage(PlasticDamage):
-    """``D = D_inf (1 - exp(-p / p0))``: bone.
+    """Exponential damage of plastic strain, ``D = D_inf (1 - exp(-p / p0))``, for bone.
 
     Parameters
     ----------

@@ -20,19 +20,19 @@ _LEAST = 1e-6
 class MazarsDamage(StrainDamage):
     """``D = 1 - κ0 (1 - A) / κ - A exp(-B (κ - κ0))`` beyond the strain κ0: concrete.
 
-    In tension the stress falls from ``E κ0`` to ``(1 - A) E κ0``, from the start where ``B κ0 > 1``. The source has two
-    curves, for tension and for compression, of which the state of stress makes a mixture; where a load turns from one
-    to the other D would fall. Here one curve holds, that of tension as a rule. What is pressed breaks by the stretch
-    across: its strength is some ``1 / (ν √2)`` times that in tension.
+    In tension the stress falls from ``E κ0`` to ``(1 - A) E κ0``; it falls from the start if ``B κ0 > 1``. The source
+    mixes two curves, for tension and for compression, by the state of stress, so that D would decrease if a load
+    changes between them. This law uses one curve, usually that of tension. In compression the material fails by the
+    transverse extension: its strength is about ``1 / (ν √2)`` times that in tension.
 
     Parameters
     ----------
     threshold : float
-        κ0 [-], positive; some 1e-4 of concrete.
+        κ0 [-], positive; about 1e-4 for concrete.
     A : float
-        In [0, 1]: 1 less the part of the strength that is left in the end.
+        In [0, 1]: 1 minus the residual fraction of the strength.
     B : float
-        How fast the strength is lost [-], positive; 1e4 to 5e4 of concrete.
+        Rate of the loss of strength [-], positive; 1e4 to 5e4 for concrete.
     length : float, optional
         Radius of averaging [m]; see `DamageLaw`.
     """

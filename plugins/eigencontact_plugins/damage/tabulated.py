@@ -28,10 +28,10 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
     Parameters
     ----------
     strain, values : tuple of float, optional
-        Equivalent plastic strain [-], or equivalent strain of a brittle material, from 0 upwards, and D, from 0, never
-        falling, below 1.
+        Equivalent plastic strain [-], or equivalent strain of a brittle material, ascending from 0, and D,
+        non-decreasing from 0, below 1.
     file : str, optional
-        Text file of two columns, strain and D, instead of them.
+        Text file of two columns, strain and D, in place of the arrays.
     length : float, optional
         Radius of averaging [m]; see `DamageLaw`.
     """

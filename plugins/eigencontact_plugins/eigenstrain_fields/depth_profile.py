@@ -23,11 +23,11 @@ class DepthProfile(TimedField):
     Parameters
     ----------
     depths : tuple of float
-        Ascending [m]; above the first, its value holds.
+        Ascending depths [m]; the value is constant above the first.
     values : tuple of float
         Eigenstrain [-] at each depth, expansion positive.
     direction : "isotropic", "in-plane" or (xx, yy, zz)
-        Tensor that the values multiply: all directions alike, x and y alone, or three weights.
+        Tensor that the values multiply: isotropic, only x and y, or three weights.
     times, factors : tuple of float
         History; see `TimedField`.
 

@@ -21,22 +21,22 @@ class PeenedLayer(TimedField):
     peak : float
         Largest in-plane eigenstrain [-]; positive stretches the layer, which is then in compression.
     peak_depth : float
-        z_p [m], where it is largest.
+        z_p [m], depth of the largest eigenstrain.
     width : float
         w [m]. Profile ``"gaussian"``: exp(-2 (z - z_p)²/w²). ``"cosine"``: cos(pi (z - z_p)/(2 w)) for |z - z_p| < w,
         zero beyond.
     profile : "gaussian" or "cosine"
         Form of the profile.
     incompressible : bool
-        Whether the layer shrinks along z by twice as much, as plastic flow does.
+        True if the eigenstrain along z is minus twice the in-plane eigenstrain, as for plastic flow.
     times, factors : tuple of float
         History; see `TimedField`.
 
     Notes
     -----
-    In a layer that is wide beside its depth the stress is biaxial and local, -E e(z)/(1 - nu) along x and y, whatever
-    the eigenstrain along z. A measured residual stress profile so gives the eigenstrain directly; both profiles were
-    proposed for that stress.
+    In a layer that is wide compared with its depth the stress is biaxial and local, -E e(z)/(1 - nu) along x and y,
+    independent of the eigenstrain along z. A measured residual stress profile therefore determines the eigenstrain;
+    both profiles were proposed for this stress.
 
     Examples
     --------

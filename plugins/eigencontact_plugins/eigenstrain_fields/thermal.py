@@ -23,14 +23,14 @@ class Thermal(TimedField):
     temperature : float
         Rise of the temperature at the surface dT [K]; negative for cooling. Give a plain number or kelvin.
     decay_depth : float
-        d [m], over which the rise falls to 1/e; by default it is the same at all depths.
+        d [m], depth at which the temperature rise is 1/e of that at the surface; by default the rise is uniform.
     times, factors : tuple of float
         History of the temperature; see `TimedField`.
 
     Notes
     -----
-    The exponential is the profile of a source that light, a beam or a quasi-stationary heat flow leaves below a
-    surface; another profile goes into ``depth-profile`` as alpha dT at depths.
+    The exponential is the profile of heating by light, a beam or a quasi-stationary heat flow. For other profiles use
+    ``depth-profile`` with alpha dT at depths.
 
     Examples
     --------

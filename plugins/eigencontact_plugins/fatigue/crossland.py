@@ -18,8 +18,8 @@ __all__ = ["Crossland"]
 class Crossland(WeightedNormalStress):
     """``sqrt(J2)_amplitude + slope max p``: the amplitude of the deviator and the largest mean normal stress.
 
-    The amplitude is the radius of the smallest ball around the path of the deviator, over sqrt 2. Of a fully reversed
-    torsion it is the amplitude of the shear stress. No plane.
+    The amplitude is the radius of the smallest ball around the path of the deviator, divided by sqrt 2. For fully
+    reversed torsion it is the amplitude of the shear stress. The criterion has no plane.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ __all__ = ["FatemiSocie"]
 class FatemiSocie(FatigueCriterion):
     """``shear strain amplitude (1 + slope largest normal stress / yield stress)``, on the plane where that is largest.
 
-    The shear strain is the engineering one. A plane that is never in tension counts its shear strain alone.
+    The shear strain is the engineering strain. For a plane without tension the parameter is its shear strain amplitude.
 
     Parameters
     ----------

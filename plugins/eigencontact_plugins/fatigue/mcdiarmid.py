@@ -28,10 +28,10 @@ _TIE = 1e-4
 class McDiarmid(FatigueCriterion):
     """``shear stress amplitude + t / (2 strength) largest normal stress``, on the plane of the largest shear amplitude.
 
-    Where several planes have the largest shear amplitude, the one with the larger normal stress counts. Where two
-    planes have nearly the same, a small change of the stress exchanges them, and the value jumps by the difference of
-    their normal stresses. This is the criterion of 1991; a later version (1994) takes the plane on which the whole
-    expression is largest, like Findley. The limit t is one number here, where McDiarmid distinguishes limits along the
+    If several planes have the largest shear amplitude, the plane with the largest normal stress is critical. If two
+    planes have nearly equal amplitudes, a small change of the stress exchanges them, and the value jumps by the
+    difference of their normal stresses. This is the criterion of 1991; a later version (1994) uses the plane with the
+    largest expression, like Findley. The limit t is a single number, whereas McDiarmid distinguishes cracks along the
     surface and into the body.
 
     Parameters

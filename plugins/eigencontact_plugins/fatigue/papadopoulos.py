@@ -24,9 +24,9 @@ _PART = 100
 class Papadopoulos(WeightedNormalStress):
     """``root of 5 times the mean square resolved shear amplitude + slope max p``, over all planes and directions.
 
-    The resolved shear amplitude is half of the range of the shear along one direction of one plane. Of a fully reversed
-    torsion the root is the amplitude of the shear stress. For hard metals, with limits of torsion over bending of 0.577
-    to 0.8. No plane.
+    The resolved shear amplitude is half of the range of the shear along one direction of one plane. For fully reversed
+    torsion the root is the amplitude of the shear stress. The criterion is for hard metals, with ratios of the limits
+    of torsion and bending from 0.577 to 0.8, and has no plane.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ class Papadopoulos(WeightedNormalStress):
         rows, weights = _directions()
         mean = np.empty(cycle.points)
         for start in range(0, cycle.points, _PART):
-            part = slice(start, start + _PART)
-            high = low = rows @ cycle.stress[0, :, part]
-            for step in cycle.stress[1:, :, part]:
+            span = slice(start, start + _PART)
+            high = low = rows @ cycle.stress[0, :, span]
+            for step in cycle.stress[1:, :, span]:
                 shear = rows @ step
                 high, low = np.maximum(high, shear), np.minimum(low, shear)
-            mean[part] = weights @ (0.5 * (high - low)) ** 2
+            mean[span] = weights @ (0.5 * (high - low)) ** 2
         return DamageParameter(np.sqrt(5.0 * mean) + self.slope * cycle.hydrostatic.max(axis=0))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:

@@ -17,7 +17,7 @@ __all__ = ["ByMaterial"]
 class ByMaterial(FrictionLaw):
     """Friction law by exposed material: each column of the contact has the law of its material.
 
-    Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
+    The names of materials are the ``name`` of inclusions and layers in the scene; all other material is ``substrate``.
 
     Parameters
     ----------

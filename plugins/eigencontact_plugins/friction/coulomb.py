@@ -24,7 +24,7 @@ class Coulomb(FrictionLaw):
     Parameters
     ----------
     coefficient : float
-        Coefficient of friction [-], the same for sticking and slipping; 0 is without friction.
+        Coefficient of friction [-], equal for stick and slip; 0 is a frictionless contact.
     """
 
     key: ClassVar[str] = "coulomb"

@@ -83,7 +83,8 @@ class CoulombMap(FrictionLaw):
     Parameters
     ----------
     coefficient : float, optional
-        Coefficient [-] outside the map and the regions. With a file it may be left out: contact there is then refused.
+        Coefficient [-] outside the map and the regions. Without it, the program refuses contact outside the map of a
+        file.
     file : str, optional
         ``.npz`` with ``x`` (nx,), ``y`` (ny,), ascending, and ``coefficient`` (ny, nx); or text with columns
         x y coefficient, one row for each point of a lattice. Coordinates are those of the scene. Read once.
@@ -92,12 +93,12 @@ class CoulombMap(FrictionLaw):
     interpolation : "linear" or "nearest"
         Between the points of the file; constant in its outermost half step.
     regions : tables, optional
-        Rectangles and circles with a coefficient each, over the map; the last one that holds a point counts. See
-        `Region`.
+        Rectangles and circles with a coefficient each, in place of the map; the last region that contains a point
+        determines its coefficient. See `Region`.
 
     Notes
     -----
-    A cell takes the coefficient at its centre: the edge of a region is sharp to a cell.
+    A cell has the coefficient at its centre: the edge of a region is resolved to one cell.
     """
 
     key: ClassVar[str] = "coulomb-map"

@@ -20,7 +20,7 @@ class ShearCap(FrictionLaw):
     Parameters
     ----------
     coefficient : float
-        Coefficient of friction [-] where the pressure is low.
+        Coefficient of friction [-] at low pressure.
     cap : float
         Shear strength [Pa] of the weaker surface or of a film between them; reached at the pressure cap / coefficient.
     """

@@ -21,8 +21,8 @@ _EVEN = 1e-6
 class GapMap(Geometry):
     """Separation of two surfaces at the points of a regular raster, with its own datum.
 
-    Numbers are exact at the points of the raster, which are the cells of an automatic grid; bilinear between them, and
-    beyond them that of the nearest border. The approach counts from a separation of 0, wherever the first touch is.
+    The separation is exact at the points of the raster, which are the cells of an automatic grid, bilinear between
+    them, and constant outside. The approach is relative to a separation of 0, independent of the first touch.
 
     Parameters
     ----------

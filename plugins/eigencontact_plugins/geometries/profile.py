@@ -39,17 +39,17 @@ class Profile(Geometry):
         Text with two columns, x and height, in rows of any order; or ``.npz`` or NetCDF with ascending ``x (n,)`` and
         ``height (n,)``. Heights are positive towards the other body.
     unit : float
-        Metres in one unit of x: ``"1 mm"``; metres by default. NetCDF files name their units, which count instead.
+        Metres in one unit of x: ``"1 mm"``; metres by default. NetCDF files have their own units.
     height_unit : float
-        Metres in one unit of the heights; metres by default. Left out for NetCDF, whose heights tell their unit.
+        Metres in one unit of the heights; metres by default. Not for NetCDF files, which have their own units.
     center : float
-        Place along x [m] of the point x = 0 of the file.
+        Coordinate x [m] of the point x = 0 of the file.
 
     Notes
     -----
-    Linear between the points; beyond the first and the last point the height of that point. The cells of an automatic
-    grid are centred on the points, which must then be even steps apart. A kink of a profile that has few points makes
-    a peak of the pressure: give points as close as the cells.
+    Heights are linear between the points and constant outside. The cells of an automatic grid are centred on the
+    points, which must then have even steps. A kink between distant points causes a peak of the pressure: use points as
+    close as the cells.
     """
 
     key: ClassVar[str] = "profile"

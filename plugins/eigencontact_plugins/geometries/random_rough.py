@@ -59,7 +59,7 @@ class RandomRough(Geometry):
     seed : int
         Number of the surface: another one has other phases and the same spectrum.
     center : (float, float)
-        Where the middle of the window lies (x, y) [m].
+        Position of the centre of the window (x, y) [m].
 
     Notes
     -----

@@ -32,25 +32,26 @@ class Topography(Geometry):
         numbers ``dx``, ``dy``); or a format of an instrument (``pip install eigencontact[topography]``: Gwyddion,
         Bruker, Zygo, Keyence, Digital Surf, X3P, SDF ...). ``gallery:NAME`` is a file of the bundled gallery.
     spacing : (float, float), optional
-        Distance of the points along x and y [m]; needed where the file does not tell, and must agree where it does.
-        A text tells by lines like ``width: 64 um`` (and ``height``) or ``dx: 0.5 um`` above its numbers.
+        Distance of the points along x and y [m]; required if the file lacks it, else it must agree with the file. A
+        text file has lines like ``width: 64 um`` (and ``height``) or ``dx: 0.5 um`` above its numbers.
     height_unit : float, optional
-        Metres in one unit of the heights, ``"1 um"``; needed where the file does not tell. A text tells by lines like
-        ``units: um`` or ``height unit: nm``. An archive with ``dx`` is in metres where nothing else is given.
+        Metres in one unit of the heights, ``"1 um"``; required if the file lacks it. A text file has lines like
+        ``units: um`` or ``height unit: nm``. An archive with ``dx`` is in metres by default.
     lateral_unit : float, optional
-        Metres in one unit of the coordinates, or of ``dx``, ``dy``; needed where neither file nor ``spacing`` tells.
+        Metres in one unit of the coordinates, or of ``dx``, ``dy``; required if neither the file nor ``spacing`` has
+        it.
     missing : "error", "far" or "interpolate"
         Points without height (NaN, masked, no row): refuse; never touch; or fill by the harmonic function that joins
         their neighbours (it adds no summit).
     invert : bool
-        Turn the heights over, for a mould or a replica.
+        Reverse the sign of the heights, for a mould or a replica.
     detrend : "none" or "plane"
         Subtract the plane of least squares first.
     center : (float, float)
-        Where the middle of the measured window lies (x, y) [m]; coordinates in the file only give distances.
+        Position of the centre of the measured window (x, y) [m]; coordinates in the file define only distances.
     outside : "far", "mirror" or "repeat"
-        What lies beyond the measured window: nothing that could touch; the surface mirrored at its edges, for a window
-        of the contact that is larger (``grid``); or repeated, with a step at the edge where the ends do not fit.
+        Surface outside the measured window: far away, without contact; mirrored at the edges, for a larger window of
+        the contact (``grid``); or repeated, with a step at the edge if the ends differ.
 
     Notes
     -----

@@ -14,7 +14,7 @@ __all__ = ["Linear"]
 
 @dataclass(frozen=True, kw_only=True)
 class Linear(IsotropicHardening):
-    """The flow stress grows, or falls, in proportion to plastic strain.
+    """Linear hardening or softening: the flow stress changes in proportion to plastic strain.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Linear(IsotropicHardening):
         Slope E_t of stress over total strain in tension [Pa], below Young's modulus: H = E E_t / (E - E_t). One of the
         two is given.
     least_stress : float
-        A softening flow stress falls no lower [Pa]; a thousandth of the yield stress by default.
+        Lower bound of a softening flow stress [Pa]; a thousandth of the yield stress by default.
     """
 
     key: ClassVar[str] = "linear"

@@ -14,7 +14,7 @@ __all__ = ["Perfect"]
 
 @dataclass(frozen=True, kw_only=True)
 class Perfect(IsotropicHardening):
-    """The flow stress never changes.
+    """Perfect plasticity: the flow stress is constant.
 
     Parameters
     ----------

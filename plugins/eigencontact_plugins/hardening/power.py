@@ -18,7 +18,7 @@ _FIRST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Swift(IsotropicHardening):
-    """``Y = B (C + 1e6 p)^n``: plastic strain is counted in microstrain inside the power.
+    """Swift's law ``Y = B (C + 1e6 p)^n``, with the plastic strain in microstrain inside the power.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Swift(IsotropicHardening):
 
 @dataclass(frozen=True, kw_only=True)
 class Ludwik(IsotropicHardening):
-    """``Y = Y0 + K p^n``.
+    """Ludwik's law ``Y = Y0 + K p^n``.
 
     Parameters
     ----------

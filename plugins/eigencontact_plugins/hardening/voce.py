@@ -14,14 +14,14 @@ __all__ = ["Voce"]
 
 @dataclass(frozen=True, kw_only=True)
 class Voce(IsotropicHardening):
-    """``Y = Y0 + Q (1 - exp(-b p))``.
+    """Voce's law ``Y = Y0 + Q (1 - exp(-b p))``.
 
     Parameters
     ----------
     yield_stress : float
         Y0 [Pa], positive.
     saturation : float
-        Q [Pa]: what the flow stress gains in the end; negative softens, and the sum with Y0 stays positive.
+        Q [Pa]: final increase of the flow stress; a negative value softens, and Y0 + Q must be positive.
     rate : float
         b [-], positive.
     """

@@ -38,22 +38,20 @@ _STRAINS = (1e-8, 1.0)
 class Brittle(BodyConstants):
     """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest equivalent strain so far.
 
-    The stretch is Mazars' equivalent strain, the root of the sum of the squares of the positive principal strains; its
-    largest value κ is remembered. D(κ) never falls: unloading goes straight to the origin, and loading again comes back
-    the same way up to where it was left. Without `crack_closure` D weakens pressure as well as tension.
+    The equivalent strain is that of Mazars, the root of the sum of the squares of the positive principal strains; the
+    law stores its largest value κ. D(κ) never decreases: unloading is linear to the origin, and reloading follows the
+    same line. Without `crack_closure` D reduces the stiffness in compression as well as in tension.
 
     Parameters
     ----------
     damage : StrainDamage
-        D by κ; with a length by the mean of κ (what is averaged is the largest stretch of each point, which agrees with
-        the stretch itself as long as it grows, and never falls after).
+        D as a function of κ; with a length, as a function of the mean of κ over the neighbourhood.
     young_modulus, poisson_ratio : float, optional
-        E [Pa], positive and finite, and ν [-] in [0, 0.5), of the sound material; those of the body where they are not
-        given.
+        E [Pa], positive and finite, and ν [-] in [0, 0.5), of the undamaged material; by default those of the body.
     crack_closure : bool
-        Whether cracks that close bear pressure as if there were none (J. Ladeveze, J. Lemaitre 1984): damage gives way
-        to principal stresses in tension alone. In tension along one axis the stress is ``(1 - D) E ε``, in compression
-        ``E ε``, and the strain across is -ν/E times it, damaged or not. At constant D stress derives from an energy.
+        True if closed cracks transmit compression (J. Ladeveze, J. Lemaitre 1984): damage then acts only on tensile
+        principal stresses. In uniaxial tension the stress is ``(1 - D) E ε``, in compression ``E ε``; the transverse
+        strain is -ν/E times the stress, with or without damage. At constant D the stress derives from an energy.
     """
 
     key: ClassVar[str] = "brittle"
@@ -69,8 +67,8 @@ class Brittle(BodyConstants):
 
     symmetric: ClassVar[bool] = False
     variables: ClassVar[Mapping[str, Variable]] = {
-        "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
-        "damage": Variable("1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"),
+        "equivalent_strain": Variable("1", "largest equivalent strain so far, by Mazars", elastic=True),
+        "damage": Variable("1", "lost fraction of the stiffness", largest="max_damage", extent="damaged_volume"),
     }
 
     damage: StrainDamage

@@ -25,17 +25,17 @@ __all__ = ["ByDepth"]
 
 @dataclass(frozen=True, kw_only=True)
 class ByDepth(ConstitutiveLaw):
-    """One law above each interface, and another below the last.
+    """Laws by depth: one law above each interface, and another below the last.
 
-    A cell has the law of the depth of its middle: interfaces that are no faces of cells move by half a cell at most
-    (``numerics.inclusion-pitch`` sets their height). On an interface the deeper law counts.
+    A cell has the law at the depth of its centre: interfaces that do not coincide with faces of cells move by at most
+    half a cell (``numerics.inclusion-pitch`` sets the height of cells). A point on an interface has the deeper law.
 
     Parameters
     ----------
     interfaces : tuple of float
         Depths [m], positive and ascending.
     laws : tuple of ConstitutiveLaw
-        From the surface down, one more than interfaces; ``{ type = "elastic" }`` is what stays elastic.
+        Laws from the surface down, one more than interfaces; ``{ type = "elastic" }`` is an elastic part.
     """
 
     key: ClassVar[str] = "by-depth"

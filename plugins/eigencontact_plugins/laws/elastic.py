@@ -15,7 +15,7 @@ __all__ = ["Elastic"]
 class Elastic(BodyConstants, LinearLaw):
     """Isotropic elasticity with the constants of the body: an elastic layer or region in a body that yields.
 
-    A region of other constants than those of the body is `isotropic`.
+    Use `isotropic` for a region with other constants than those of the body.
     """
 
     key: ClassVar[str] = "elastic"

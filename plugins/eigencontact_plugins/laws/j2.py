@@ -38,18 +38,18 @@ _DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
 class J2(BodyConstants):
     """Von Mises plasticity: isotropic elasticity up to the yield stress, and plastic flow along the deviator beyond it.
 
-    The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
+    The integration is implicit (backward Euler), and stable for large increments, reversals and cycles.
 
     Parameters
     ----------
     hardening : HardeningLaw, or several
-        One that is isotropic, which gives the yield stress, and any number of back-stresses; several of
+        One isotropic hardening law for the yield stress, and any number of back-stresses; several of
         ``armstrong-frederick`` are Chaboche's law.
     damage : PlasticDamage, optional
         Loss of stiffness by plastic strain; with a length, by its mean over a neighbourhood.
     yield_on : str
-        Of a material with damage: ``"nominal"``, the stress itself, or ``"effective"``, that in the part of the
-        material that still bears, ``σ / (1 - D)``; the nominal strength falls then with damage.
+        Stress in the yield condition of a material with damage: ``"nominal"``, the stress, or ``"effective"``, the
+        stress ``σ / (1 - D)`` of the undamaged part; the nominal strength then decreases with damage.
     """
 
     key: ClassVar[str] = "j2"
@@ -92,10 +92,10 @@ class J2(BodyConstants):
             "plastic_work_density": Variable("J/m^3", "plastic work", total=("plastic_work", "J")),
         }
         for number in range(1, len(self._kinematic) + 1):
-            declared[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
+            declared[f"back_stress_{number}"] = Variable("Pa", "centre of the yield surface", 6)
         if self.damage is not None:
             declared["damage"] = Variable(
-                "1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"
+                "1", "lost fraction of the stiffness", largest="max_damage", extent="damaged_volume"
             )
         return declared
 
@@ -107,10 +107,10 @@ class J2(BodyConstants):
     @property
     def advice(self) -> str:  # type: ignore[override]
         """See `ConstitutiveLaw.advice`."""
-        ways = ["hardening that falls less steeply"]
+        remedies = ["hardening that falls less steeply"]
         if self.damage is not None and self.yield_on == "effective":
-            ways += [f"a {'larger ' if self.damage.length else ''}length in damage", 'yield-on = "nominal"']
-        return f"give it {' or '.join(ways)}"
+            remedies += [f"a {'larger ' if self.damage.length else ''}length in damage", 'yield-on = "nominal"']
+        return f"give it {' or '.join(remedies)}"
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]

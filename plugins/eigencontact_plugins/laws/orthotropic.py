@@ -27,7 +27,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Orthotropic(LinearLaw):
-    """Three planes of symmetry at right angles: laminates, rolled sheet, bone.
+    """Orthotropic elasticity, with three perpendicular planes of symmetry: laminates, rolled sheet, bone.
 
     Parameters
     ----------

@@ -16,8 +16,8 @@ __all__ = ["Rigid"]
 class Rigid(LinearLaw):
     """Rigid material: no strain except the prestrain; the surrounding body may translate and rotate it.
 
-    How the stress is distributed among rigid cells is not found as well as what they do to the body around: the steps
-    of a boundary made of cells show in it.
+    The stress inside rigid cells is less accurate than their effect on the surrounding body, because of the stepped
+    boundary of the cells.
     """
 
     key: ClassVar[str] = "rigid"

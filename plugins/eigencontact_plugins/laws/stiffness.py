@@ -23,7 +23,7 @@ __all__ = ["GivenStiffness"]
 
 @dataclass(frozen=True, kw_only=True)
 class GivenStiffness(LinearLaw):
-    """Any elasticity.
+    """Anisotropic elasticity with a given stiffness matrix.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class TransverselyIsotropic(LinearLaw):
-    """Isotropic across an axis: fibres, wood, hexagonal crystals.
+    """Transversely isotropic elasticity, isotropic in the plane normal to an axis: fibres, wood, hexagonal crystals.
 
     Parameters
     ----------

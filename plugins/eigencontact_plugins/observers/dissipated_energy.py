@@ -21,8 +21,8 @@ class DissipatedEnergy(Observer):
     Parameters
     ----------
     threshold : float
-        Cells with less than this part of the largest density do not count as worked [-], 0 or more, below 1. It
-        parts patches that only the error of the solver joins.
+        Fraction of the largest density [-], 0 or more, below 1: cells with less do not count as worked. It separates
+        patches that only the error of the solver connects.
 
     Notes
     -----

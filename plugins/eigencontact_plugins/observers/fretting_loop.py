@@ -27,11 +27,10 @@ class FrettingLoop(Observer):
 
     Notes
     -----
-    Each number is of its step alone, so that a resumed run repeats them. The loop itself, its area, its amplitudes and
-    the energy ratio of a closed cycle need the history: `eigencontact.results.cycles` reads them from stored results.
+    Each number depends only on its step, so that a resumed run repeats it. The area of the loop, its amplitudes and the
+    energy ratio of a closed cycle need the history: `eigencontact.results.cycles` computes them from stored results.
 
-    Integrated over the contact from the shear field, not copied from the solver: the load (or moment) is a check of
-    what the step prescribed.
+    The load (or moment) is the integral of the shear field over the contact, and therefore checks the prescribed value.
     """
 
     key: ClassVar[str] = "fretting-loop"

@@ -15,14 +15,14 @@ __all__ = ["PlasticZone"]
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone(Observer):
-    """Size and place of the plastic zone of a body.
+    """Size and position of the plastic zone of a body.
 
     Parameters
     ----------
     threshold : float
         Equivalent plastic strain beyond which a cell counts as plastic [-], zero or positive.
     body : {1, 2}
-        The body that is looked at.
+        Body with the plastic zone.
 
     Notes
     -----

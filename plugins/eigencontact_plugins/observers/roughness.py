@@ -15,17 +15,18 @@ __all__ = ["Roughness"]
 
 @dataclass(frozen=True, kw_only=True)
 class Roughness(Observer):
-    """Heights of the surface in a rectangle, by the displacement that eigenstrain causes.
+    """Heights of the surface in a rectangle, from the displacement by eigenstrain.
 
     Parameters
     ----------
     start, end : (float, float), optional
-        Corners (x, y) of the rectangle [m]; the whole window where they are not given.
+        Corners (x, y) of the rectangle [m]; the whole window by default.
 
     Notes
     -----
-    Of the heights of the cells, out of the body: ``mean``; about it ``sa``, the mean of the magnitudes, and ``sq``, the
-    root of the mean square; ``sz``, from the lowest to the highest. What is elastic under a load is not part of them.
+    The numbers are those of the heights of the cells, positive out of the body: ``mean``; relative to it ``sa``, the
+    mean of the magnitudes, and ``sq``, the root of the mean square; ``sz``, from the lowest to the highest. They do not
+    contain the elastic displacement by the load.
     """
 
     key: ClassVar[str] = "roughness"

@@ -19,13 +19,13 @@ _STICK = 2
 
 @dataclass(frozen=True, kw_only=True)
 class StickRadius(Observer):
-    """Size and place of the stick zone.
+    """Size and position of the stick zone.
 
     Notes
     -----
-    Counted in cells: each length is exact to about a cell, and better than that only for the radius, in which the
-    errors along the border average out. The widths are those of the rectangle around the whole zone, whatever its
-    shape and however many parts it has.
+    The observer counts cells: each length has an error of about one cell; the error of the radius is smaller, because
+    the errors along the border average out. The widths are those of the rectangle around the whole zone, for any shape
+    and number of parts.
     """
 
     key: ClassVar[str] = "stick-radius"

@@ -15,16 +15,16 @@ __all__ = ["StressProbe"]
 
 @dataclass(frozen=True, kw_only=True)
 class StressProbe(Observer):
-    """A number read off the stress, at points of a body.
+    """Scalar of the stress at points of a body.
 
     Parameters
     ----------
     points : tuple of (float, float, float)
         Points (x, y, z) [m], z into the body.
     quantity : {"von_mises", "tresca", "hydrostatic"}
-        What is read off the stress [Pa].
+        Scalar of the stress [Pa].
     body : {1, 2}
-        The body that the points lie in.
+        Body with the points.
 
     Notes
     -----

@@ -51,7 +51,7 @@ class Cuboid(InclusionShape):
     center : (float, float, float)
         Middle (x, y, z) [m].
     edges : (float, float, float)
-        Full lengths of the edges [m]: along x, y and z, or along the turned axes.
+        Full lengths of the edges [m]: along x, y and z, or along the rotated axes.
     rotation : (3, 3) or (3,), optional
         Directions of the edges: a rotation matrix whose *columns* are their unit vectors in scene axes; or three
         angles [rad] yaw, pitch, roll that turn the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then
@@ -68,9 +68,9 @@ class Cuboid(InclusionShape):
     Chi has a closed form where two faces are parallel to the surface (a yaw alone), else it is the framework's integral
     of Phi of the image.
 
-    The sum over the corners cancels at a distance, the sooner the more elongated the cuboid is; from where it would
-    lose 1e-11, the potentials are integrated in closed form along the longest edge and by Gauss sums across it (see
-    `cuboid_distant`). ``far_field`` gives the points that are cheaper further away.
+    The sum over the corners cancels at a distance, earlier for elongated cuboids. Beyond the distance with a loss of
+    1e-11, the potentials are integrated in closed form along the longest edge and by Gauss sums across it (see
+    `cuboid_distant`). ``far_field`` returns the point sources that are cheaper further away.
 
     Examples
     --------
@@ -281,8 +281,8 @@ def _evaluate(
     out[:, distant] = distant_derivatives(potential, orders, [t[distant] for t in offsets], half)
     near = ~distant
     if near.any():
-        beside = None if side is None else side[near]
-        out[:, near] = _corner_sum(potential, orders, [t[near] for t in offsets], half, beside)
+        near_side = None if side is None else side[near]
+        out[:, near] = _corner_sum(potential, orders, [t[near] for t in offsets], half, near_side)
     return out
 
 

@@ -37,7 +37,7 @@ class Cylinder(InclusionShape):
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions.
+    The shape has no potentials: the framework divides it into cuboids with volume fractions.
     """
 
     key: ClassVar[str] = "cylinder"

@@ -348,11 +348,11 @@ class Ellipsoid(InclusionShape):
         for outside, of_side in ((False, 1.0 - share), (True, share)):
             place = np.flatnonzero(of_side)
             for first in range(0, place.size, chunk or max(place.size, 1)):
-                part = place[first : first + (chunk or place.size)]
+                chunk_points = place[first : first + (chunk or place.size)]
                 yield (
-                    part,
-                    of_side[part],
-                    (points[0][part] / unit, points[1][part] / unit, points[2][part] / unit),
+                    chunk_points,
+                    of_side[chunk_points],
+                    (points[0][chunk_points] / unit, points[1][chunk_points] / unit, points[2][chunk_points] / unit),
                     outside,
                 )
 

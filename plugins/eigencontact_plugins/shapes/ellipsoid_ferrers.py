@@ -107,15 +107,15 @@ def inner_polynomials(semi_axes: FloatArray, columns: Sequence[Column], degree: 
     }
     for row, (n, order) in enumerate(columns):
         for ijk in monomials_to(n + 1):
-            left = tuple(2 * half - times for half, times in zip(ijk, order, strict=True))
-            if min(left) < 0:
+            rest_powers = tuple(2 * half - times for half, times in zip(ijk, order, strict=True))
+            if min(rest_powers) < 0:
                 continue
             factor = factorial(n) * (-1.0) ** sum(ijk) / factorial(n + 1 - sum(ijk))
             factor *= prod(
                 factorial(2 * half) / (factorial(half) * factorial(power))
-                for half, power in zip(ijk, left, strict=True)
+                for half, power in zip(ijk, rest_powers, strict=True)
             )
-            out[row, place[left[0], left[1], left[2]]] += factor * integrals[ijk]
+            out[row, place[rest_powers[0], rest_powers[1], rest_powers[2]]] += factor * integrals[ijk]
     return out
 
 

@@ -52,11 +52,11 @@ def _densities(degree: int) -> tuple[FloatArray, tuple[float, ...]]:
     for row, alpha in zip(rows, orders, strict=True):
         n = sum(alpha)
         for ijk in monomials_to(n):
-            left = tuple(2 * half - times for half, times in zip(ijk, alpha, strict=True))
-            if min(left) >= 0:
-                ways = factorial(n) // (factorial(n - sum(ijk)) * prod(map(factorial, ijk)))
-                factor = prod(factorial(2 * half) // factorial(power) for half, power in zip(ijk, left, strict=True))
-                row[place[left[0], left[1], left[2]]] = (-1) ** sum(ijk) * ways * factor
+            powers = tuple(2 * half - times for half, times in zip(ijk, alpha, strict=True))
+            if min(powers) >= 0:
+                multiplicity = factorial(n) // (factorial(n - sum(ijk)) * prod(map(factorial, ijk)))
+                factor = prod(factorial(2 * half) // factorial(power) for half, power in zip(ijk, powers, strict=True))
+                row[place[powers[0], powers[1], powers[2]]] = (-1) ** sum(ijk) * multiplicity * factor
     gram = np.array([[_mean(first, second) for second in orders] for first in orders])
     scales = [(-1.0) ** sum(alpha) / sqrt(row @ gram @ row) for row, alpha in zip(rows, orders, strict=True)]
     return np.array(scales)[:, None] * rows, tuple(scales)
@@ -196,12 +196,14 @@ def weighted_sums(
     def chunks() -> Iterator[tuple[slice, list[FloatArray | float], FloatArray]]:
         """Points, their coordinates and 1, and the derivatives of V_n, or inside the monomials, there."""
         for first in range(0, points[0].size, CHUNK):
-            part = slice(first, first + CHUNK)
-            here = points[0][part], points[1][part], points[2][part]
+            span = slice(first, first + CHUNK)
+            coordinates = points[0][span], points[1][span], points[2][span]
             values = (
-                outer_derivatives(semi_axes, terms.columns, here) if outside else monomial_values(terms.degree, here)
+                outer_derivatives(semi_axes, terms.columns, coordinates)
+                if outside
+                else monomial_values(terms.degree, coordinates)
             )
-            yield part, [*here, 1.0], values
+            yield span, [*coordinates, 1.0], values
 
     if tests is not None and weights is not None:
         count = len(terms.columns) if terms.inner is None else terms.inner.shape[1]

@@ -181,9 +181,9 @@ def potential_derivatives(
         terms = [_without_short(potential, order, int(np.argmin(semi_axes))) for order in orders]
     derivatives = {(name, order) for row in terms for name, order, _ in row}
     closed = {"phi": 2, "psi": 3}
-    left = max((sum(order) - closed[name] for name, order in derivatives), default=0)
+    most_orders = max((sum(order) - closed[name] for name, order in derivatives), default=0)
     x, y, z = points
-    region = Region(semi_axes, (x, y, z), max(0, left), outside=outside)
+    region = Region(semi_axes, (x, y, z), max(0, most_orders), outside=outside)
     jets: dict[tuple[str, tuple[int, ...]], Jet] = {}
     values: dict[tuple[str, Order], FloatArray] = {}
     for name, order in derivatives:
@@ -222,13 +222,13 @@ def _without_short(potential: str, order: Order, short: int) -> tuple[tuple[str,
 @cache
 def _split(order: Order, closed: int) -> tuple[tuple[int, ...], Order]:
     """Axes of the closed derivatives, different ones first (they have the fewest terms), and the remaining axes."""
-    left: list[int] = list(order)
+    remaining: list[int] = list(order)
     axes: list[int] = []
     while len(axes) < min(closed, sum(order)):
-        axis = min((a for a in range(3) if left[a]), key=lambda a: (axes.count(a), a))
-        left[axis] -= 1
+        axis = min((a for a in range(3) if remaining[a]), key=lambda a: (axes.count(a), a))
+        remaining[axis] -= 1
         axes.append(axis)
-    return tuple(sorted(axes)), (left[0], left[1], left[2])
+    return tuple(sorted(axes)), (remaining[0], remaining[1], remaining[2])
 
 
 def ellipsoidal_level(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> FloatArray:

@@ -51,8 +51,8 @@ class Layer(InclusionShape):
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions. With cells whose faces lie in those
-    of a layer of uniform thickness that is exact; else use `cuboid`, the same region with potentials.
+    The shape has no potentials: the framework divides it into cuboids with volume fractions. This is exact for a layer
+    of uniform thickness whose faces coincide with faces of cells; else use `cuboid`, the same region with potentials.
     """
 
     key: ClassVar[str] = "layer"

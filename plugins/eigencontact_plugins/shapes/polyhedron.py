@@ -52,14 +52,14 @@ class Polyhedron(InclusionShape):
         Matrix whose columns are the directions of the mesh's axes in the scene, or three angles [rad] yaw, pitch, roll:
         ``Rz(yaw) Ry(pitch) Rx(roll)``.
     offset : (float, float, float)
-        Where the origin of the mesh lies (x, y, z) [m], after scaling and turning.
+        Position of the origin of the mesh (x, y, z) [m], after scaling and rotation.
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions, which are exact unless parts of the
-    body overlap. A point is inside where the surface
-    winds around it, counted along a ray; the few points whose ray meets an edge or a corner take the solid angle of the
-    whole surface instead, which needs no ray.
+    The shape has no potentials: the framework divides it into cuboids with volume fractions, which are exact unless
+    parts of the body overlap. A point is inside if the winding number of the surface around it, counted along a ray, is
+    not zero. For the few points whose ray meets an edge or a corner, the solid angle of the whole surface determines
+    it.
     """
 
     key: ClassVar[str] = "polyhedron"

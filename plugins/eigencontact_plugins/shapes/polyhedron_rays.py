@@ -70,9 +70,9 @@ class Bins:
         low, high = sides.min(axis=1), sides.max(axis=1)
         up, down = low > ROUNDING, high < -ROUNDING
         doubt[point[~up & ~down & ((low > -ROUNDING) | (high < ROUNDING))]] = True
-        met = np.flatnonzero(up | down)
-        height = np.einsum("ni,ni->n", sides[met], z[met]) / sides[met].sum(axis=1)
-        ahead = met[height > 0]
+        crossing = np.flatnonzero(up | down)
+        height = np.einsum("ni,ni->n", sides[crossing], z[crossing]) / sides[crossing].sum(axis=1)
+        ahead = crossing[height > 0]
         np.add.at(winding, point[ahead], np.where(up[ahead], 1, -1))
 
 

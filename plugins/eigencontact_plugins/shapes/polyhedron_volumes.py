@@ -91,9 +91,9 @@ def _clipped(polygons: FloatArray, axis: int, plane: FloatArray, side: float) ->
     following, above_next = np.roll(polygons, -1, axis=1), np.roll(above, -1, axis=1)
     crossing = above * above_next < 0
     share = np.where(crossing, above, 0.0) / np.where(crossing, above - above_next, 1.0)
-    met = polygons + share[:, :, None] * (following - polygons)
+    intersection = polygons + share[:, :, None] * (following - polygons)
     count, size, _ = polygons.shape
-    vertices = np.stack([polygons, met], axis=2).reshape(count, 2 * size, 3)
+    vertices = np.stack([polygons, intersection], axis=2).reshape(count, 2 * size, 3)
     valid = np.stack([above >= 0, crossing], axis=2).reshape(count, 2 * size)
     number = valid.sum(axis=1)
     polygon = np.flatnonzero(number >= 3)

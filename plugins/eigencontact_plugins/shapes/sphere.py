@@ -145,8 +145,8 @@ class SphericalInclusion(InclusionShape):
     ) -> FloatArray:
         """See `HasMomentPotentials`."""
         n = (degree + 1) * (degree + 2) * (degree + 3) // 6
-        each = np.eye(n * len(orders)).reshape(-1, n, len(orders))
-        sums = self.moment_sums(degree, {"phi": (orders, each)}, x, y, z, image=False)
+        unit_weights = np.eye(n * len(orders)).reshape(-1, n, len(orders))
+        sums = self.moment_sums(degree, {"phi": (orders, unit_weights)}, x, y, z, image=False)
         return sums.reshape(n, len(orders), *np.shape(x))
 
     def moment_sums(
@@ -169,11 +169,11 @@ class SphericalInclusion(InclusionShape):
         w = np.ravel((z - cz) / a)
         share = self._inside(np.sqrt(u * u + v * v + w * w), np.ravel(z))
         out = np.zeros((count, u.size))
-        for where, part in (("outer", 1.0 - share), ("inner", share)):
-            at = np.flatnonzero(part)
+        for where, weight in (("outer", 1.0 - share), ("inner", share)):
+            at = np.flatnonzero(weight)
             if at.size:
                 sums = sphere_moments.moment_sums(degree, where, weights, a, (u[at], v[at], w[at]))
-                out[:, at] += part[at] * sums
+                out[:, at] += weight[at] * sums
         return out.reshape(count, *shape)
 
     def moment_integrals(
@@ -195,10 +195,10 @@ class SphericalInclusion(InclusionShape):
         w = (z - cz) / a
         share = self._inside(np.sqrt(u * u + v * v + w * w), z)
         total: FloatArray | float = 0.0
-        for where, part in (("outer", 1.0 - share), ("inner", share)):
-            at = np.flatnonzero(part)
+        for where, weight in (("outer", 1.0 - share), ("inner", share)):
+            at = np.flatnonzero(weight)
             if at.size:
-                parts = tests[:, at] * part[at]
+                parts = tests[:, at] * weight[at]
                 total = total + sphere_moments.moment_sums(degree, where, weights, a, (u[at], v[at], w[at]), parts)
         return np.asarray(total)
 

@@ -51,7 +51,7 @@ def _densities(degree: int) -> tuple[tuple[int, int, int, bool, float], ...]:
             low = total - 2 * k
             for m in range(low + 1):
                 scale = sqrt((2 * low + 1) * factorial(low - m) * factorial(low + m) * (2 if m else 1))
-                densities += [(k, low, m, part, scale) for part in (False, True)[: 2 if m else 1]]
+                densities += [(k, low, m, imaginary, scale) for imaginary in (False, True)[: 2 if m else 1]]
     return tuple(densities)
 
 
@@ -150,11 +150,11 @@ def moment_sums(
     if tests is not None:
         products = np.zeros((2 * len(functions.half), len(tests)))
         for first in range(0, x.size, _CHUNK):
-            part = slice(first, first + _CHUNK)
-            products += functions.values(x[part], y[part], z[part]) @ tests[:, part].T
+            span = slice(first, first + _CHUNK)
+            products += functions.values(x[span], y[span], z[span]) @ tests[:, span].T
         return np.asarray(total @ products)
     out = np.empty((len(np.atleast_2d(total)), x.size))
     for first in range(0, x.size, _CHUNK):
-        part = slice(first, first + _CHUNK)
-        out[:, part] = total @ functions.values(x[part], y[part], z[part])
+        span = slice(first, first + _CHUNK)
+        out[:, span] = total @ functions.values(x[span], y[span], z[span])
     return out.reshape(len(out), *np.shape(points[0]))

@@ -28,7 +28,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class VoxelShape(InclusionShape):
-    """Region of the voxels that bear one number in an array of whole numbers, as of a segmented image.
+    """Region of the voxels with one number in an array of whole numbers, such as a segmented image.
 
     Parameters
     ----------
@@ -39,12 +39,12 @@ class VoxelShape(InclusionShape):
     origin : (float, float, float)
         Corner of lowest x, y and z of the first voxel [m].
     value : int
-        Number of the voxels that make up the region.
+        Number of the voxels in the region.
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cells. With cells whose faces lie in those of voxels that is exact;
-    other cells take the share of them that the voxels fill.
+    The shape has no potentials: the framework divides it into cells. This is exact if faces of cells and voxels
+    coincide; other cells have volume fractions.
     """
 
     key: ClassVar[str] = "voxels"

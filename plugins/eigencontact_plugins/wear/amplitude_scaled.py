@@ -16,8 +16,8 @@ __all__ = ["AmplitudeScaled"]
 class AmplitudeScaled(WearLaw):
     """Depth ``c s E`` from the work of friction E per area of a cycle and the local slip amplitude s of the cycle.
 
-    The amplitude is that of the whole cycle, a quarter of the path slipped in it: the depth does not depend on the
-    number of increments. With the slip of single increments in its place it would.
+    The amplitude is that of the whole cycle, a quarter of its slip distance, so that the depth does not depend on the
+    number of increments.
 
     Parameters
     ----------

@@ -14,12 +14,12 @@ __all__ = ["Archard"]
 
 @dataclass(frozen=True, kw_only=True)
 class Archard(WearLaw):
-    """Depth ``(K / H) p s`` by a pressure p over a path s; no friction is needed.
+    """Depth ``(K / H) p s`` by a pressure p over a slip distance s; works without friction.
 
     Parameters
     ----------
     coefficient : float
-        K: a number where a hardness is given, else K / H [1/Pa], as ``"1e-13 m^3/(N m)"``.
+        K, a number, if there is a hardness; else K / H [1/Pa], as ``"1e-13 m^3/(N m)"``.
     hardness : float, optional
         H [Pa].
     """

@@ -16,7 +16,7 @@ __all__ = ["ByMaterial"]
 class ByMaterial(WearLaw):
     """Wear law by exposed material: each column wears by the law of its material.
 
-    Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
+    The names of materials are the ``name`` of inclusions and layers in the scene; all other material is ``substrate``.
 
     Parameters
     ----------

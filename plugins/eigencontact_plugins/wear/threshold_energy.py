@@ -22,7 +22,7 @@ class ThresholdEnergy(WearLaw):
     coefficient : float
         Worn volume by work of friction beyond the threshold [m³/J].
     threshold : float
-        Work of friction by area that a place takes before it wears [J/m²].
+        Work of friction per area at a point before wear begins [J/m²].
     """
 
     key: ClassVar[str] = "threshold-energy"

@@ -28,7 +28,7 @@ _FORCES = ("normal_load", "moment_x", "moment_y", "tangential_load_x", "tangenti
 #: Of contacts whose displacements are joined, and of contacts over interiors.
 COUPLING_RESIDUAL = Number(
     name="coupling_residual", unit="1",
-    meaning="last change of the displacement that joins what is solved in turn, relative", role="certificate",
+    meaning="last relative change of the displacement in the coupled iteration", role="certificate",
 )  # fmt: skip
 
 

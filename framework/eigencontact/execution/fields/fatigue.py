@@ -90,7 +90,7 @@ def damage_of(
         "damage": float(value[hot]),
         "utilisation": float(value[hot] / criterion.limit),
         "place": [float(at) for at in region.places[:, hot]],
-        "normal": None if normal is None else [float(part) for part in normal[hot]],
+        "normal": None if normal is None else [float(component) for component in normal[hot]],
         "references": list(criterion.references),
         "warnings": [caution.to_dict() for caution in cautions],
         "distance": settings.distance,
@@ -119,9 +119,9 @@ def _in_parts(criterion: FatigueCriterion, cycle: StressCycle, threads: int) -> 
     answers: dict[int, DamageParameter] = {}
 
     def ask(start: int) -> None:
-        part = slice(start, start + _PART)
-        strain = None if cycle.strain is None else cycle.strain[..., part]
-        answers[start] = checked_damage(criterion, StressCycle(stress=cycle.stress[..., part], strain=strain))
+        chunk = slice(start, start + _PART)
+        strain = None if cycle.strain is None else cycle.strain[..., chunk]
+        answers[start] = checked_damage(criterion, StressCycle(stress=cycle.stress[..., chunk], strain=strain))
 
     in_parallel(threads, [partial(ask, start) for start in starts])
     normals = [normal for start in starts if (normal := answers[start].normal) is not None]

@@ -126,7 +126,7 @@ class MaterialPoints:
         stiffness = _stiffness(source, self._half_space.material)
         if stiffness is None:
             return None
-        place = tuple(slice(max(part.start - 1, 0), part.stop + 1) for part in self._places[number])
+        place = tuple(slice(max(span.start - 1, 0), span.stop + 1) for span in self._places[number])
         share = np.where(self._number[place] == number, self._share[place], 0.0)
         ratio = stiffness @ compliance(self._half_space.material)
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
@@ -266,7 +266,7 @@ def _middles_in(subsurface: Subsurface, cells: Cells, place: Place) -> RegionLat
     """Centres of a part of the cells as points of a region."""
     k, j, i = place
     row, column = (at - _ROOM for at in subsurface.box.lattice.first[1:])
-    x, y, z = (cells.centres(axis)[part] for axis, part in enumerate((i, j, k)))
+    x, y, z = (cells.centres(axis)[span] for axis, span in enumerate((i, j, k)))
     return RegionLattice(
         target=(y.size, x.size), origin=(float(row + j.start), float(column + i.start)), x=x, y=y, depths=z
     )  # fmt: skip

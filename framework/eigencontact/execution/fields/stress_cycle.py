@@ -124,8 +124,8 @@ def cycle_of_region(
         strains = np.stack([_field(parts[part], f"{name}_strain", step) for part, step in rows])
     elif strain:
         body = tomllib.loads(str(dataset.attrs["scene"])).get(f"body{described['body']}", {})
-        beside = [item for item in ("inclusions", "layers") if item in dataset.attrs]
-        strains = elastic_strain(stress, *elastic_constants(body, beside, name))
+        materials = [item for item in ("inclusions", "layers") if item in dataset.attrs]
+        strains = elastic_strain(stress, *elastic_constants(body, materials, name))
     return CycleOfRegion(
         region=name,
         body=int(described["body"]),

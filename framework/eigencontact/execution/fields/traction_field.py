@@ -154,8 +154,8 @@ class TractionField(Cause):
         depths = self._lattice.depths if self._lattice.points is None else self._lattice.points[:, 2]
         strain = np.empty_like(stress)
         for depth in np.unique(depths):
-            there = depths == depth
-            strain[:, there] = _hooke(stress[:, there], self._body.material_at(float(depth) + 0.0))
+            at_depth = depths == depth
+            strain[:, at_depth] = _hooke(stress[:, at_depth], self._body.material_at(float(depth) + 0.0))
         return strain
 
     def _at_points(self, quantity: str, tractions: list[FloatArray]) -> FloatArray:

@@ -64,10 +64,10 @@ def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, point
             continue
         share = share_of(sources, name - 1, grid)
         place = place_in(box, source.lattice)
-        there, whole = share > _LEAST, share > 1.0 - _LEAST
+        occupied, whole = share > _LEAST, share > 1.0 - _LEAST
         single_material = (whole | (number[place] == 0)) & (source.uniform_law is not None)
-        number[place] = np.where(there, np.where(single_material, name, -1), number[place])
-        filled[place] = np.where(there, np.where(whole, 1.0, share), filled[place])
+        number[place] = np.where(occupied, np.where(single_material, name, -1), number[place])
+        filled[place] = np.where(occupied, np.where(whole, 1.0, share), filled[place])
     return Content(number, filled)
 
 

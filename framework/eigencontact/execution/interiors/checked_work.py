@@ -57,7 +57,7 @@ class CheckedWork:
 
     def _check(self, time: float) -> None:
         self._checked = True
-        system, nothing = self._system, np.zeros_like(self.present)
+        system, zero_field = self._system, np.zeros_like(self.present)
         amplitudes = system.solve(self.present).amplitudes
         for factor in _FACTORS[1:]:
             before = amplitudes
@@ -65,15 +65,15 @@ class CheckedWork:
             self._field = self._made()
             self.present = self._at(time)
             amplitudes = system.solve(self.present, start=before).amplitudes
-            largest = system.difference(amplitudes, nothing).max()
+            largest = system.difference(amplitudes, zero_field).max()
             self.error = float(system.difference(amplitudes, before).max() / largest) if largest else 0.0
             if self.error <= _ACCEPTED:
                 break
 
     def _made(self) -> PrescribedField:
-        none = np.empty(0)
+        empty = np.empty(0)
         points = RegionLattice(
-            target=(0, 0), origin=(0.0, 0.0), x=none, y=none, depths=none, points=self._system.points.T.copy()
+            target=(0, 0), origin=(0.0, 0.0), x=empty, y=empty, depths=empty, points=self._system.points.T.copy()
         )
         return self._subsurface.prescribed_field("stress", points)
 

@@ -96,11 +96,12 @@ def moved_state(
                     raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {got})")
                 cells.ravel()[places] = True
         total = float(np.abs(values).sum())
-        lost = float(np.abs(values[:, ~cells]).sum())
-        if lost > _LOST * total:
+        omitted = float(np.abs(values[:, ~cells]).sum())
+        if omitted > _LOST * total:
             raise SceneError(
-                f"{plain!r} of {state.where} must lie where a law remembers it (got {100 * lost / total:.2g} % of it "
-                f"elsewhere); give the body the law of the earlier run, {state.where.split('.')[0]}.law"
+                f"{plain!r} of {state.where} must lie where a law remembers it "
+                f"(got {100 * omitted / total:.2g} % of it elsewhere); "
+                f"give the body the law of the earlier run, {state.where.split('.')[0]}.law"
             )
         moved[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
     return moved

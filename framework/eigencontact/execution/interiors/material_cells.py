@@ -152,10 +152,12 @@ class MaterialCells:
         names = np.stack([self.index, self.beside]).reshape(2, -1)
         for first, second in np.unique(names[:, self.cut.ravel()], axis=1).T:
             cut_by_pair = self.cut.ravel() & (names[0] == first) & (names[1] == second)
-            for (one, here), (other, there) in product(*(self._laws_at(number, places) for number in (first, second))):
-                cells = np.flatnonzero(cut_by_pair & here & there)
+            for (first_law, first_cells), (second_law, second_cells) in product(
+                *(self._laws_at(number, places) for number in (first, second))
+            ):
+                cells = np.flatnonzero(cut_by_pair & first_cells & second_cells)
                 if cells.size:
-                    yield one, other, cells
+                    yield first_law, second_law, cells
 
     def _laws_at(
         self, number: int, places: tuple[FloatArray, FloatArray, FloatArray]
@@ -255,8 +257,8 @@ class MaterialCells:
     def difference(self, cells: IntArray, time: float) -> FloatArray:
         """Prestrain of the first material less that of the second ``(6, n)``, in cut cells of one pair of laws."""
         share, out = self.fraction.ravel()[cells], np.zeros((6, cells.size))
-        for names, part in ((self.index, share), (self.beside, share - 1.0)):
-            out += self.prestrain(time, int(names.ravel()[cells[0]])).reshape(6, -1)[:, cells] / part
+        for names, weight in ((self.index, share), (self.beside, share - 1.0)):
+            out += self.prestrain(time, int(names.ravel()[cells[0]])).reshape(6, -1)[:, cells] / weight
         return out
 
 

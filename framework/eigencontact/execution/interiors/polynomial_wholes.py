@@ -139,8 +139,8 @@ class PolynomialWholes(Responding):
         """See `Interior.begin`."""
         super().begin(increment, last)
         if self._stored not in last:
-            nothing = np.zeros(self._system.size)
-            self.eigenstrain = self._system.eigenstrain(nothing, self._prestrain)
+            zero = np.zeros(self._system.size)
+            self.eigenstrain = self._system.eigenstrain(zero, self._prestrain)
         self._amplitudes = self._system.amplitudes_of(self.eigenstrain, self._prestrain)
         self._load = np.zeros(self._system.size)
         self._below: tuple[FloatArray, FloatArray] | None = None
@@ -236,9 +236,9 @@ class PolynomialWholes(Responding):
         """See `Interior.normal_displacement_by_less`."""
         if self._table is None or not (self.estimates_degree and self._amplitudes.any()):
             return 0.0, ()
-        nothing = np.zeros_like(self._prestrain)
+        zero_prestrain = np.zeros_like(self._prestrain)
         changes = [
-            self._table.displacement(below - self._amplitudes, nothing)[0] * side(self.body, "z")
+            self._table.displacement(below - self._amplitudes, zero_prestrain)[0] * side(self.body, "z")
             for below in self._lower()
         ]
         return max(float(self._beyond.max()), 1.0), changes

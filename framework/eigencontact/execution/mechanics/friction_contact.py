@@ -99,7 +99,7 @@ FRICTION_NUMBERS = (
     ),
     COUPLING_RESIDUAL,
     Number(
-        name="coupling_rounds", unit="1", meaning="normal and tangential solves until they agreed", role="effort",
+        name="coupling_rounds", unit="1", meaning="iterations of normal and tangential contact", role="effort",
         over="sum",
     ),
     Number(

@@ -42,7 +42,7 @@ __all__ = ["Mechanics", "RunningMechanics", "mechanics_of"]
 _OF_CONTACT = (
     Number(
         name="substeps", unit="1", role="effort", over="sum",
-        meaning="increments that the step was cut into, to converge or for the accuracy asked for",
+        meaning="number of increments of the step after halving, for convergence or a prescribed accuracy",
     ),
     Number(name="solve_seconds", unit="s", meaning="wall time of the solver", role="effort", over="sum"),
 )  # fmt: skip
@@ -59,7 +59,7 @@ _OF_INTERIORS = (
 _OF_COUPLING = (
     COUPLING_RESIDUAL,
     Number(
-        name="coupling_iterations", unit="1", meaning="rounds of contact and inhomogeneities until they agreed",
+        name="coupling_iterations", unit="1", meaning="coupled iterations of contact and inhomogeneities",
         role="effort", over="sum",
     ),
 )  # fmt: skip
@@ -78,7 +78,7 @@ _OF_LAWS = (
 )
 _PLASTIC_ERROR = Number(
     name="plastic_error", unit="1", role="error",
-    meaning="estimated error of the strain of cells that flow, by halving, in parts of the load's",
+    meaning="estimated error of the strain of yielding cells by halving, relative to the strain of the load",
 )  # fmt: skip
 
 #: Times that a load step may be halved.

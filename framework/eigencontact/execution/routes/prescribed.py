@@ -37,9 +37,9 @@ class PrescribedField:
     ) -> None:
         self.quantity, self._rows = quantity, rows
         self._shape = (len(rows) if rows is not None else 3 if quantity == "displacement" else 6, *lattice.shape)
-        still, moving = ([s for s in sources if bool(s.field.varies) is varies] for varies in (False, True))
+        steady, moving = ([s for s in sources if bool(s.field.varies) is varies] for varies in (False, True))
         find = partial(_terms, half_space, quantity=quantity, lattice=lattice, rows=rows)
-        self._still, self._moving = find(still), find(moving)
+        self._still, self._moving = find(steady), find(moving)
         #: Price of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._regions = [region for term in (*self._still, *self._moving) for region in term.regions()]

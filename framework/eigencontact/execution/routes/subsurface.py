@@ -90,8 +90,8 @@ class Subsurface:
         balls = tuple(source for source in members if source.whole)
         if not balls or len(balls) == len(members):
             return whole
-        left = tuple(ground_of(source, half_space.material) if source.whole else source for source in members)
-        return replace(whole, inhomogeneities=left, wholes=replace(whole, inhomogeneities=balls, beside=True))
+        ground = tuple(ground_of(source, half_space.material) if source.whole else source for source in members)
+        return replace(whole, inhomogeneities=ground, wholes=replace(whole, inhomogeneities=balls, beside=True))
 
     @property
     def body(self) -> int:

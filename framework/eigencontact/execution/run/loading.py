@@ -99,9 +99,9 @@ class LoadHistory:
             cycle = ramps[segment.first : segment.first + segment.ramps]
             if segment.repeat > 1:
                 twice = [*ramps[: segment.first], *cycle, *cycle]
-                held, places = held_steps(twice) if friction else twice, held_travel(twice)
-                ends = _ends_of_increments(growth, held, {place + len(cycle) for place in graded[1]})
-                again = list(zip(held, places, ends, held_bulk(twice, bulk), strict=True))[-len(cycle) :]
+                held_ramps, places = held_steps(twice) if friction else twice, held_travel(twice)
+                ends = _ends_of_increments(growth, held_ramps, {place + len(cycle) for place in graded[1]})
+                again = list(zip(held_ramps, places, ends, held_bulk(twice, bulk), strict=True))[-len(cycle) :]
                 self._again |= dict(enumerate(again, segment.first))
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:

@@ -30,41 +30,42 @@ __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 #: Scalars of surfaces that wear.
 _NUMBERS = (
     Number(
-        name="worn_volume", unit="m3", meaning="volume that both bodies have lost", headline=True,
+        name="worn_volume", unit="m3", meaning="worn volume of both bodies", headline=True,
         in_line="worn area",
     ),
     Number(
-        name="max_worn_depth", unit="m", meaning="largest depth that both bodies together have lost", headline=True
+        name="max_worn_depth", unit="m", meaning="largest worn depth of both bodies together", headline=True
     ),
-    Number(name="cycles", unit="1", meaning="cycles done, those between solved ones included", headline=True),
-    Number(name="jump_cycles", unit="1", meaning="cycles that the last solved one stands for", role="effort"),
+    Number(name="cycles", unit="1", meaning="number of cycles, with the skipped ones", headline=True),
+    Number(name="jump_cycles", unit="1", meaning="cycles that the last solved cycle represents", role="effort"),
     Number(
-        name="wear_energy", unit="J", meaning="work of friction that wore, that of cycles between solved ones included",
+        name="wear_energy", unit="J", meaning="work of friction of all cycles, with the skipped ones",
         headline=True, replaces="dissipated_energy",
     ),
     Number(
         name="wear_error", unit="1", role="error", estimates="worn_volume",
-        meaning="estimated error of the worn volume by jumps over cycles and by one update a cycle, relative",
+        meaning="estimated relative error of the worn volume by skipped cycles and by one update per cycle",
     ),
     Number(
         name="update_error", unit="1", role="error",
-        meaning="share of one update a cycle in the error of the worn volume; negative where too little is lost",
+        meaning="relative error of the worn volume by one update per cycle; negative if the volume is too small",
     ),
 )  # fmt: skip
 _LAG = Number(
     name="wear_lag", unit="1", role="error",
-    meaning="pressure of the step less that by which it slid to it, summed over the cells, relative",
+    meaning="relative difference of the final pressure and the pressure of the wear by sliding, summed over the cells",
 )  # fmt: skip
 _BALANCE = Number(
-    name="energy_volume_residual", unit="1", meaning="worn volume less that by the work of friction, relative",
+    name="energy_volume_residual", unit="1",
+    meaning="relative difference of the worn volume and the volume by the work of friction",
     role="certificate",
 )  # fmt: skip
 _LAYER_ERROR = Number(
     name="layer_error", unit="1", role="error",
-    meaning="largest difference of the answers of the most and the least worn column, relative",
+    meaning="largest relative difference of the responses of the most and the least worn column",
 )  # fmt: skip
 _LAYERS_LOST = tuple(
-    Number(name=f"layer_lost_{body}", unit="m", meaning=f"depth that the kernels take off the layers of body {body}")
+    Number(name=f"layer_lost_{body}", unit="m", meaning=f"worn depth of the layers of body {body} in the kernels")
     for body in (1, 2)
 )
 

@@ -124,12 +124,12 @@ def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
         rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear
         if worn is None or rises:
             continue
-        lost, depth = float(worn.max()), source.shape.bounds[1][2]
-        if lost > _STAYS * depth:
+        worn_depth, depth = float(worn.max()), source.shape.bounds[1][2]
+        if worn_depth > _STAYS * depth:
             words = (
-                f"body {source.body} has a worn depth of up to {readable(lost, 'm')}, but {source.name!r}, which "
+                f"body {source.body} has a worn depth of up to {readable(worn_depth, 'm')}, but {source.name!r}, which "
                 f"extends to {readable(depth, 'm')}, keeps its depth: eigenstrain, whole inclusions and the state of "
                 "laws do not move with the worn surface"
             )
-            yield Caution("worn-regions", words, lost / depth)
+            yield Caution("worn-regions", words, worn_depth / depth)
             return

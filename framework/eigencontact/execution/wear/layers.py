@@ -103,8 +103,8 @@ class WornLayers:
     def begin(self, step: Step, state: WornState) -> None:
         """Kernels of the last step, or for its worn surfaces if they have changed since."""
         last = step.previous
-        lost = {body: 0.0 if last is None else last.scalars[f"layer_lost_{body}"] for body in self._media}
-        self._use(lost)
+        worn_depths = {body: 0.0 if last is None else last.scalars[f"layer_lost_{body}"] for body in self._media}
+        self._use(worn_depths)
         if last is not None:
             self.follow(state, last.fields["pressure"])
 
@@ -154,7 +154,7 @@ class WornLayers:
         """Largest relative change of the surface displacement by waves of pressure and shear."""
         if losses == new_losses:
             return 0.0
-        k, still = self._waves, np.zeros_like(self._waves)
+        k, zero = self._waves, np.zeros_like(self._waves)
         worst = 0.0
         for name, along in (("p", "z"), ("q_x", "x")):
             if name in self._interface.influences:
@@ -162,7 +162,7 @@ class WornLayers:
                     PairCoefficients(
                         self._interface.influences[name], self._thinned(depths), along, self._interface.datum
                     )
-                    .response(k, still)
+                    .response(k, zero)
                     .real
                     for depths in (losses, new_losses)
                 )

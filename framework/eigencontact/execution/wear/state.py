@@ -17,21 +17,21 @@ __all__ = ["WornState", "recalled", "store", "updated"]
 
 #: Digits after the point of a number of cells: a whole number of them smears nothing.
 _DIGITS = 9
-#: What is remembered: unit and meaning.
+#: Stored state of wear: unit and meaning.
 _REMEMBERED = {
-    "update": ("m", "depth that the step took off in its end, after its pressure was found"),
-    "total_energy": ("J/m2", "work of friction so far, that of skipped cycles included"),
-    "depth_2": ("m", "depth that body 2 has lost, in coordinates that move with it"),
+    "update": ("m", "worn depth added at the end of the step, after its pressure was computed"),
+    "total_energy": ("J/m2", "work of friction per area so far, with skipped cycles"),
+    "depth_2": ("m", "worn depth of body 2, in coordinates of body 2"),
     "start_depth": ("m", "worn depth at the start of the cycle"),
-    "start_depth_2": ("m", "depth that body 2 had lost at the start of the cycle, in coordinates that move with it"),
-    "start_energy": ("J/m2", "work of friction at the start of the cycle, that of skipped cycles included"),
-    "start_slip": ("m", "path slipped at the start of the cycle"),
+    "start_depth_2": ("m", "worn depth of body 2 at the start of the cycle, in coordinates of body 2"),
+    "start_energy": ("J/m2", "work of friction per area at the start of the cycle, with skipped cycles"),
+    "start_slip": ("m", "slip distance at the start of the cycle"),
     "start_dissipated": ("J/m2", "work of friction of solved increments at the start of the cycle"),
     "peak_pressure": ("Pa", "largest pressure in the cycle so far"),
-    "rate": ("m/Pa", "depth that the last solved cycle wore, by pressure"),
-    "steady": ("m", "depth that the last solved cycle wore whatever the pressure"),
-    "steady_2": ("m", "depth that the last solved cycle wore off body 2, in coordinates that move with it"),
-    "slope": ("m/Pa", "change of the depth by pressure from cycle to cycle"),
+    "rate": ("m/Pa", "worn depth of the last solved cycle per pressure"),
+    "steady": ("m", "worn depth of the last solved cycle, independent of the pressure"),
+    "steady_2": ("m", "worn depth of the last solved cycle on body 2, in coordinates of body 2"),
+    "slope": ("m/Pa", "change of the worn depth per pressure from cycle to cycle"),
     "cycle_energy": ("J/m2", "work of friction of the last solved cycle"),
 }
 
@@ -152,7 +152,7 @@ def recalled(
 def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) -> None:
     """Store fields, numbers and state in a step; `travels` if body 2 moves."""
     total, area = state.total, grid.cell_area
-    lost = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
+    body2_depth = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
     step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}
     volume = float(total.sum()) * area
     step.scalars |= {
@@ -165,7 +165,7 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
         "update_error": state.lag / volume if volume > 0 else 0.0,
     }
     coords = {"y": grid.y, "x": grid.x}
-    for name, values in {"total_energy": state.energy, **lost, **state.memory}.items():
+    for name, values in {"total_energy": state.energy, **body2_depth, **state.memory}.items():
         if name == "steady" and not values.any():  # as where a contact stays as large as it is
             continue
         unit, meaning = _REMEMBERED[name]

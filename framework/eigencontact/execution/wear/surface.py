@@ -193,8 +193,8 @@ class WornSurface:
         """Wear by cycles with the wear of the last one at any pressure; each body in its own coordinates."""
         state, memory = self._state, self._state.memory
         second = memory.get("steady_2", 0.0)
-        each = {1: memory["steady"] - second, 2: second}
-        state.depth = {body: depth + cycles * each[body] for body, depth in state.depth.items()}
+        depth_of = {1: memory["steady"] - second, 2: second}
+        state.depth = {body: depth + cycles * depth_of[body] for body, depth in state.depth.items()}
         state.energy = state.energy + cycles * memory["cycle_energy"]
         state.cycles += cycles
 
@@ -214,8 +214,8 @@ class WornSurface:
                 pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **self._exposed_facts
             )
             shear = checked_shear_bound(self._friction, state)
-        slip, still = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
-        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
+        slip, zero = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
+        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, zero, shear * slip))
         if halvings and self._overshoot(rate.depth(pressure)) > self._opening:
             for _ in range(2):
                 self._slide(step, 0.5 * distance, halvings - 1)
