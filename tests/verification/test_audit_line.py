@@ -177,6 +177,7 @@ def test_damage_agrees_with_the_elements(tmp_path):
     ("tables", "reason"),
     [
         ({"friction": {"type": "shear-cap", "coefficient": MU, "cap": 1.0}}, "no friction"),
+        ({"friction": None, "steps": [{"normal-load": P, "travel-x": 0.1}]}, "travels"),
         ({"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}}, "slides"),
     ],
 )

@@ -42,7 +42,8 @@ def main(
     ] = False,
     full: Annotated[bool, typer.Option("--full", help="Finer meshes.")] = False,
     contact: Annotated[
-        bool, typer.Option("--contact", help="Solve whole contacts of revolution in place of the audit.")
+        bool,
+        typer.Option("--contact", help="Solve whole contacts in place of the audit."),
     ] = False,
     coarser: Annotated[
         Path | None,

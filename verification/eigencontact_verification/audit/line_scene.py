@@ -133,6 +133,8 @@ def read_line(path: str | Path) -> StoredLine:
         remote = {str(name) for name in data.variables if "bulk_stress_" in str(name)}
         if any(np.any(data[name].values) for name in remote if not name.endswith("_xx")):
             raise NotJudged("its bulk stress is not along x alone")
+        if any(np.any(data[name].values) for name in ("travel_x", "travel_y") if name in data.variables):
+            raise NotJudged("its geometry travels, and that of the elements stays")
         ends = ("bulk_stress_xx", "body2_bulk_stress_xx")
         x, cell = np.asarray(data["x"].values, dtype=float), float(data.attrs["cell_size"][0])
         edges = np.append(x - cell / 2, x[-1] + cell / 2)

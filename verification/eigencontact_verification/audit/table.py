@@ -27,15 +27,12 @@ _HEAD = (
 #: The columns of the two tables of a page: what the audit found, and what it took.
 _VERDICTS = ("scene", "verdict", "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "why")
 _EFFORT = ("scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "longest solve [s]", "peak memory [GB]")
-#: First words of the profiles of a whole contact: a column each, largest difference ± uncertainty.
-_KINDS = ("approach", "contact radius", "pressure", "print", "stress")
-_CONTACTS = (
-    Column("scene", "scene"),
-    Column("agrees / inconclusive / disagrees", "verdicts"),
-    *(Column(f"{kind} [%]", kind) for kind in _KINDS),
-    Column("elements [s]", "seconds", ".0f"),
-    Column("peak [MB]", "memory", ".0f", scale=1e-6),
-)
+#: First words of the profiles of whole contacts, of revolution and along a line: a column each that any of them has,
+#: largest difference ± uncertainty.
+_KINDS = (
+    "approach", "contact radius", "half width", "pressure", "shear", "slip", "print",
+    "stress in the middle", "stress near the edge", "stress through", "stress on the axis", "plastic strain",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,7 +168,15 @@ def contacts_of(judged: Sequence[JudgedCase], gaps: Sequence[Gap]) -> str:
     rows = [row for case in judged for row in case.rows if row.word != "agrees"]
     disputed = [f"- {row.subject}, {row.profile}, {row.component}: {row.word}, {row.reason}" for row in rows]
     left_out = [f"- {gap.subject}: {gap.reason}." for gap in gaps]
-    parts = [table(map(_contact_row, judged), _CONTACTS)]
+    rows_of = [_contact_row(case) for case in judged]
+    columns = [
+        Column("scene", "scene"),
+        Column("agrees / inconclusive / disagrees", "verdicts"),
+        *(Column(f"{kind} [%]", kind) for kind in _KINDS if any(kind in row for row in rows_of)),
+        Column("elements [s]", "seconds", ".0f"),
+        Column("peak [MB]", "memory", ".0f", scale=1e-6),
+    ]
+    parts = [table(rows_of, columns)]
     for title, lines in (("Not agreed:", disputed), ("Left out, or taken otherwise:", left_out)):
         if lines:
             parts += [title, "\n".join(lines)]
