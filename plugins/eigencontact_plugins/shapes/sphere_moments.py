@@ -36,6 +36,8 @@ __all__ = ["densities_of", "moment_sums", "rule"]
 
 #: Points whose functions stay in cache.
 _CHUNK = 1024
+#: Weighted sums that are formed at a time.
+_ROWS = 64
 #: Derivatives that the half-space theorem asks for at most.
 _MOST = 5
 
@@ -141,11 +143,14 @@ def moment_sums(
     to it. With `tests` ``(d, points)`` the sums are multiplied by each and added over the points, ``(k, d)``.
     """
     functions = ladder(where, degree + _MOST if where != "inner" else degree + 4)
-    total: FloatArray | float = 0.0
+    count = len(next(iter(weights.values()))[1])
+    total = np.zeros((count, 2 * len(functions.half)))
     for name, (orders, of_orders) in weights.items():
-        scales = [radius ** ((2 if name == "phi" else 4) - sum(order)) for order in orders]
-        flat = (of_orders * np.array(scales)).reshape(len(of_orders), -1)
-        total = total + (_derivatives(degree, where, name, tuple(orders)) @ flat.T).T
+        scales = np.array([radius ** ((2 if name == "phi" else 4) - sum(order)) for order in orders])
+        derivatives = _derivatives(degree, where, name, tuple(orders))
+        for first in range(0, count, _ROWS):  # sums that are turned stay in a cache
+            some = (of_orders[first : first + _ROWS] * scales).reshape(-1, derivatives.shape[1])
+            total[first : first + _ROWS] += (derivatives @ some.T).T
     x, y, z = (np.ravel(axis) for axis in points)
     if tests is not None:
         products = np.zeros((2 * len(functions.half), len(tests)))
