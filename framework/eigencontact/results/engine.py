@@ -40,17 +40,17 @@ class ResultsEngine(BackendEntrypoint):
         return dataset
 
 
-def _values(files: CachingFileManager, name: str, variable: _Variable) -> Any:
+def _values(files: CachingFileManager[Any], name: str, variable: _Variable) -> Any:
     """Values of a variable: text at once, numbers where they are used."""
     if variable.dtype.kind == "O":
         return variable.values
     return indexing.LazilyIndexedArray(_Values(files, name, variable))
 
 
-class _Values(BackendArray):  # type: ignore[misc]
+class _Values(BackendArray):
     """Numbers of a variable that a file holds."""
 
-    def __init__(self, files: CachingFileManager, name: str, variable: _Variable) -> None:
+    def __init__(self, files: CachingFileManager[Any], name: str, variable: _Variable) -> None:
         self.files, self.name, self.shape, self.dtype = files, name, variable.shape, variable.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
