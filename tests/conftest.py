@@ -142,15 +142,24 @@ class Outcome:
     err: str
 
 
-@pytest.fixture
-def command(capsys):
-    """Call the command line as the console script does: ``command("run", "hertz", "-o", folder)``."""
+@pytest.fixture(scope="session")
+def program():
+    """Program of the command line, put together once: that takes longer than most refusals."""
+    from typer.main import get_command
+
     from eigencontact.cli import app
+
+    return get_command(app)
+
+
+@pytest.fixture
+def command(capsys, program):
+    """Call the command line as the console script does: ``command("run", "hertz", "-o", folder)``."""
 
     def call(*arguments):
         capsys.readouterr()
         try:
-            app(args=[str(item) for item in arguments], prog_name="eigencontact")
+            program(args=[str(item) for item in arguments], prog_name="eigencontact")
             code = 0
         except SystemExit as leaving:
             code = leaving.code or 0

@@ -26,8 +26,8 @@ def images_summed_one_by_one(influence, quantity, component, x, y, z, half_width
         strip = strip - evaluate([component], np.zeros(1), np.zeros(1), DATUM, (half_widths[0], np.inf), STEEL)[0]
     share, sums, total, first = 2 * half_widths[1] / PERIOD, [], at(0.0, half_widths), 1
     for last in (count, 2 * count):
-        for number in range(first, last + 1):
-            total = total + at(number * PERIOD, half_widths) + at(-number * PERIOD, half_widths)
+        shifts = PERIOD * np.arange(first, last + 1)[:, None, None]
+        total = total + (at(shifts, half_widths) + at(-shifts, half_widths)).sum(axis=0)
         first = last + 1
         sums.append(total + share * (strip - at(0.0, (half_widths[0], (last + 0.5) * PERIOD))))
     return sums[1] + (sums[1] - sums[0]) / (((2 * count + 0.5) / (count + 0.5)) ** 2 - 1)

@@ -55,7 +55,7 @@ WINDOWS = {
 
 def boxes(figure):
     """Drawn extents of all visible texts, in pixels."""
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     renderer = figure.canvas.get_renderer()
     texts = [text for text in figure.findobj(mpl.text.Text) if text.get_visible() and text.get_text().strip()]
     found = [(text, text.get_window_extent(renderer)) for text in texts]

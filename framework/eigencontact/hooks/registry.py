@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 
 from eigencontact.errors import PluginError, nearest
 
-__all__ = ["BUNDLED", "OF_FILE", "BrokenPlugin", "Entry", "Registry"]
+__all__ = ["BUNDLED", "OF_FILE", "BrokenPlugin", "Entry", "Registry", "annotations_of"]
 
 #: The package whose plugins keep their plain keys, whatever else is installed.
 BUNDLED = "eigencontact"
@@ -20,8 +20,8 @@ OF_FILE = "sha256:"
 
 
 @lru_cache(maxsize=1024)
-def _annotations(component: type) -> dict[str, Any]:
-    """Annotations of a class, evaluated once: registries are filled again and again."""
+def annotations_of(component: type) -> dict[str, Any]:
+    """Annotations of a class, evaluated once: registries are filled, and scenes read, again and again."""
     return get_type_hints(component, include_extras=True)
 
 
@@ -103,7 +103,7 @@ class Registry:
         if not (isinstance(key, str) and re.fullmatch(r"[^\s:]+", key)):
             raise PluginError(f"{name}.key must be a non-empty text without blanks and ':' (got {key!r})")
         try:
-            _annotations(component)
+            annotations_of(component)
         except Exception as problem:
             raise PluginError(
                 f"annotations of {name} must be known when it runs (got {type(problem).__name__}: {problem}); "

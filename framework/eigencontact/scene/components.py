@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.guard import plugin_code, reason_of
-from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.hooks.registry import Entry, Registry, annotations_of
 from eigencontact.plugin.component import Component
 from eigencontact.scene.annotations import class_within
 from eigencontact.scene.checks import only_numbers
@@ -85,7 +85,7 @@ def converted(
         if name not in values and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
     try:
-        adapters, hints = _adapters(cls), _hints(cls)
+        adapters, hints = _adapters(cls), annotations_of(cls)
     except Exception as problem:
         raise PluginError(
             f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must have fields that a table can hold "
@@ -126,15 +126,10 @@ def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, whe
 
 
 @cache
-def _hints(cls: type) -> dict[str, Any]:
-    return get_type_hints(cls, include_extras=True)
-
-
-@cache
 def _adapters(cls: type) -> dict[str, Any]:
     from pydantic import ConfigDict, TypeAdapter
 
-    hints, config = _hints(cls), ConfigDict(arbitrary_types_allowed=True)
+    hints, config = annotations_of(cls), ConfigDict(arbitrary_types_allowed=True)
     return {
         item.name: TypeAdapter(_as_instances(hint), config=None if _table_class(hint) or is_dataclass(hint) else config)
         for item in fields(cls)
@@ -178,7 +173,7 @@ def _with_field_names(hint: Any, value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
         return value
     refuse_unknown(value, [item.name for item in fields(cls)], where)
-    hints = _hints(cls)
+    hints = annotations_of(cls)
     table = {
         field: _with_field_names(hints[field], entry, f"{where}.{name.replace('_', '-')}")
         for name, entry in value.items()

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin
 
 from eigencontact.core.held_arrays import PREFIX
 from eigencontact.core.quantities import DataFile, FileMark
 from eigencontact.errors import PluginError
-from eigencontact.hooks.registry import Registry
+from eigencontact.hooks.registry import Registry, annotations_of
 from eigencontact.scene.components import kind_within
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable, OfKind, Table
@@ -91,7 +91,7 @@ def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> An
 
 
 def _in_table(cls: type, table: Mapping[str, Any], registry: Registry, place: Place) -> dict[str, Any]:
-    hints = get_type_hints(cls, include_extras=True)
+    hints = annotations_of(cls)
     field_hints = {item.name: hints[item.name] for item in fields(cls)}
     return {
         name: _placed(field_hints[field], value, registry, place)
