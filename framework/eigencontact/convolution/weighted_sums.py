@@ -123,7 +123,7 @@ def _combination(vector: FloatArray, others: Sequence[FloatArray]) -> FloatArray
     """Weights with which others add up to a vector; None where they cannot."""
     if not others:
         return None
-    weights = np.linalg.lstsq(np.array(others).T, vector)[0]
+    weights = np.asarray(np.linalg.lstsq(np.array(others).T, vector)[0], dtype=np.float64)
     remainder = vector - weights @ np.array(others)
     return weights if np.abs(remainder).max() <= 1e-13 * np.abs(vector).max() else None
 
