@@ -33,8 +33,9 @@ __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 _COARSE_TOLERANCE = 1e-3
 # Tolerance of the other coarse grids, where a tighter one saves nothing.
 _COARSER_TOLERANCE = 1e-2
-# Merged cells so few that still coarser grids would take more time than they save, as in a row.
-_FEW = 256
+# Merged cells so few that still coarser grids would take more time than they save, as in a row, and grids in the ladder
+# from which on that counts.
+_FEW, _RUNGS = 256, 4
 
 
 class CoarseToFine:
@@ -67,7 +68,7 @@ class CoarseToFine:
         ladder = [(self.grid, fixed, (1, 1))]
         while (factors := coarse_factors(ladder[-1][0])) is not None:
             grid, field_, _ = ladder[-1]
-            if len(ladder) > 1 and grid.nx * grid.ny <= _FEW:
+            if len(ladder) >= _RUNGS and grid.nx * grid.ny <= _FEW:
                 break
             ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
             if grid in self._springs:
