@@ -189,4 +189,4 @@ class _Stored:
 
 def _plain(value: Any) -> Any:
     """One number of a list of one; text as it is."""
-    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+    return value.flat[0] if isinstance(value, np.ndarray) and value.size == 1 else value
