@@ -105,7 +105,7 @@ REFUSED = {
     "no law": ({"friction": {"type": "by-material"}}, "must have coefficients, laws or both"),
     "a coefficient below zero": (
         {"friction": {"type": "by-material", "coefficients": {"substrate": -1}}},
-        r"by-material.coefficients.substrate must be zero or positive",
+        r"friction.coefficients.substrate must be zero or positive",
     ),
     "a law that is not installed": (
         {"friction": {"type": "by-material", "laws": {"substrate": {"type": "coulom"}}}},
