@@ -246,7 +246,10 @@ def test_the_broken_package_is_reported_and_stops_nothing(answers):
 @pytest.mark.parametrize(
     ("question", "words"),
     [
-        ("thick tube", "tube-radius of inclusion 'ring' (first) must be positive and below ring_radius, 3e-06 [m] (got 4"),
+        (
+            "thick tube",
+            "tube-radius of inclusion 'ring' (first) must be positive and below ring_radius, 3e-06 [m] (got 4e-06)",
+        ),
         ("misspelt", "did you mean 'polar-radius'?"),
         ("low cap", "friction.cap must be finite and at least tau0, 50000000.0 [Pa] (got 1000000.0)"),
     ],
