@@ -170,9 +170,9 @@ def error_bars(
             comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
         source_began = perf_counter()
         if source.name not in varied:
-            found, reason = coarser.vary(source, varied)
-            if found.others:
-                varied[source.name] = found
+            runs, reason = coarser.vary(source, varied)
+            if runs.others:
+                varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
         if source.name in varied:

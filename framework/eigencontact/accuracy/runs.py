@@ -77,27 +77,27 @@ class Runs:
     def _with_bars(self, run: Run, before: Mapping[str, Varied]) -> tuple[Accuracy, FieldErrors | None]:
         sources = [self._with_known(source) if source is _CELLS else source for source in error_sources(run.plan)]
         fields = None if run.results is None else FieldErrors(run.results, run.summary)
-        found = error_bars(run.plan, run.summary, self._coarse, fields, sources=sources, before=before)
-        self._last = run, found.varied
-        return found, fields
+        accuracy = error_bars(run.plan, run.summary, self._coarse, fields, sources=sources, before=before)
+        self._last = run, accuracy.varied
+        return accuracy, fields
 
     def _before(self, run: Run, refined: Collection[str], small: Collection[str]) -> dict[str, Varied]:
         """Runs of sources that stand for those of a run: of sources that are as before, and of the cells alone."""
         if self._last is None:
             return {}
         last, varied = self._last
-        found = {name: runs for name, runs in varied.items() if name not in refined}
+        reused = {name: runs for name, runs in varied.items() if name not in refined}
         near: Run | None = last
         if "cells" in refined:
-            found = {name: runs for name, runs in found.items() if name in small}
+            reused = {name: runs for name, runs in reused.items() if name in small}
             near = self._finer_cells_of(last.plan, run.plan) if len(refined) > 1 else None
             if near is not None:
                 cells, _ = Coarser(near, self._coarse).vary(self._with_known(_CELLS), {})
-                found |= {"cells": cells} if cells.others else {}
+                reused |= {"cells": cells} if cells.others else {}
         fewer = 1.0 if near is None else run.plan.steps / near.plan.steps
         if near is not None and fewer > 1.0 and set(refined) - {"cells"} == {"load steps"}:
-            found["load steps"] = Varied(run, [(fewer, near)])
-        return found
+            reused["load steps"] = Varied(run, [(fewer, near)])
+        return reused
 
     def _finer_cells_of(self, last: Plan, plan: Plan) -> Run | None:
         """Run with the cells of a plan and all other settings of the last one; None where that saves too little."""

@@ -180,19 +180,19 @@ def _layer_error(plan: Plan) -> float | None:
 
 
 def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
-    """Resolution of whole inhomogeneities by a degree so much higher; None where all are in cells.
+    """Resolution with the degree of whole inhomogeneities changed by `more`; None without whole inhomogeneities.
 
-    Where ``"auto"`` gives several degrees, the allowed error changes by the factor per degree of the inhomogeneity that
-    converges fastest: all change by `more` degrees, or by more, but those that stay at the least degree.
+    If ``"auto"`` selects several degrees, the allowed error changes by the factor per degree of the inhomogeneity that
+    converges fastest. All degrees then change by at least `more`, except those at the least degree.
     """
     wholes = [s.degree for s in plan.model.cells.inhomogeneities if s.degree is not None]
     resolution = plan.numerics.inclusion_resolution
     if not wholes or resolution == "cells":
         return None
-    degrees = {one.degree for one in wholes}
+    degrees = {whole.degree for whole in wholes}
     if len(degrees) == 1:
         return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + more))}
-    allowed = resolution.allowed * min(one.quality for one in wholes if one.degree > LEAST_DEGREE) ** more
+    allowed = resolution.allowed * min(whole.quality for whole in wholes if whole.degree > LEAST_DEGREE) ** more
     return {"whole": "auto", "error": min(max(allowed, _LEAST_ALLOWED), 0.5)}
 
 

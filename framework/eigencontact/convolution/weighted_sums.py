@@ -59,10 +59,10 @@ class WeightedSums:
             for kernel, source in terms:
                 self._check(output, kernel, source)
         self._merged = _dependent(table)
-        kept = {
+        active_terms = {
             row: {term: terms[term] for term in terms if term[1] not in self._merged} for row, terms in table.items()
         }
-        self.rows = _independent(kept)
+        self.rows = _independent(active_terms)
 
     def _check(self, output: int, kernel: int, source: int) -> None:
         """Refuse a kernel without the symmetry of its source and output."""
@@ -164,15 +164,15 @@ def _dependent(table: Mapping[tuple[int, int], Coefficients]) -> dict[int, dict[
     for row, terms in table.items():
         for (kernel, source), value in terms.items():
             columns.setdefault(source, np.zeros(len(places)))[numbers[row, kernel]] = value
-    kept: list[int] = []
+    independent: list[int] = []
     merged: dict[int, dict[int, float]] = {}
     for source in sorted(columns, key=lambda source: (-_size(columns[source]), source)):
-        weights = _combination(columns[source], [columns[other] for other in kept])
+        weights = _combination(columns[source], [columns[other] for other in independent])
         if weights is None:
-            kept.append(source)
+            independent.append(source)
         else:
             merged[source] = {
-                other: float(weight) for other, weight in zip(kept, weights, strict=True) if abs(weight) > 1e-13
+                other: float(weight) for other, weight in zip(independent, weights, strict=True) if abs(weight) > 1e-13
             }
     return merged
 

@@ -227,11 +227,11 @@ class RadialReturn:
             dp = np.maximum(high - residual / slope, -start[0] / start[1])
         dp = np.where((dp > low) & (dp < high), dp, high)
         (residual, slope), step = self._equation(drive, size, dp), high - low
-        found, slopes, left = dp.copy(), slope.copy(), np.arange(dp.size)
+        root, slopes, left = dp.copy(), slope.copy(), np.arange(dp.size)
         for _ in range(_STEPS):
             far = ~(np.abs(residual) <= _ROUND_OFF * scale)
             if not far.all():  # points at their root are asked no more
-                found[left], slopes[left] = dp, slope
+                root[left], slopes[left] = dp, slope
                 if not far.any():
                     break
                 drive, left = drive.of(np.flatnonzero(far)), left[far]
@@ -245,11 +245,11 @@ class RadialReturn:
             dp, step = following, following - dp
             residual, slope = self._equation(drive, size, dp)
         else:
-            found[left], slopes[left] = dp, slope
+            root[left], slopes[left] = dp, slope
         unclear = ~(slopes < 0.0)
         if unclear.any():
             raise _refusal(flows, unclear)
-        return found
+        return root
 
 
 def _size(tensor: FloatArray) -> FloatArray:
