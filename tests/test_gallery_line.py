@@ -6,6 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
+from eigencontact.viz.surface import displacement_profiles
 from eigencontact_verification.oracles.bulk_slip import moved_stick_zone
 from eigencontact_verification.oracles.line_contact import (
     cattaneo_shear,
@@ -200,6 +201,8 @@ def test_fretting_beyond_yield(finished):
     assert np.abs(peaks) == close([0.75 * a, 0.75 * a], abs=0.15 * a)
     assert float(data.plastic_zone_volume[-1]) == close(float(data.plastic_volume[-1]), rel=1e-6)  # per metre
     assert float(data.plastic_work[-1]) > 0.0 < float(data.dissipated_energy[-1])
+    (panel,) = displacement_profiles(data).axes
+    assert panel.get_legend_handles_labels()[1] == ["uplift $-u_z$", "$u_x$"]  # u_y is zero in plane strain
 
 
 def test_damage_below_a_cylinder(finished):

@@ -15,7 +15,7 @@ from eigencontact.core.grid import Box
 from eigencontact.viz.errors import BAND, draw_band, errors_of, with_error
 from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through
 from eigencontact.viz.outline import draw_outline_below
-from eigencontact.viz.style import COLOURS, draw_cross, heading, instant, lift_colours, paper_style, scale_for
+from eigencontact.viz.style import COLOURS, draw_cross, heading, instant, is_line, lift_colours, paper_style, scale_for
 from eigencontact.viz.window import Window, contact_window, masked_map, view_of
 
 if TYPE_CHECKING:
@@ -241,7 +241,7 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     if not (central and pressure.any()):
         (row, column), central = _middle(uplift), False
     values = {"z": uplift}
-    for component in "xy":
+    for component in "x" if is_line(dataset) else "xy":
         name = f"residual_displacement_{component}"
         if name in dataset:
             values[component] = np.asarray(dataset[name][step].values, dtype=float)
