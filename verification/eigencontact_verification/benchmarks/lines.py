@@ -77,11 +77,13 @@ def _call(task: Task) -> Callable[[], float]:
             ec.fretting_map(scene, load=_LOADS, amplitude=_AMPLITUDES).dataset["max_pressure"].values[-1, -1]
         )
     if task.case == "criteria":
+        from eigencontact.execution.fields.fatigue import damage_in_parts
+
         criteria = [ec.make(name, kind="fatigue-criterion", **table) for name, table in CRITERIA.items()]
         few, cycle = cycle_of(200, _CYCLE[1]), cycle_of(*_CYCLE)
         for criterion in criteria:  # compiling is no part of it
             criterion.damage(few)
-        return lambda: float(sum(criterion.damage(cycle).value.max() for criterion in criteria))
+        return lambda: float(sum(damage_in_parts(criterion, cycle, task.threads)[0].max() for criterion in criteria))
     if task.case == "plastic":
         yielding = ec.plan(ec.load_scene(_plastic(task)))
         return lambda: float(ec.run(yielding).summary["max_pressure"])

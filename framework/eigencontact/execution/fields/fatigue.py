@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from eigencontact.model.fatigue import FatigueModel
     from eigencontact.results.stored import Results
 
-__all__ = ["ROLE", "Damage", "EvaluateFatigue", "damage_of", "fatigue_conclusions"]
+__all__ = ["ROLE", "Damage", "EvaluateFatigue", "damage_in_parts", "damage_of", "fatigue_conclusions"]
 
 #: Role of the variables of results that hold the utilisation of a criterion.
 ROLE = "fatigue"
@@ -77,7 +77,7 @@ def damage_of(
     PluginError
         An answer of the criterion that is no damage parameter.
     """
-    value, normal = _in_parts(criterion, region.cycle, threads)
+    value, normal = damage_in_parts(criterion, region.cycle, threads)
     hot = int(value.argmax())
     cautions = _cautions(dataset, region, value)
     summary: dict[str, Any] = {
@@ -114,7 +114,13 @@ def damage_of(
     return Damage(region, value, normal, summary)
 
 
-def _in_parts(criterion: FatigueCriterion, cycle: StressCycle, threads: int) -> tuple[FloatArray, FloatArray | None]:
+def damage_in_parts(
+    criterion: FatigueCriterion, cycle: StressCycle, threads: int
+) -> tuple[FloatArray, FloatArray | None]:
+    """Damage parameters (n,) of a criterion and the normals (n, 3) of its planes, with blocks of points in threads.
+
+    The normals are None for a criterion without planes.
+    """
     starts = range(0, cycle.points, _PART)
     answers: dict[int, DamageParameter] = {}
 
