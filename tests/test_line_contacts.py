@@ -63,7 +63,7 @@ def test_hertz_converges_with_the_edge_of_the_pressure():
         summary, data = solved(int(n))
         errors.append(root_mean_square(data.pressure.values[-1, 0] - hertz_pressure(data.x.values, 1.0, P0)) / P0)
         assert summary["max_pressure"] == close(P0, rel=0.3 / (n / 3) ** 2)
-        assert summary["contact_radius"] == close(1.0, abs=0.07 * 3.0 / n)
+        assert summary["contact_radius"] == close(1.0, abs=0.01 * 3.0 / n)
     order = -np.polyfit(np.log(cells), np.log(errors), 1)[0]
     assert 0.85 < order < 1.15
     assert errors[1] < 1e-3 > errors[2] * 5

@@ -14,6 +14,10 @@ __all__ = ["area_under_pressure", "contact_area", "line_contact_area", "radius_o
 
 #: Share of a cell by which each boundary between a loaded and an unloaded cell overstates the area.
 PER_BOUNDARY = (pi - 1.0 + log(2.0)) / 24.0
+#: Cells of a line, counted from 0 at an end of contact, whose pressure places the end: of few cells, and of many.
+_NEAR, _FAR = np.array([2, 3, 4]), np.array([2, 4, 6, 9])
+#: Cells between two ends that count as many.
+_MANY = 20
 
 
 def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = False) -> float:
@@ -59,14 +63,15 @@ def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = Fals
 def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:
     """Area of a line contact by its pressure ``(1, nx)``, of one metre of its length [m^2].
 
-    The square of the pressure of a smooth contact is a smooth function, and zero at its ends. A parabola through the
-    third to fifth loaded cell places the end, in the last one or half a cell beyond. Where the pressure rises towards
-    an end, as at a sharp edge, the count of cells is exact.
+    The square of the pressure of a smooth contact is a smooth function of the distance t from its end, and zero there.
+    The pressure of cells adds a term that falls as 1/t (measured on Hertz contacts). A parabola and this term through
+    four of the ten outermost loaded cells place the end. Fewer than 20 cells between two ends have a parabola through
+    the third to fifth cell. Where the pressure rises towards an end, as at a sharp edge, the count of cells is exact.
 
     Returns
     -------
     float
-        Measured on Hertz contacts: half width within 0.1 % from 40 cells per half width on.
+        Measured on Hertz contacts: half width within 0.01 of a cell with the term, 0.07 of a cell without.
     """
     loaded, square = pressure[0] > 0, pressure[0] ** 2
     cells = float(np.count_nonzero(loaded))
@@ -74,14 +79,24 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
         ends = loaded & ~np.roll(loaded, step)
         if not periodic:
             ends[[0, -1]] = False
-        third, fourth, fifth = (np.roll(square, -step * number)[ends] for number in (2, 3, 4))
-        bend = 0.5 * (fifth - 2.0 * fourth + third)
-        slope = third - fourth + bend  # of the parabola third + slope t + bend t^2, t outward in cells
-        root = slope**2 - 4.0 * bend * third
-        smooth = (third > 0) & (fourth > third) & (fifth > fourth) & (root >= 0) & (slope < 0)
-        outward = 2.0 * third[smooth] / (np.sqrt(root[smooth]) - slope[smooth])
-        cells -= float(np.sum(2.5 - np.clip(outward, 1.5, 3.0)))
+        inward = np.array([np.roll(square, -step * number)[ends] for number in range(_MANY)])
+        smooth = (inward[2] > 0) & np.all(np.diff(inward[_NEAR], axis=0) > 0, axis=0)
+        wide = smooth & np.all(inward[2:] > 0, axis=0) & np.all(np.diff(inward[_FAR], axis=0) > 0, axis=0)
+        # Coefficients (constant, slope, bend) of the parabola, by the distance from the middle of the outermost cell.
+        parabola = np.linalg.inv(_powers(_NEAR)[:, :3]) @ inward[_NEAR]
+        parabola[:, wide] = (np.linalg.inv(_powers(_FAR)) @ inward[_FAR][:, wide])[:3]
+        constant, slope, bend = parabola[:, smooth]
+        root = slope**2 - 4.0 * bend * constant
+        real = (root >= 0) & (slope > 0)
+        outward = 2.0 * constant[real] / (np.sqrt(root[real]) + slope[real])
+        cells -= float(np.sum(0.5 - np.clip(outward, -0.5, 1.0)))
     return cells * grid.cell_area
+
+
+def _powers(cells: NDArray[np.int64]) -> FloatArray:
+    """Values of 1, t, t² and 1/t at cells, ``(len(cells), 4)``; t is the distance from the outermost cell, in cells."""
+    t = cells.astype(float)
+    return np.stack([np.ones_like(t), t, t**2, 1.0 / t], axis=1)
 
 
 def area_under_pressure(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:
