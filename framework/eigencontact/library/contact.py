@@ -124,7 +124,7 @@ def solve_contact(
     ...     x**2 / 20e-3, ec.HalfSpace("210 GPa", 0.3), load="400 N/mm", spacing=0.01e-3, length="infinite"
     ... )
     >>> f"{line.max_pressure / 1e6:.0f} MPa, half width {line.radius * 1e6:.0f} um"
-    '1713 MPa, half width 148 um'
+    '1713 MPa, half width 149 um'
     """
     lower, upper = _pair(bodies)
     rule = "'infinite', which makes a line contact, or left out"
