@@ -207,12 +207,14 @@ def test_fretting_beyond_yield(finished):
 
 def test_damage_below_a_cylinder(finished):
     """The first step is elastic, at 49 of 49.5 N/mm; damage is that of the strain; it leaves less stress and print."""
-    a, p0 = hertz_cylinder(49.45e3, 0.01, 18.6e9 / (1 - 0.3**2))
+    modulus = 18.6e9 / (1 - 0.3**2)
+    p0 = hertz_cylinder(49.45e3, 0.01, modulus)[1]
     assert p0 == close(1.7936 * 100e6, rel=1e-3)
     damaged, sound = finished("cylinder-on-bone"), finished("cylinder-on-bone", "body1.law.damage.saturation=0")
     data = damaged.dataset
     assert float(data.max_plastic_strain[0]) == 0.0
-    assert float(data.contact_radius[0]) == close(a, rel=0.05)  # half a cell
+    a = hertz_cylinder(49e3, 0.01, modulus)[0]
+    assert float(data.contact_radius[0]) == close(a, rel=0.01)  # a twentieth of a cell
     assert data.damage_1.values == close(0.6 * (1 - np.exp(-data.equivalent_plastic_strain_1.values / 0.02)), abs=1e-9)
     assert float(data.max_pressure.max()) == close(234e6, rel=0.02)  # by 12 increments, not 4
     assert 0.8 < damaged.summary["print_depth"] / sound.summary["print_depth"] < 0.95

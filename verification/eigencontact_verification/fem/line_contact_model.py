@@ -129,7 +129,8 @@ class LineBody:
         """Places along x and z of the sides of regions that fill their boxes."""
         filled = [region for region in self.regions if region.contains is None]
         ends = [np.array([end[k] for region in filled for end in (region.low, region.high)]) for k in (0, 1)]
-        return tuple(np.unique(end[np.isfinite(end)]) for end in ends)  # type: ignore[return-value]
+        along_x, along_z = (np.unique(end[np.isfinite(end)]) for end in ends)
+        return along_x, along_z
 
     def on(self, grid: Grid) -> PlaneBody:
         """The body on a mesh of its own."""

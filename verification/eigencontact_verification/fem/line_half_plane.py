@@ -95,15 +95,6 @@ class HalfPlane:
         )
 
     @cached_property
-    def horizontal(self) -> NDArray[np.bool_]:
-        """Which unknowns are u_x."""
-        basis = self.body.basis
-        found = np.zeros(basis.N, dtype=bool)
-        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
-            found[dofs[0]] = True
-        return found
-
-    @cached_property
     def held(self) -> NDArray[np.bool_]:
         """Unknowns that the far field moves: all of the outer boundary, or three that stop rigid motion."""
         x, z = self.body.basis.doflocs
@@ -111,7 +102,7 @@ class HalfPlane:
         if self.model.outer == "fixed":
             return np.asarray((np.abs(x) == reach) | (z == reach))
         corner = (z == reach) & (np.abs(x) == reach)
-        return np.asarray(corner & ~(self.horizontal & (x > 0)))
+        return np.asarray(corner & ~(self.body.first_component & (x > 0)))
 
     @property
     def free(self) -> NDArray[np.bool_]:
@@ -131,7 +122,7 @@ class HalfPlane:
         moduli = self.material.young_modulus, self.material.poisson_ratio
         fields = [line_force_displacement(p, q, *moduli, x, z) for p, q in ((1.0, 0.0), (0.0, 1.0))]
         for k, both in enumerate((*fields, stretched_displacement(1.0, *moduli, x, z))):
-            found[here, k] = np.where(self.horizontal[here], *both)
+            found[here, k] = np.where(self.body.first_component[here], *both)
         return found
 
     @cached_property

@@ -165,24 +165,16 @@ class _Solver:
         found = np.zeros(basis.N)
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
         both = point_force_displacement(1.0, model.young_modulus, model.poisson_ratio, *basis.doflocs[:, outer])
-        found[outer] = np.where(self.radial[outer], *both)
-        return found
-
-    @cached_property
-    def radial(self) -> NDArray[np.bool_]:
-        basis = self.body.basis
-        found = np.zeros(basis.N, dtype=bool)
-        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
-            found[dofs[0]] = True
+        found[outer] = np.where(self.body.first_component[outer], *both)
         return found
 
     @cached_property
     def free(self) -> NDArray[np.int64]:
         """Unknowns that nothing holds."""
         r, z = self.body.basis.doflocs
-        reach, axis = self.model.reach, self.radial & (r == 0)
+        reach, axis = self.model.reach, self.body.first_component & (r == 0)
         outer = (r == reach) | (z == reach)
-        edge = (r == reach) & (z == reach) & ~self.radial
+        edge = (r == reach) & (z == reach) & ~self.body.first_component
         return np.flatnonzero(~(axis | (outer if self.model.outer == "fixed" else edge)))
 
     @cached_property
@@ -217,8 +209,8 @@ class _Solver:
         """With the depth counted from the first touch; a free body moved so that the outer traction fits its force."""
         u, shift = moment.displacement, 0.0
         if self.model.outer == "free":
-            shift = float(self.pull @ (u - moment.load * self.far) / self.pull[~self.radial].sum())
-            u = u - np.where(self.radial, 0.0, shift)
+            shift = float(self.pull @ (u - moment.load * self.far) / self.pull[~self.body.first_component].sum())
+            u = u - np.where(self.body.first_component, 0.0, shift)
         return Moment(**{**vars(moment), "displacement": u, "depth": moment.depth - shift - touch})
 
     def advance(self, before: Moment, load: float, halvings: int = _HALVINGS) -> Moment:

@@ -66,6 +66,14 @@ class YieldingBody:
         return _basis(self.grid)
 
     @cached_property
+    def first_component(self) -> NDArray[np.bool_]:
+        """Whether an unknown is the displacement along the first coordinate, r or x; the others are along z."""
+        out = np.zeros(self.basis.N, dtype=bool)
+        for dofs in (self.basis.nodal_dofs, self.basis.facet_dofs, self.basis.interior_dofs):
+            out[dofs[0]] = True
+        return out
+
+    @cached_property
     def weight(self) -> FloatArray:
         """Weight r dA of each integration point, (elements, 9)."""
         return np.asarray(self.basis.dx * np.asarray(self.basis.global_coordinates())[0])
