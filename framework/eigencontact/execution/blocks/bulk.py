@@ -19,7 +19,7 @@ from eigencontact.scene.holding import held_bulk
 __all__ = ["BulkStress"]
 
 _NAME = "bulk-stress"
-#: Strain that is not small.
+#: Strain beyond the small-strain assumption.
 _LARGE = 0.1
 
 

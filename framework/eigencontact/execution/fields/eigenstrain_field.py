@@ -1,4 +1,4 @@
-"""Fields of all eigenstrain of a body at the points of a region, prescribed or computed."""
+"""Fields of all eigenstrain of a body, prescribed and computed, at the points of a region."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 component
 
 
 class EigenstrainField(Cause):
-    """Fields of one body; steps store the eigenstrain of inhomogeneities."""
+    """Fields of one body, with the eigenstrain of inhomogeneities from stored steps."""
 
     def __init__(self, subsurface: Subsurface, request: StressRequest, lattice: RegionLattice) -> None:
         where, inhomogeneities = lattice.words, subsurface.inhomogeneities
@@ -91,7 +91,7 @@ class EigenstrainField(Cause):
         return fields
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct the fields of all sources: by the material at points in and near regions; zero stress in voids."""
+        """Correct the sum of all causes by the material at points in and near regions; voids have zero stress."""
         if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
         subsurface, eigenstrain = self._subsurface, step.history[self._name].values
@@ -107,12 +107,12 @@ class EigenstrainField(Cause):
 
     @cached_property
     def _empty(self) -> NDArray[np.bool_] | None:
-        """Points in voids, whose stress is zero."""
+        """Points in voids; their stress is zero."""
         return empty_points(self._subsurface.inhomogeneities, self._lattice)
 
     @cached_property
     def _within(self) -> WithinCells | None:
-        """Continuation of the eigenstrain between the cells of a region; None if it is not needed."""
+        """Continuation of the eigenstrain between the cells of a region; None if not needed."""
         content, route = self._content, next(iter(self._solved.values()))
         if content is None or not (route.steps and content.whole.any()):
             return None
@@ -145,7 +145,7 @@ class EigenstrainField(Cause):
         return content_of(subsurface.box, sources, grid, self._lattice.flat_points())
 
     def _follow(self, step: Step) -> None:
-        """Routes from the cells in the history of a step: the cells of the scene, or of a box that has grown."""
+        """Choose the routes for the cells of a step: those of the scene, or those of an extended box."""
         subsurface = self._subsurface.with_cells(step.history[self._name].coords)
         if subsurface is None:
             raise ResultsError(
