@@ -36,18 +36,18 @@ if TYPE_CHECKING:
 __all__ = ["Cells"]
 
 
-#: Depth, in heights of a cell, that a surface may lose above a box that begins below it and stays in place.
+#: Allowed worn depth, in cell heights, above a fixed box that begins below the surface.
 _BURIED = 0.5
-#: Krylov iterations of one solve and rounds between it and the contact, typically, for the cost.
+#: Typical Krylov iterations per solve, and typical rounds between the solve and the contact, for the cost.
 _ITERATIONS, _ROUNDS = 15, 8
-#: Applications of the operator that a step takes, alone and under a contact.
+#: Applications of the operator per step, without and with a contact.
 _ALONE, _TOGETHER = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
-#: Times as many where some cells are empty: a void near the surface takes 340 under its contact.
+#: Factor on the applications if some cells are empty: a void near the surface takes 340 under its contact.
 _EMPTY = 5.0
-#: Seconds of one component of the stress by one function of a whole inclusion at one point.
+#: Seconds per component of the stress, function of a whole inclusion, and point.
 _FUNCTION = 3e-7
-#: Time of mean kernels by that of kernels at points, and seconds of a step for each cell of a law that has no answer of
-#: its own: 30 sweeps of 4 us (11760 cells that break under a contact).
+#: Time of mean kernels relative to kernels at points. Seconds per step and cell of a law without a `cell_answer`: 30
+#: sweeps of 4 us (11760 damaged cells under a contact).
 _MEANS, _ANSWER = 6.0, 1.2e-4
 
 
@@ -57,14 +57,14 @@ class Cells(Responding):
     Parameters
     ----------
     subsurface : Subsurface
-        With inhomogeneities in cells.
+        Subsurface with inhomogeneities in cells.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
 
     Attributes
     ----------
     beside : BesideCells or None
-        Wholes of the same body.
+        Interaction with the whole inhomogeneities of the same body.
     """
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
@@ -95,7 +95,7 @@ class Cells(Responding):
         return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:
-        """Predicted time per step of laws that are solved by Newton's method with their `update`."""
+        """Predicted time per step of laws whose cells are solved by Newton's method with `update`."""
         slow = [source for source in self.sources if not isinstance(source.law, (LinearLaw, HasCellAnswer))]
         return _ANSWER * sum(source.lattice.cells for source in slow if source.lattice is not None)
 
@@ -105,7 +105,7 @@ class Cells(Responding):
         key = str(getattr(self._half_space.cell, "key", "cell"))
         label = f"eigenstrain of {self._box.names}"
         uses = [KernelUse("mean stress (6 components)", label, key, self._box.words, 58)]
-        # The solver keeps two vectors of six components an iteration.
+        # The solver stores two vectors of six components per iteration.
         cost = self._operator_cost(self._box.lattice) + Cost(
             memory=8.0 * 12 * self._box.lattice.cells * _ITERATIONS, seconds_per_step=self._seconds_of_laws()
         )
@@ -127,7 +127,7 @@ class Cells(Responding):
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
 
     def _operator_cost(self, lattice: Lattice) -> Cost:
-        """Price of the mean stress in the cells of a lattice by their eigenstrain."""
+        """Cost of the mean stress in the cells of a lattice by their eigenstrain."""
         nz, *across = lattice.shape
         volume = Pace.of(self._half_space, "stress").volume(lattice, (across[0], across[1]), (0.0, 0.0), nz)
         return Cost(
@@ -137,7 +137,7 @@ class Cells(Responding):
         )
 
     def _beside_wholes(self, wholes: Subsurface) -> Cost:
-        """Price of tables of the stress in the cells by each function of wholes."""
+        """Cost of the tables of stress in the cells by each function of whole inhomogeneities."""
         degrees = [source.degree.degree for source in wholes.inhomogeneities if source.degree is not None]
         values = sum(6 * functions_up_to(degree) * self._box.lattice.cells for degree in degrees)
         seconds = _FUNCTION * values
@@ -185,7 +185,7 @@ class Cells(Responding):
             )
 
     def _fill(self) -> None:
-        """Build the equations for the content of the cells; the operators do not change."""
+        """Build the equations of the present content of the cells; the operators do not change."""
         from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 
         linear = self._content.linear
@@ -211,7 +211,7 @@ class Cells(Responding):
         super().begin(increment, last)
 
     def _refuse_buried(self, lost: float) -> None:
-        """Refuse to raise a box above its cells."""
+        """Refuse wear that would raise the content of a box above its cells."""
         layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
         if layers and lost > _BURIED * height:
             raise SceneError(
@@ -241,7 +241,7 @@ class Cells(Responding):
         return total
 
     def at_centres(self, means: FloatArray) -> FloatArray:
-        """Values at the centres of cells from means ``(..., nz, ny, nx)``; cells of linear laws use the means."""
+        """Values at the cell centres from means ``(..., nz, ny, nx)``; cells of linear laws keep the means."""
         return means
 
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:

@@ -1,4 +1,4 @@
-"""Prescribed eigenstrain: displaces the surface whatever the tractions are."""
+"""Prescribed eigenstrain: its surface displacement does not depend on the tractions."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ __all__ = ["PrescribedEigenstrain", "names_of"]
 
 
 class PrescribedEigenstrain(Interior):
-    """The regions of one body with prescribed eigenstrain.
+    """Regions of one body with prescribed eigenstrain.
 
     Parameters
     ----------
     subsurface : Subsurface
-        With prescribed eigenstrain.
+        Subsurface with prescribed eigenstrain.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
     """
 
     responds = False
@@ -47,6 +47,6 @@ class PrescribedEigenstrain(Interior):
 
 
 def names_of(names: list[str]) -> str:
-    """Names of regions for people, the first four of many."""
+    """Names of regions for messages, at most the first four."""
     shown = ", ".join(map(repr, names[:4]))
     return shown if len(names) <= 4 else f"{shown} and {len(names) - 4} more"

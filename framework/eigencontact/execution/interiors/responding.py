@@ -1,4 +1,4 @@
-"""Inhomogeneities of one body, whose equivalent eigenstrain follows from the tractions."""
+"""Inhomogeneities of one body with an equivalent eigenstrain that depends on the tractions."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ __all__ = ["Responding"]
 class Responding(Interior):
     """Equivalent eigenstrain of the inhomogeneities of one body.
 
-    Prescribed eigenstrain and bulk stress of the same body act on them by their stress. In an inhomogeneity prescribed
-    eigenstrain adds to the prestrain.
+    Prescribed eigenstrain and bulk stress of the same body load the inhomogeneities by their stress. Prescribed
+    eigenstrain inside an inhomogeneity adds to its prestrain.
 
     Parameters
     ----------
     subsurface : Subsurface
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
     points : RegionLattice or None
-        Points at which the stress of prescribed eigenstrain acts; None where `start` chooses them.
+        Points for the stress of prescribed eigenstrain; None if `start` chooses them.
 
     Attributes
     ----------
@@ -65,7 +65,8 @@ class Responding(Interior):
         self._stored = eigenstrain_name(body, beside=subsurface.beside)
         self.remembers = frozenset({self._stored})
         self._coords = subsurface.coords
-        # Along tractions the mean over each cell belongs to the mean stress by these; elsewhere the centre counts.
+        # Along traction directions the mean over each cell is reciprocal to the mean stress; other directions use the
+        # centre.
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
         self._centres = "".join(name for name in directions if name not in self._means)
         self._prescribed: PrescribedField | None = None
@@ -82,7 +83,7 @@ class Responding(Interior):
 
     @abstractmethod
     def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
-        """Mean displacement of this body's surface cells along all tractions, ``(n, ny, nx)`` [m]."""
+        """Mean displacement of the surface cells of this body along all tractions, ``(n, ny, nx)`` [m]."""
 
     @abstractmethod
     def applied(self, tractions: Fields) -> FloatArray:

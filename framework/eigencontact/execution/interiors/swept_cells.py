@@ -1,14 +1,14 @@
-"""Cells of one body that are updated within the coupled iteration: nonlinear laws, and linear laws if that is cheaper.
+"""Cells that are updated within the coupled iteration: nonlinear laws, and linear laws if this is cheaper.
 
-Found on a ball under a contact, one of a third of the contact radius, tolerance 1e-6, without and with friction
-(applications of the volume operator by rounds of Krylov solves, by sweeps):
+Applications of the volume operator by rounds of Krylov solves and by sweeps, without and with friction, for a ball of a
+third of the contact radius below a contact, tolerance 1e-6:
 
 | ratio of stiffness | 0 | .05 | .2 | .5 | 2 | 5 | 20 | 1e4 |
 |---|---|---|---|---|---|---|---|---|
 | solves | 92, 166 | 74, 119 | 46, 85 | 29, 49 | 26, 50 | 47, 83 | 70, 113 | 90, 150 |
 | sweeps | 48, 92 | 24, 48 | 13, 27 | 7, 15 | 8, 14 | 13, 26 | 28, 58 | 54, 95 |
 
-Voids beside stiff inclusions, or in clusters, take hundreds of sweeps: beyond a ratio of 20 solves are safe.
+Voids beside stiff inclusions or in clusters take hundreds of sweeps. Beyond a ratio of 20 only solves are reliable.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ if TYPE_CHECKING:
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
 
-#: Ratios of stiffness between which sweeps take a third to a half of the applications that solves take.
+#: Range of stiffness ratios in which sweeps take a third to a half of the applications of Krylov solves.
 _MODERATE = (0.05, 20.0)
-#: Sweeps of a step, typically.
+#: Typical number of sweeps per step.
 _SWEEPS = 15
-#: Points at which constants that depend on the place are looked at.
+#: Number of sample points for constants that depend on position.
 _LOOKS = 512
 
 
@@ -59,7 +59,7 @@ class SweptCells(Cells):
     Attributes
     ----------
     levels : Levels or None
-        These cells and finer ones in a part of the box.
+        Levels of these cells and of finer cells in a part of the box.
     """
 
     numbers = (
@@ -79,7 +79,7 @@ class SweptCells(Cells):
         self.why += ", swept with the contact" if self._kernels else ", swept"
 
     def _name(self, variable: str) -> str:
-        """Name of the stored variable of a law."""
+        """Name of a stored variable of a law."""
         return f"{variable}_{self.body}"
 
     @property
@@ -184,7 +184,7 @@ class SweptCells(Cells):
 
     @property
     def _applied(self) -> int:
-        """Number of operator applications so far; the first level counts those of both."""
+        """Number of operator applications so far; for two levels, those of both."""
         return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
 
     def _caused(self) -> FloatArray | None:
@@ -211,7 +211,7 @@ class SweptCells(Cells):
         )
 
     def distance(self, state: Remembered, reference: Remembered) -> float:
-        """See `Interior.distance`; relative to the reference strain if it is larger than the strain of the load."""
+        """See `Interior.distance`; relative to the reference strain if it exceeds the strain by the load."""
         first, second = (records[self._stored].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
@@ -245,11 +245,11 @@ class SweptCells(Cells):
             raise self._outgrown(enlarged(self._box.lattice, cells, self._width))
 
     def _outgrown(self, lattice: Lattice) -> Outgrown:
-        """Event of a box that must grow to fill a lattice as well."""
+        """Exception for a box that must also contain the cells of a lattice."""
         return Outgrown(self, type(self)(self._subsurface.grown(lattice), self._directions))
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
-        """See `Responding.fitted`: cells outside the stored ones are in the rest state."""
+        """See `Responding.fitted`; cells outside the stored ones are in the rest state."""
         lattice = self._box.lattice
         if record.values.shape[1:] == lattice.shape or not record.coords:
             return record.values
@@ -263,7 +263,7 @@ class SweptCells(Cells):
         return values
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
-        """See `Interior.states`; a cell counts with its whole volume, a part of a cut cell with its fraction."""
+        """See `Interior.states`; a whole cell counts with its volume, a material of a cut cell with its fraction."""
         volume = float(np.prod(self._box.cells(self._grid).pitch))
         whole = len(self._laws) - len(self._cut)
         for (law, _), variables in zip(self._laws[:whole], self._after[:whole], strict=True):
@@ -287,8 +287,8 @@ class SweptCells(Cells):
 def should_sweep(subsurface: Subsurface) -> bool:
     """Whether sweeps solve the inhomogeneities of a body.
 
-    Nonlinear laws need them. Linear laws take fewer applications of the operator by sweeps where they lie under a
-    contact and the ratios of stiffness are moderate.
+    Nonlinear laws need sweeps. Linear laws take fewer applications of the operator with sweeps if they are below a
+    contact and the stiffness ratios are moderate.
     """
     sources = subsurface.inhomogeneities
     laws = [law for n, law in enumerate(s.law for s in sources) if law not in [s.law for s in sources[:n]]]
@@ -300,12 +300,12 @@ def should_sweep(subsurface: Subsurface) -> bool:
 
 
 def stiffness_ratios(matrix: Material, law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> tuple[float, float]:
-    """Least and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
+    """Smallest and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
     return shear_ratios(_somewhere(law, sources), matrix.shear_modulus)  # type: ignore[arg-type]
 
 
 def _somewhere(law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> ConstitutiveLaw:
-    """Uniform law, or the law at some points in the bounds of its regions."""
+    """The law if uniform, otherwise the law at sample points in the bounds of its regions."""
     if not law.varies:
         return law
     bounds = np.array([source.shape.bounds for source in sources if source.law == law])

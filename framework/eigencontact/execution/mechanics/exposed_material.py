@@ -1,4 +1,4 @@
-"""Block of the exposed material, and the state for friction laws."""
+"""Block of the exposed material, and exposed material in the state for laws."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["ExposedMaterial", "exposed_facts"]
 
 
 class ExposedMaterial(Stateless):
-    """Topmost material of each column at the surface that the contact of a step meets."""
+    """Topmost material of each column at the surface for the contact of a step."""
 
     name = "exposed-material"
     requires = frozenset({"separation"})
@@ -36,7 +36,7 @@ class ExposedMaterial(Stateless):
 
 
 def exposed_facts(exposed: Exposed | None, material: NDArray[np.intp] | None) -> dict[str, Any]:
-    """Exposed material by number, and names, for the states of laws; empty if no law needs them."""
+    """Number of the exposed material in each cell, and names, for the states of laws; empty if no law needs them."""
     if exposed is None or material is None:
         return {}
     return {"material": material, "materials": exposed.names}

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["Mechanics", "RunningMechanics", "mechanics_of"]
 
 
-#: Scalars of a contact, of surfaces that eigenstrain displaces, of bodies with laws, and of `numerics.plastic-error`.
+#: Scalars of contacts, of surfaces displaced by eigenstrain, of bodies with laws, and of `numerics.plastic-error`.
 _OF_CONTACT = (
     Number(
         name="substeps", unit="1", role="effort", over="sum",
@@ -81,27 +81,27 @@ _PLASTIC_ERROR = Number(
     meaning="estimated error of the strain of yielding cells by halving, relative to the strain of the load",
 )  # fmt: skip
 
-#: Times that a load step may be halved.
+#: Largest number of halvings of a load step.
 _HALVINGS = 5
 
 
 class Mechanics(Block):
-    """Planned contact, interiors, or both.
+    """Block of a contact, of interiors, or of both.
 
-    A run makes a contact and interiors of its own: those of the plan only state kernels and prices.
+    Each run makes its own contact and interiors; those of the plan only state kernels and costs.
 
     Parameters
     ----------
     interface : Interface or None
         None without a contact.
     contact_of : callable
-        Contact of an interface.
+        Function from an interface to its contact.
     subsurfaces : sequence of Subsurface
-        At least one where there is no contact.
+        Subsurfaces with eigenstrain; at least one without a contact.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement by the interiors.
+        Directions of the surface displacement by the interiors, out of ``"xyz"``.
     laws : sequence of ConstitutiveLaw
-        Laws whose numbers are stored.
+        Laws with stored numbers.
     grid : Grid
     numerics : Numerics
     """
@@ -176,19 +176,20 @@ class Mechanics(Block):
 
 
 class RunningMechanics:
-    """A contact, interiors, or both together, in one run.
+    """Contact, interiors, or both together, in one run.
 
-    An increment that does not converge is halved; what the first half leaves behind is the start of the second. So is
-    one in which cells flow, where `numerics.plastic-error` asks for it: the whole and its halves differ by the error
-    that the halves still have (implicit steps are of first order), and where that is too large each is halved again.
+    An increment that does not converge is halved; the second half starts from the state after the first. With
+    `numerics.plastic-error`, increments with plastic flow are halved as well. The difference between the whole
+    increment and its halves estimates the remaining error of the halves (implicit steps are of first order). If the
+    error is too large, each half is halved again.
 
     Parameters
     ----------
     plan : Mechanics
     contact : Contact or None
-        Started.
+        Contact, already started.
     interiors : sequence of Interior
-        Started; larger ones take their place as they grow.
+        Interiors, already started; larger ones replace them when the cells must be extended.
     """
 
     def __init__(self, plan: Mechanics, contact: Contact | None, interiors: Sequence[Interior]) -> None:
@@ -266,7 +267,7 @@ class RunningMechanics:
     ) -> FloatArray:
         """Pressure under displaced surfaces, with unchanged interiors; see `Contact.pressed`.
 
-        `fields` are those of a step near by; none before the first.
+        `fields` are those of a similar step; empty before the first step.
         """
         self._follow(surface.solids)
         assert self._contact is not None
@@ -282,7 +283,7 @@ class RunningMechanics:
         return self._contact.softness
 
     def _with_enough_cells(self, step: Step) -> list[Solved]:
-        """Solved increments of the step, on interiors whose cells are extended if necessary."""
+        """Solved increments of the step; the cells of the interiors are extended if necessary."""
         while True:
             try:
                 increment = Increment.of(step)
@@ -333,7 +334,7 @@ class RunningMechanics:
     ) -> list[Solved]:
         """Solve an increment, halved as often as the allowed error of the plastic strain requires.
 
-        `whole` is the increment in one, where it is known. Those that are tried and not taken cost as much as others.
+        `whole` is the undivided increment, if already solved. The work of rejected solutions is counted as well.
         """
         limit = self._numerics.plastic_error
         assert limit is not None
