@@ -1,4 +1,4 @@
-"""Observers: they compute numbers from every accepted step, which are stored with it."""
+"""Observers: they compute numbers from every accepted step, and the results store these numbers."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class Observe(Stateless):
     Parameters
     ----------
     number : int
-        Among the observers of the scene.
+        Number among the observers of the scene.
     observing : Observing
     labels : iterable of str
         Regions of the scene.
     grid : Grid
     seen : frozenset of str
-        Quantities that it waits for.
+        Quantities that the observer requires.
     """
 
     def __init__(

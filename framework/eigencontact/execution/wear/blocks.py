@@ -69,10 +69,10 @@ _LAYERS_LOST = tuple(
     for body in (1, 2)
 )
 
-#: Pressures under moved surfaces that a step needs, as the bundled scenes do: where the contact travels a cell at a
-#: time, where it slides, where it slides in cycles of which most are jumped over, and where it slips.
+#: Number of pressure solves on moved surfaces per step in the bundled scenes: contact that travels one cell at a time,
+#: sliding, sliding cycles with jumps, and slip.
 _TRAVELLING, _SLIDING, _JUMPING, _SLIPPING = 3, 9, 15, 1
-#: Time of one of them by that of a contact, as most start from a pressure near by.
+#: Time of such a solve relative to a contact solve: most start from a similar pressure.
 _NEAR = 0.6
 
 
@@ -122,7 +122,7 @@ class Wear(Block):
     exposed : Exposed or None
         Materials at the surface.
     numerics : Numerics
-        Of the contact.
+        Numerics of the contact.
     contact : callable
         `Block.start` of the block that solves the contact.
     """
@@ -157,7 +157,7 @@ class Wear(Block):
             self.cost = self.solves(_SLIPPING)
 
     def solves(self, count: float) -> Cost:
-        """Price of so many pressures a step; their memory is that of the contact."""
+        """Cost of `count` pressure solves per step; they share the memory of the contact."""
         contact = normal_cost(self.window.grid.shape, self.window.box, self._numerics)
         return Cost(seconds_per_step=_NEAR * count * contact.seconds_per_step)
 

@@ -1,9 +1,9 @@
-"""Worn layers: their thickness in the kernels, and the error of a uniform thickness.
+"""Worn layers: layer thickness in the kernels, and error by the assumption of a uniform thickness.
 
-The kernels of a layered body are those of layers of uniform thickness. Where a body has lost a depth w(x, y), they are
-made for the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over
-all waves that the grid carries, between that answer and the answers of the least and of the most worn column. For
-moduli that rise or fall with depth throughout, the compliance of the worn layers lies between those two.
+The kernels of a layered body require layers of uniform thickness. For a body with a worn depth w(x, y), the program
+uses the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over all
+waves on the grid, between this response and the responses of the least and of the most worn column. If the moduli
+increase or decrease monotonically with depth, the compliance of the worn layers is between these two.
 """
 
 from __future__ import annotations
@@ -27,24 +27,25 @@ from eigencontact.plugin import LayeredMedium, Thinning
 __all__ = ["WornLayers", "layers_that_wear", "refuse_unworn_kernels"]
 
 
-#: Part of the error allowed by which the answer may change until kernels are made anew, some tenths of a second each.
+#: Fraction of the allowed error by which the response may change before new kernels are computed (some tenths of a
+#: second each).
 _SHARE = 0.1
-#: What to do where layers are not uniform enough.
+#: Remedy for layers of nonuniform thickness.
 _REMEDY = (
     'describe the layers by cells: [[inclusions]] with type = "cuboid" and a material, in a body with the constants of '
     "the substrate"
 )
-#: Waves that are compared.
+#: Number of waves for the comparison.
 _WAVES = 200
 
 
 def layers_that_wear(wear: WearModel, solids: Solids) -> dict[int, LayeredMedium]:
-    """Layered bodies that wear, by number.
+    """Layered bodies that wear, by number of the body.
 
     Raises
     ------
     SceneError
-        A medium that cannot lose a depth.
+        A medium does not support a worn depth.
     """
     candidates = {body: solids[body - 1] for body in wear.parts}
     media = {body: medium for body, medium in candidates.items() if isinstance(medium, LayeredMedium)}
@@ -58,12 +59,12 @@ def layers_that_wear(wear: WearModel, solids: Solids) -> dict[int, LayeredMedium
 
 
 def refuse_unworn_kernels(model: Model) -> None:
-    """Refuse an output whose kernels do not follow the layers.
+    """Refuse an output with kernels that do not follow the worn layers.
 
     Raises
     ------
     SceneError
-        Displacement along the surface without friction, of layers that wear.
+        Displacement along the surface without friction is requested for layers that wear.
     """
     assert model.wear is not None
     assert model.interface is not None
@@ -76,22 +77,22 @@ def refuse_unworn_kernels(model: Model) -> None:
 
 
 class WornLayers:
-    """Layer thickness in the kernels of a contact, from step to step, from stored records.
+    """Layer thickness in the kernels of a contact, updated from step to step, from stored records.
 
     Parameters
     ----------
     media : mapping of int to LayeredMedium
         Layered bodies that wear.
     interface : Interface
-        With unworn layers.
+        Interface with unworn layers.
     grid : Grid
     allowed : float
-        Relative error of the answer that is allowed.
+        Allowed relative error of the response.
 
     Attributes
     ----------
     solids : Solids
-        Solids with layers of the thickness in the kernels.
+        Solids with the layer thickness of the kernels.
     """
 
     def __init__(self, media: Mapping[int, LayeredMedium], interface: Interface, grid: Grid, allowed: float) -> None:
@@ -101,7 +102,7 @@ class WornLayers:
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
     def begin(self, step: Step, state: WornState) -> None:
-        """Kernels of the last step, or for its worn surfaces if they have changed since."""
+        """Use the kernels of the last step, or new ones if its worn surfaces have changed since."""
         last = step.previous
         worn_depths = {body: 0.0 if last is None else last.scalars[f"layer_lost_{body}"] for body in self._media}
         self._use(worn_depths)
@@ -109,7 +110,7 @@ class WornLayers:
             self.follow(state, last.fields["pressure"])
 
     def follow(self, state: WornState, pressure: FloatArray) -> None:
-        """Kernels for the mean worn depth under a pressure, if it changes their response enough."""
+        """Use kernels for the mean worn depth under a pressure, if they change the response enough."""
         if not pressure.any():
             return
         mean = {body: float(np.average(state.seen(body), weights=pressure)) for body in self._media}
@@ -117,12 +118,12 @@ class WornLayers:
             self._use(mean)
 
     def end(self, step: Step, state: WornState) -> None:
-        """Thickness and error into a step.
+        """Store thickness and error in the step.
 
         Raises
         ------
         SceneError
-            The error is larger than allowed.
+            The error exceeds the allowed error.
         """
         loaded = step.fields["pressure"] > 0
         error, most = 0.0, {body: float(state.seen(body).max()) for body in self._media}
@@ -145,7 +146,7 @@ class WornLayers:
             self._lost, self.solids = dict(lost), self._thinned(lost)
 
     def _thinned(self, lost: Mapping[int, float]) -> Solids:
-        """Solids whose surfaces have lost uniform depths."""
+        """Solids after uniform worn depths of their surfaces."""
         thin = {body: medium.thinned(lost[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
         first, second = (thin.get(number, body) for number, body in enumerate(self._interface.solids, 1))
         return first, second

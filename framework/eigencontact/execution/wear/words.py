@@ -1,4 +1,4 @@
-"""Text of a plan about wear: law, motion of the surfaces, cycles, and omitted effects."""
+"""Text of a plan about wear: law, motion of the surfaces, cycles, and neglected effects."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _solved(repeat: int, table: Wear) -> str:
 
 
 def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
-    """Effects that wear leaves out."""
+    """Effects that the wear model neglects."""
     out = [
         LeftOut("debris, a third body and transfer", "wear removes material, and the model deposits none"),
         LeftOut(
