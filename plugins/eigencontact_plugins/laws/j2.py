@@ -1,4 +1,4 @@
-"""Metal plasticity: yield by the stress of von Mises, with hardening and damage."""
+"""Metal plasticity: von Mises yield condition, with hardening and damage."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ class J2(BodyConstants):
         Raises
         ------
         NotUnique
-            Points that soften faster than -3G.
+            Points soften faster than -3G.
         """
         bulk, volume = self._constants[1], strain[:3].sum(axis=0)
         drive = self._drive(strain.copy(), 0.0, before, step)
@@ -177,7 +177,7 @@ class J2(BodyConstants):
         drive = self._drive(driving, around.shear_give, before, step)
         flowed = self._flowed(drive, before)
         eigenstrain = flowed.after["plastic_strain"] + prestrain
-        # What the stress strains this material more than the one around: nothing where the constants are the same.
+        # Strain by the difference of constants between this material and the surrounding one: zero for equal constants.
         shear, bulk = self._constants
         compliances = 0.5 / shear, 1.0 / (3.0 * bulk)
         if self.damage is not None or compliances != (around.shear_compliance, around.bulk_compliance):
@@ -199,7 +199,7 @@ class J2(BodyConstants):
         return Drive(strain, give, before["equivalent_plastic_strain"][0], stacked, mean)
 
     def _flowed(self, drive: Drive, before: Mapping[str, FloatArray]) -> _Flowed:
-        """State at the end of the increment; most points of a box do not flow, and cost little."""
+        """State at the end of the increment; most points of a box do not yield, and take little time."""
         w, sound, points = self._return.elastic(drive)
         if not points.size and self.damage is None:
             return _Flowed(w, sound, points, after=dict(before))
@@ -243,7 +243,7 @@ class J2(BodyConstants):
         before: Mapping[str, FloatArray],
         after: Mapping[str, FloatArray],
     ) -> FloatArray:
-        """Work on the plastic strain of the increment [J/m^3], by the mean of the stresses that yield at its ends."""
+        """Plastic work of the increment [J/m^3], by the mean of the yield-condition stresses at its ends."""
         work: FloatArray = np.zeros((1, now.dp.size))
         if not now.dp.any():
             return work
@@ -273,7 +273,7 @@ class J2(BodyConstants):
         return out
 
     def _tangent_of_flow(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
-        """The same of points that flow."""
+        """Derivative of the stress by the strain at yielding points."""
         bulk, effective = self._constants[1], self._return.effective
         unit, m = np.eye(6)[:, :, None], now.flow
         grown = (-_ROOT * now.w / now.slope) * m  # derivative of dp by τ
@@ -297,15 +297,15 @@ class _Flowed:
     Attributes
     ----------
     w : (n,)
-        Deviatoric stress by the strain that drives points which do not flow [Pa].
+        Deviatoric stress per driving strain of points without plastic flow [Pa].
     sound : (n,)
         1 - D.
     points : (m,) of int
-        Those that flow.
+        Points with plastic flow.
     after : mapping
-        What is remembered.
+        Internal variables after the increment.
     drive, now, stress
-        Of the points that flow, where there are any: their drive, state and deviatoric stress [Pa].
+        Drive, state and deviatoric stress [Pa] of the points with plastic flow, if there are any.
     """
 
     w: FloatArray
