@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import distance_of, norm_of
 from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
-from eigencontact.solvers.law_cells import LawCells, Remembered
+from eigencontact.solvers.law_cells import LawCells, Variables
 
 __all__ = ["CellSweeps", "Sweep"]
 
@@ -39,14 +39,14 @@ class Sweep:
         a hundredth of the eigenstrain at the start of the increment if that is larger; if both are zero, to the result.
     size : float
         Reference of the residual: root of the sum of squares of a strain over the cells.
-    remembered : list of mappings
+    variables : list of mappings
         History variables of the cells of each nonlinear law.
     """
 
     image: FloatArray
     residual: float
     size: float
-    remembered: list[Remembered]
+    variables: list[Variables]
 
 
 class CellSweeps:
@@ -79,7 +79,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]] = (),
         steps: Sequence[Any] = (),
         start: FloatArray | None = None,
-        caused: FloatArray | None = None,
+        internal_stress: FloatArray | None = None,
     ) -> Sweep:
         """Sweep once.
 
@@ -95,15 +95,15 @@ class CellSweeps:
             Variables and steps of each nonlinear law; see `LawCells.answer`.
         start : (6, nz, ny, nx), optional
             Eigenstrain at the start of the increment.
-        caused : (6, nz, ny, nx), optional
+        internal_stress : (6, nz, ny, nx), optional
             Stress [Pa] by the eigenstrain of all cells, if there are cells in addition to those of the operator.
         """
-        by_cells = self._caused(eigenstrain) if caused is None else caused
+        by_cells = self._internal_stress(eigenstrain) if internal_stress is None else internal_stress
         stress = self._total = np.add(applied_stress, by_cells, out=self._total)
-        remembered: list[Remembered] = []
+        variables: list[Variables] = []
         if self._fills_box:
             e, sigma, prescribed = (values.reshape(6, -1) for values in (eigenstrain, stress, prestrain))
-            image, remembered = self._laws.answer(e, sigma, prescribed, before, steps)
+            image, variables = self._laws.answer(e, sigma, prescribed, before, steps)
         else:
             image = prestrain.copy().reshape(6, -1)  # removes the eigenstrain of cells whose material has been worn off
             image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
@@ -111,7 +111,7 @@ class CellSweeps:
                 e, sigma, prescribed = (
                     values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain)
                 )
-                image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
+                image[:, self._at], variables = self._laws.answer(e, sigma, prescribed, before, steps)
         change = distance_of(image, eigenstrain)
         size = self._size(applied_stress, prestrain)
         if start is not None:
@@ -119,7 +119,7 @@ class CellSweeps:
         if size == 0.0:  # the history variables are the only load of the cells
             size = max(norm_of(image), norm_of(eigenstrain))
         residual = change / size if change > 0.0 else 0.0
-        return Sweep(image.reshape(eigenstrain.shape), residual, size, remembered)
+        return Sweep(image.reshape(eigenstrain.shape), residual, size, variables)
 
     def misfit(
         self,
@@ -129,7 +129,7 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
         start: FloatArray | None = None,
-        caused: FloatArray | None = None,
+        internal_stress: FloatArray | None = None,
     ) -> float:
         """Largest difference of stress between cells and their laws, relative to the largest stress.
 
@@ -139,7 +139,7 @@ class CellSweeps:
         """
         if not self._laws.cells.size:
             return 0.0
-        stress = applied_stress + (self._caused(eigenstrain) if caused is None else caused)
+        stress = applied_stress + (self._internal_stress(eigenstrain) if internal_stress is None else internal_stress)
         e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
         if start is not None:
@@ -151,12 +151,12 @@ class CellSweeps:
         """Strain by the load in the cells, the reference of `InclusionReport`."""
         if self._prestrain_stress is None or self._prestrain_stress[0] is not prestrain:
             self._prestrain_stress = prestrain, self._stress_of(prestrain)
-        caused = self._prestrain_stress[1]
-        load = (applied_stress + caused if caused.any() else applied_stress).reshape(6, -1)
+        internal_stress = self._prestrain_stress[1]
+        load = (applied_stress + internal_stress if internal_stress.any() else applied_stress).reshape(6, -1)
         sizes = [norm_of(load[:, cells]) for cells in (self._linear.cells, self._at)]
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 
-    def _caused(self, eigenstrain: FloatArray) -> FloatArray:
+    def _internal_stress(self, eigenstrain: FloatArray) -> FloatArray:
         """Stress by an eigenstrain, cached for the last one, so that elastic increments need no application."""
         if self._last is None or not np.array_equal(self._last[0], eigenstrain):
             self._last = eigenstrain, self._stress_of(eigenstrain)

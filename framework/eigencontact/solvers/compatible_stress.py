@@ -79,11 +79,11 @@ class CompatibleStress:
         """
         work = np.where(self._share > 0.0, np.moveaxis(stress, 0, -1), 0.0)
         load = self._spread(self._share * (work @ self._mean))
-        self._displacement = self._solved(load, self._displacement)
+        self._displacement = self._displacement_of(load, self._displacement)
         means = self._gathered(self._displacement) @ self._of_mean.T
         return np.moveaxis(np.where(self._share > 0.0, means, 0.0), -1, 0)
 
-    def _solved(self, load: FloatArray, start: FloatArray) -> FloatArray:
+    def _displacement_of(self, load: FloatArray, start: FloatArray) -> FloatArray:
         """Displacement of the corners of cells, by conjugate gradients; rigid motions are free."""
         size, answer = float(np.linalg.norm(load)), start.copy()
         residual = load - self._force(answer)

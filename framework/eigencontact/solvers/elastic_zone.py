@@ -66,7 +66,7 @@ class ElasticStress:
 
     def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
         self._influences, self._material, self._room = influences, material, _KEPT
-        self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
+        self._contributions: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
 
     def at(self, edges: tuple[float, float], loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
         """Mandel stress ``(6, count, count)`` [Pa] around loaded cells of edges (dx, dy) [m], at the depth `z` [m].
@@ -81,13 +81,13 @@ class ElasticStress:
 
     def _add(self, stress: FloatArray, name: str, edges: tuple[float, float], field: FloatArray, z: float) -> None:
         counts = stress.shape[1:]
-        before = self._known.setdefault((name, *edges, field.shape, counts, z), [])
-        for earlier_field, caused in before:
+        before = self._contributions.setdefault((name, *edges, field.shape, counts, z), [])
+        for earlier_field, contribution in before:
             if np.array_equal(earlier_field, field):
-                stress += caused
+                stress += contribution
                 return
             if np.array_equal(earlier_field, -field):
-                stress -= caused
+                stress -= contribution
                 return
         # Table of all offsets between loaded cells and points, for the sum over the cells.
         y, x = (
@@ -96,11 +96,11 @@ class ElasticStress:
         )
         half = (0.5 * edges[0], 0.5 * edges[1])
         tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
-        caused = np.stack([_convolved(table, field) for table in tables])
-        stress += caused
-        if caused.nbytes <= self._room:
-            self._room -= caused.nbytes
-            before.append((field, caused))
+        contribution = np.stack([_convolved(table, field) for table in tables])
+        stress += contribution
+        if contribution.nbytes <= self._room:
+            self._room -= contribution.nbytes
+            before.append((field, contribution))
 
 
 def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, factor: float) -> Zone | None:

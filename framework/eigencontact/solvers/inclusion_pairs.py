@@ -41,14 +41,14 @@ class InclusionPairs:
 
     Attributes
     ----------
-    own : dict
+    self_interaction : dict
         Self-interaction matrix ``(n, n + 6)`` by the key of an inclusion, with its image; the last six columns are
         those of uniform eigenstrains.
     """
 
     def __init__(self, system: PolynomialInclusions) -> None:
         self._system = system
-        self.own: dict[Hashable, FloatArray] = {}
+        self.self_interaction: dict[Hashable, FloatArray] = {}
         self._distant = None
         if len(system.regions) > _MANY and all(cloud_sources(shape) is not None for shape in system.regions):
             self._distant = DistantWork(system)
@@ -72,11 +72,11 @@ class InclusionPairs:
         blocks: dict[Hashable, _Blocks] = {}
         for number, basis in enumerate(self._system.bases):
             key = self._system.key_of(number)
-            if key not in self.own:
-                caused = self._stress_work(number, number)[: basis.size]
-                self.own[key] = -caused
-                self.own[key][:, : basis.size] += basis.work[:, : basis.size]
-                blocks[key] = _Blocks(self.own[key])
+            if key not in self.self_interaction:
+                work = self._stress_work(number, number)[: basis.size]
+                self.self_interaction[key] = -work
+                self.self_interaction[key][:, : basis.size] += basis.work[:, : basis.size]
+                blocks[key] = _Blocks(self.self_interaction[key])
             blocks[key].targets.append(number)
             blocks[key].sources.append(number)
         for target, source in self._near_pairs():
@@ -117,9 +117,9 @@ class InclusionPairs:
         key = (self._system.kinds[target], self._system.kinds[source], offset.tobytes(), depth)
         there, back = (*key, "there"), (*key, "back")
         if there not in blocks:
-            caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self._system.bases[target].size])
-            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self._system.bases[source].size].T))
+            work = -self._stress_work(target, source)
+            blocks[there] = _Blocks(work[: self._system.bases[target].size])
+            blocks[back] = _Blocks(np.ascontiguousarray(work[:, : self._system.bases[source].size].T))
         blocks[there].targets.append(target)
         blocks[there].sources.append(source)
         blocks[back].targets.append(source)
@@ -133,7 +133,7 @@ class InclusionPairs:
         reach = system.halves[source] if target == source else system.radii[source]
         within = system.halves[target] if target == source else system.radii[target]
         degree = max(first.degree, second.degree)
-        counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
+        counts = counts_between(distance, within, reach, degree, own_field=target == source and system.space == "full")
         if is_ball(system.regions[target]):
             # External stress has terms r^l and r^(l+2) times harmonics of degree l; only l up to the degree of the
             # density contribute.

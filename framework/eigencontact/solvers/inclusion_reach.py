@@ -54,7 +54,7 @@ def reflection(distance: float, first: float, second: float) -> float:
 
 
 def counts_between(
-    distance: float, within: float, reach: float, degree: int, *, alone: bool = False
+    distance: float, within: float, reach: float, degree: int, *, own_field: bool = False
 ) -> tuple[int, int, int]:
     """Numbers of points of a quadrature over an inclusion for the field of another: radial, polar and azimuthal.
 
@@ -66,11 +66,11 @@ def counts_between(
         Radii of the inclusion of integration and of the other inclusion [m].
     degree : int
         Largest degree of both.
-    alone : bool
+    own_field : bool
         Whether the field is the inclusion's own field in full space, a polynomial; the quadrature is then exact.
     """
     more = 0
-    if not alone:
+    if not own_field:
         # An expansion about the centre converges as (within / distance)^l. The factors were fitted to balls at depths
         # of 1.02 to 1.5 radii, so that their eigenstrain has an error of 1e-9.
         near = max(distance - 0.5 * reach, 1.02 * within)

@@ -164,8 +164,8 @@ class InclusionSystem(ABC):
 
         if size > 0.0:
             equivalent = equivalent + gmres(
-                lambda x: -self._residual(x.reshape(6, -1), self._caused(x.reshape(6, -1))).ravel(),
-                (self._residual(equivalent, load + self._caused(equivalent)) + shift).ravel(),
+                lambda x: -self._residual(x.reshape(6, -1), self._stress_by(x.reshape(6, -1))).ravel(),
+                (self._residual(equivalent, load + self._stress_by(equivalent)) + shift).ravel(),
                 bound=0.9 * bound * size,
                 max_iterations=self.max_iterations if max_iterations is None else max_iterations,
                 restart=self.restart,
@@ -184,7 +184,7 @@ class InclusionSystem(ABC):
             )
         return EquivalentInclusions(eigenstrain, stress, report)
 
-    def _caused(self, x: FloatArray) -> FloatArray:
+    def _stress_by(self, x: FloatArray) -> FloatArray:
         """Stress [Pa] in the inhomogeneities, ``(6, n)``, by the unknowns."""
         return self._unknowns(self._apply(self._spread(x)))
 

@@ -26,9 +26,9 @@ from eigencontact.errors import NotConverged, NotUnique
 from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_of, cell_answer_of, place_of, refuse
 
-__all__ = ["Around", "LawCells", "Remembered"]
+__all__ = ["Around", "LawCells", "Variables"]
 
-Remembered = dict[str, FloatArray]
+Variables = dict[str, FloatArray]
 
 
 class Around(Protocol):
@@ -100,7 +100,7 @@ class LawCells:
         prestrain: FloatArray,
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
-    ) -> tuple[FloatArray, list[Remembered]]:
+    ) -> tuple[FloatArray, list[Variables]]:
         """Eigenstrain of each cell under the present eigenstrain of the others, and its history variables.
 
         Parameters
@@ -125,7 +125,7 @@ class LawCells:
                     remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
                 foreign = s - product(self.self_stress, e)
-                solution = _solved(_Question(self, law, foreign, fixed, records, step), e)
+                solution = _newton(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
                 remembered.append(solution.answer.variables)
         return out, remembered
@@ -139,7 +139,7 @@ class LawCells:
         prestrain: FloatArray,
         records: Mapping[str, FloatArray],
         step: Any,
-    ) -> Remembered:
+    ) -> Variables:
         """Write the responses of a law for its cells to `out`, chunk by chunk; returns their history variables."""
         count = out.shape[1]
         after = {name: np.empty((variable.components, count)) for name, variable in law.variables.items()}
@@ -265,7 +265,7 @@ def _pieces(count: int, size: int) -> list[slice]:
     return [slice(first, min(first + size, count)) for first in range(0, count, size)]
 
 
-def _solved(question: _Question, start: FloatArray) -> _State:
+def _newton(question: _Question, start: FloatArray) -> _State:
     """Solve all cells of a law by Newton's method."""
     body, state = question.body, question.at(start.copy())
     for _ in range(_STEPS):

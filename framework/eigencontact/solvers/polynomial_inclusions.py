@@ -291,7 +291,7 @@ class PolynomialInclusions:
         for number, basis in enumerate(self.bases):
             key = self.key_of(number), lower
             if key not in self._inverses:
-                matrix = self._pairs.own[key[0]][:, : basis.size]
+                matrix = self._pairs.self_interaction[key[0]][:, : basis.size]
                 count = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
                 self._inverses[key][:count, :count] = _inverse(matrix[:count, :count], basis.volume)

@@ -67,7 +67,7 @@ class Cost:
         return Cost(seconds_once=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
     @property
-    def anew(self) -> Cost:
+    def every_step(self) -> Cost:
         """Cost of work that is repeated in each step; its memory is released afterwards."""
         return Cost(seconds_per_step=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
@@ -131,7 +131,7 @@ class Block(Part, ABC):
     ----------
     requires, provides : frozenset of str
         Quantities, by name.
-    wanted : mapping of str to str
+    requesters : mapping of str to str
         Provided quantities that are results of the run, with the requester of each. Other provided quantities are
         computed only if another block requires them.
     settles : bool
@@ -142,7 +142,7 @@ class Block(Part, ABC):
 
     requires: frozenset[str] = frozenset()
     provides: frozenset[str] = frozenset()
-    wanted: Mapping[str, str] = MappingProxyType({})
+    requesters: Mapping[str, str] = MappingProxyType({})
     settles: bool = False
     accumulated: frozenset[str] = frozenset()
 

@@ -28,7 +28,7 @@ class BulkStress(Stateless):
 
     name, settles = _NAME, True
     provides = frozenset({_NAME})
-    wanted = dict.fromkeys((_NAME,), "[body1] or [body2] bulk-stress, or steps")
+    requesters = dict.fromkeys((_NAME,), "[body1] or [body2] bulk-stress, or steps")
     numbers = tuple(
         Number(name=name, unit="Pa", meaning=f"bulk stress {component} of body {body}, by a load far away")
         for body, names in BULK_NAMES.items()

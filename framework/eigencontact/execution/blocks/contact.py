@@ -47,7 +47,7 @@ class ContactAnswer:
         State for the next increment.
     solution : object
         Solution in the form of the contact; only the contact reads it.
-    spent : mapping of str to float
+    counts : mapping of str to float
         Iterations and convolutions used.
     """
 
@@ -55,7 +55,7 @@ class ContactAnswer:
     displacement: Fields
     memory: Any
     solution: Any
-    spent: Mapping[str, float]
+    counts: Mapping[str, float]
 
 
 class Contact(Part):

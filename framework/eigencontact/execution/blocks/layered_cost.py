@@ -80,10 +80,10 @@ def layered_surface_cost(
     return Cost(seconds_once=seconds, transient=memory)
 
 
-def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: bool = False) -> Cost:
+def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, every_step: bool = False) -> Cost:
     """Predicted cost of the stress tables of a layered body, without the cost per point.
 
-    The points cost as much as those of homogeneous bodies. `anew` is for tables that are sampled in every step.
+    The points cost as much as those of homogeneous bodies. `every_step` is for tables that are sampled in every step.
     """
     if not isinstance(body, LayeredMedium) or numerics.boundary == "periodic":
         return Cost()
@@ -91,6 +91,6 @@ def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: b
     table_seconds = tables * _TABLE / (0.75 * min(numerics.threads or available_threads(), max(1, tables)))
     return (
         Cost(seconds_once=field_seconds, seconds_per_step=table_seconds)
-        if anew
+        if every_step
         else Cost(seconds_once=field_seconds + table_seconds)
     )

@@ -51,8 +51,8 @@ class Precision:
     bound: float
 
     def __str__(self) -> str:
-        how = "within" if self.chosen == "single" else "above"
-        return f"{self.operator} {self.chosen} (round-off of single, {self.round_off:.1e}, is {how} {self.bound:.1e})"
+        relation = "is within" if self.chosen == "single" else "is above"
+        return f"{self.operator} {self.chosen} (round-off of single, {self.round_off:.1e}, {relation} {self.bound:.1e})"
 
 
 def settled(

@@ -26,7 +26,7 @@ class CyclePlace:
         Number of the repetition, from 1.
     skipped : int
         Skipped repetitions before it.
-    left : int
+    repeats_after : int
         Remaining repetitions after it.
     begins, ends : bool
         Whether it is the first or the last increment of the cycle.
@@ -36,7 +36,7 @@ class CyclePlace:
 
     number: int
     skipped: int
-    left: int
+    repeats_after: int
     begins: bool
     ends: bool
     settling: bool = False

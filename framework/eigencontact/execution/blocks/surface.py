@@ -40,7 +40,7 @@ class Surface:
     ----------
     separation : (ny, nx) or None
         Initial gap, worn depth included [m]; None without a contact.
-    lost : mapping of int to (ny, nx)
+    worn_depths : mapping of int to (ny, nx)
         Worn depth of each body in coordinates of the window [m].
     exposed : (ny, nx) int or None
         Number of the topmost material; None if no law needs it.
@@ -53,7 +53,7 @@ class Surface:
     """
 
     separation: FloatArray | None = None
-    lost: Mapping[int, FloatArray] = field(default_factory=dict)
+    worn_depths: Mapping[int, FloatArray] = field(default_factory=dict)
     exposed: NDArray[np.intp] | None = None
     slide: Slide | None = None
     moved: bool = False

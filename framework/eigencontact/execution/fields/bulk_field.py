@@ -81,10 +81,10 @@ class BulkField(Cause):
     def _displacement_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
         """Displacement ``(3, n)`` [m] along z at depths ``(n,)`` [m], relative to the surface."""
         out = np.zeros((3, depths.size))
-        out[2] = [self._sunk(strain, depth) for depth in depths]
+        out[2] = [self._settlement(strain, depth) for depth in depths]
         return out
 
-    def _sunk(self, strain: FloatArray, depth: float) -> float:
+    def _settlement(self, strain: FloatArray, depth: float) -> float:
         """Integral of the strain zz from the surface to a depth [m]."""
         faces = () if isinstance(self._solid, Material) else self._solid.interfaces
         knots = np.array([0.0, *(face for face in faces if face < depth), depth])

@@ -152,7 +152,7 @@ class MaterialPoints:
         return {number: place for number, place in enumerate(slices, 1) if place is not None}
 
     def amend(
-        self, fields: dict[str, FloatArray], caused: FloatArray | None, eigenstrain: FloatArray, time: float
+        self, fields: dict[str, FloatArray], cell_stress: FloatArray | None, eigenstrain: FloatArray, time: float
     ) -> None:
         """Replace stress and strain at points of the regions, and the stress near boundaries that cut cells.
 
@@ -160,17 +160,17 @@ class MaterialPoints:
         ----------
         fields : dict of (6, ...) arrays
             ``"stress"`` [Pa] and ``"strain"`` by all causes, or one of them; the method replaces the values.
-        caused : (6, n), optional
+        cell_stress : (6, n), optional
             Stress by the computed eigenstrain alone [Pa].
         eigenstrain : (6, nz, ny, nx)
             Eigenstrain of the cells, prestrain included [-].
         """
         amended = {name: fields[name].reshape(6, -1).copy() for name in ("stress", "strain") if name in fields}
         padded = np.pad(eigenstrain, ((0, 0), *self._room))
-        if caused is not None and self._outside.size:
+        if cell_stress is not None and self._outside.size:
             where = self._near[self._outside]
             outer = self._between.values(self._outer(eigenstrain, padded), self._outside)
-            amended["stress"][:, where] += outer - caused[:, where]
+            amended["stress"][:, where] += outer - cell_stress[:, where]
         field = np.zeros_like(padded)
         for region in self._regions:
             self._fill(field, region, padded, time)

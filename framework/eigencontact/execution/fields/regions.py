@@ -50,7 +50,7 @@ class Region(Block):
         Function from an interface to the causes of the fields.
     interface : Interface or None
         None without a contact.
-    asker : str, optional
+    requester : str, optional
         Observer that requested the region; such a region is not a result of the scene.
 
     Raises
@@ -72,15 +72,15 @@ class Region(Block):
 
     def __init__(
         self, request: StressRequest, lattice: RegionLattice, causes: CausesOf, interface: Interface | None,
-        asker: str = "",
+        requester: str = "",
     ) -> None:  # fmt: skip
-        self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
+        self.numbers = Region.numbers if not requester and "stress" in request.fields else ()
         self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
-        self.stored, label = not asker, request.label
+        self.stored, label = not requester, request.label
         self.name = f"stress-{label}"
-        self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
+        self.why = f"{requester or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
-        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
+        self.requesters = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
         parts = list(causes(interface))
         if not parts:
             raise SceneError(
@@ -129,7 +129,7 @@ class RunningRegion:
             note_largest(step, record, stress)
 
 
-def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
+def region_of(model: Model, request: StressRequest, requester: str = "") -> Region:
     """Region of a request in a model."""
     lattice = region_lattice(request, model.grid)
 
@@ -153,7 +153,7 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
                 if subsurface.body == request.body:
                     yield EigenstrainField(subsurface, request, lattice)
 
-    return Region(request, lattice, causes, model.interface, asker)
+    return Region(request, lattice, causes, model.interface, requester)
 
 
 def regions_of(model: Model) -> Iterator[Region]:

@@ -111,8 +111,8 @@ class TractionField(Cause):
         if not isinstance(self._body, Material):
             from eigencontact.execution.blocks.layered_cost import layered_stress_cost
 
-            anew = lattice.points is not None
-            self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
+            every_step = lattice.points is not None
+            self.cost += layered_stress_cost(self._body, tables * count, numerics, every_step=every_step)
         self.kernels += tuple(
             KernelUse(
                 _WORDS[quantity], item.words, kernel_key(interface.influences[item.name], [self._body]), text,

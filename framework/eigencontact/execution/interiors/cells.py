@@ -16,7 +16,7 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.interiors.interior import Remembered, loads
+from eigencontact.execution.interiors.interior import Records, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
@@ -174,7 +174,7 @@ class Cells(Responding):
         )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
         self._content = MaterialCells(self._box, self.sources, grid, matrix_law(self._half_space.material))
-        self._lost = np.zeros(grid.shape)
+        self._worn_depth = np.zeros(grid.shape)
         self._fill()
         self._joint = None
         if self._kernels:
@@ -199,26 +199,26 @@ class Cells(Responding):
             normal=linear.normal,
         )
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`; inclusions move up by the worn depth of the surface above them."""
-        lost = increment.surface.lost.get(self.body, self._lost)
-        if not np.array_equal(lost, self._lost):
-            self._refuse_buried(float(lost.max()))
-            self._lost = lost
+        worn_depth = increment.surface.worn_depths.get(self.body, self._worn_depth)
+        if not np.array_equal(worn_depth, self._worn_depth):
+            self._refuse_buried(float(worn_depth.max()))
+            self._worn_depth = worn_depth
             if not self._box.lattice.first[0]:
-                self._content.rise(lost)
+                self._content.rise(worn_depth)
                 self._fill()
         super().begin(increment, last)
 
-    def _refuse_buried(self, lost: float) -> None:
+    def _refuse_buried(self, worn_depth: float) -> None:
         """Refuse wear that would raise the content of a box above its cells."""
         layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
-        if layers and lost > _BURIED * height:
+        if layers and worn_depth > _BURIED * height:
             raise SceneError(
-                f"depth lost by body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, "
-                f"where inclusions lie in the depth alone (got {lost:.3g} m above {self._box.names}, whose cells begin "
-                f"{layers} layers below the surface); give larger cells by numerics.inclusion-pitch, or another "
-                "inclusion, of the body's own constants, that begins at the surface"
+                f"worn depth of body {self.body} must stay below {_BURIED:g} of the cell height of {height:.3g} m if "
+                f"all inclusions are below the surface (got {worn_depth:.3g} m above {self._box.names}, with {layers} "
+                "layers of cells above); set a larger numerics.inclusion-pitch, or add an inclusion at the surface "
+                "with the constants of the body"
             )
 
     def prestrain(self, time: float) -> FloatArray:
@@ -228,8 +228,8 @@ class Cells(Responding):
     def applied(self, tractions: Fields) -> FloatArray:
         """See `Responding.applied`."""
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
-            caused = self._joint.stress(loads(self.body, self._tractions, tractions))
-            total = np.ascontiguousarray(self.at_centres(caused))
+            contact_stress = self._joint.stress(loads(self.body, self._tractions, tractions))
+            total = np.ascontiguousarray(self.at_centres(contact_stress))
         else:
             total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:

@@ -45,7 +45,7 @@ class CheckedWork:
 
     def __init__(self, system: PolynomialInclusions, subsurface: Subsurface) -> None:
         self._system, self._subsurface = system, subsurface
-        self._field = self._made()
+        self._field = self._field_of_prescribed()
         self._checked = False
         self.present, self.error = np.zeros(system.size), 0.0
 
@@ -62,7 +62,7 @@ class CheckedWork:
         for factor in _FACTORS[1:]:
             before = amplitudes
             system.refine_rules(factor)
-            self._field = self._made()
+            self._field = self._field_of_prescribed()
             self.present = self._at(time)
             amplitudes = system.solve(self.present, start=before).amplitudes
             largest = system.difference(amplitudes, zero_field).max()
@@ -70,7 +70,7 @@ class CheckedWork:
             if self.error <= _ACCEPTED:
                 break
 
-    def _made(self) -> PrescribedField:
+    def _field_of_prescribed(self) -> PrescribedField:
         empty = np.empty(0)
         points = RegionLattice(
             target=(0, 0), origin=(0.0, 0.0), x=empty, y=empty, depths=empty, points=self._system.points.T.copy()

@@ -19,7 +19,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, loads
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction, loads
 from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
 from eigencontact.execution.routes.subsurface import Subsurface, ground_of
 from eigencontact.model.boxes import CellBox, box_of_inhomogeneities
@@ -45,17 +45,17 @@ class CoarseCells(SweptCells):
         super().__init__(subsurface, directions)
         self.why = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`; coarse cells of the patch have the means of the finer cells and no state."""
         super().begin(increment, last)
         assert self.levels is not None
         self.eigenstrain = self._start = self.levels.without_patch(self.eigenstrain)
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`; the patch has means over the finer cells."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`; the patch has means over the finer cells."""
         assert self.levels is not None
-        records = super().remembered()
-        for record in self.levels.fine.remembered().values():
+        records = super().state_records()
+        for record in self.levels.fine.state_records().values():
             name = record.name.replace(_FINER, "")
             if name not in records:
                 shape = (len(record.values), *self.box.lattice.shape)
@@ -104,7 +104,7 @@ class FinerCells(SweptCells):
         self._patch, self._coarse_grid = patch, coarse_grid
         super().__init__(subsurface, "")
         self._stored = _finer(self._stored)
-        self.remembers = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
+        self.state_names = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
         ratio = self._numerics.inclusion_refinement
         self.why = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer, at inclusions, swept with those"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None

@@ -21,7 +21,7 @@ __all__ = ["initial_states", "moved_state"]
 
 
 #: Allowed fraction of a stored variable outside the cells of a law with this variable.
-_LOST = 1e-6
+_LARGEST_OMISSION = 1e-6
 
 
 def initial_states(scene: Scene) -> dict[int, InitialState]:
@@ -97,7 +97,7 @@ def moved_state(
                 cells.ravel()[places] = True
         total = float(np.abs(values).sum())
         omitted = float(np.abs(values[:, ~cells]).sum())
-        if omitted > _LOST * total:
+        if omitted > _LARGEST_OMISSION * total:
             raise SceneError(
                 f"{plain!r} of {state.where} must lie where a law remembers it "
                 f"(got {100 * omitted / total:.2g} % of it elsewhere); "

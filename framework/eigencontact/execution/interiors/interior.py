@@ -17,7 +17,7 @@ from eigencontact.results.records import HistoryRecord
 
 __all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
 
-Remembered = Mapping[str, HistoryRecord]
+Records = Mapping[str, HistoryRecord]
 
 
 class Outgrown(Exception):
@@ -43,8 +43,8 @@ class Interior(Part):
         1 or 2.
     responds : bool
         Whether the eigenstrain depends on the tractions.
-    remembers : frozenset of str
-        Names of the stored state variables: the keys of `remembered`.
+    state_names : frozenset of str
+        Names of the stored state variables: the keys of `state_records`.
     is_beside : bool
         Whether the eigenstrain depends on another interior of the same body.
     estimates_degree : bool
@@ -53,7 +53,7 @@ class Interior(Part):
 
     body: int = 1
     responds: bool = True
-    remembers: frozenset[str] = frozenset()
+    state_names: frozenset[str] = frozenset()
     estimates_degree: bool = False
     is_beside: bool = False
 
@@ -61,7 +61,7 @@ class Interior(Part):
         """Build the operators."""
 
     @abstractmethod
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """Set the state of the last accepted increment from its record; an empty `last` is the rest state.
 
         Raises
@@ -70,7 +70,7 @@ class Interior(Part):
             The state needs more cells than this interior has.
         """
 
-    def adopted(self) -> Remembered:
+    def adopted(self) -> Records:
         """Stored variables of an earlier run in the form of this interior, as its initial state."""
         return {}
 
@@ -97,15 +97,15 @@ class Interior(Part):
         """
         raise NotImplementedError
 
-    def remembered(self) -> dict[str, HistoryRecord]:
+    def state_records(self) -> dict[str, HistoryRecord]:
         """Variables of the present state to store, for the next increment and for regions."""
         return {}
 
-    def flowed(self, before: Remembered, after: Remembered) -> bool:  # noqa: ARG002
+    def flowed(self, before: Records, after: Records) -> bool:  # noqa: ARG002
         """Whether an increment has changed the internal variables of the cells."""
         return False
 
-    def distance(self, state: Remembered, reference: Remembered) -> float:  # noqa: ARG002
+    def distance(self, state: Records, reference: Records) -> float:  # noqa: ARG002
         """Difference of the strains of two states under the present load, relative to the strain by this load."""
         return 0.0
 

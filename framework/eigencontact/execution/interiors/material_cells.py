@@ -87,22 +87,22 @@ class MaterialCells:
                 rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
                 require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
-    def rise(self, lost: FloatArray) -> None:
+    def rise(self, worn_depth: FloatArray) -> None:
         """Move the content up by the worn depth ``(ny, nx)`` [m] of the surface since the start.
 
         Linear materials rise by that depth, column by column; material above the surface disappears. History-dependent
         laws stay in place.
         """
-        self._risen = self._cells_risen(lost)
+        self._risen = self._cells_risen(worn_depth)
         self._mix()
 
-    def _cells_risen(self, lost: FloatArray) -> dict[int, FloatArray]:
+    def _cells_risen(self, worn_depth: FloatArray) -> dict[int, FloatArray]:
         """Rise of each linear source in its columns [cells]."""
         padded = np.zeros(self.shape[1:])
-        (_, row, column), (ny, nx) = self._box.lattice.first, lost.shape
+        (_, row, column), (ny, nx) = self._box.lattice.first, worn_depth.shape
         rows, columns = (np.arange(n) + first for n, first in zip(padded.shape, (row, column), strict=True))
         inside = np.ix_((rows >= 0) & (rows < ny), (columns >= 0) & (columns < nx))
-        padded[inside] = lost[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
+        padded[inside] = worn_depth[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
         padded /= self._box.lattice.edges[0]
         return {
             member: padded[place[1:]] for member, (place, _) in enumerate(self._new) if self._sources[member].law.linear
@@ -193,7 +193,7 @@ class MaterialCells:
         return LinearContent(linear, index, numbers[self.beside], np.where(nonlinear, 1.0, self.fraction), self.normal)
 
     @property
-    def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+    def nonlinear(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
         """Nonlinear laws, or their local laws, and the cells that they fill at least by half."""
         places = self._box.centres(self._grid).flat_points()
         groups = []

@@ -17,7 +17,7 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.checked_work import CheckedWork
-from eigencontact.execution.interiors.interior import Remembered, loads
+from eigencontact.execution.interiors.interior import Records, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.halfspace.cloud import likeness
@@ -135,7 +135,7 @@ class PolynomialWholes(Responding):
         if self._subsurface.prescribed:
             self._work = CheckedWork(self._system, self._subsurface)
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
         if self._stored not in last:
@@ -243,8 +243,8 @@ class PolynomialWholes(Responding):
         ]
         return max(float(self._beyond.max()), 1.0), changes
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
         name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities per density of their shapes, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.regions import surface_lattice
 
@@ -36,7 +36,7 @@ class PrescribedEigenstrain(Interior):
         self.kernels = self._field.uses(f"displacement {', '.join(directions)}", points)
         self._time = 0.0
 
-    def begin(self, increment: Increment, last: Remembered) -> None:  # noqa: ARG002
+    def begin(self, increment: Increment, last: Records) -> None:  # noqa: ARG002
         """See `Interior.begin`."""
         self._time = increment.times[1]
 

@@ -13,7 +13,7 @@ from eigencontact.core.bulk import bulk_of, in_plane_strain, plane_stress
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction, eigenstrain_name
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import Route
 from eigencontact.execution.routes.subsurface import Subsurface
@@ -63,7 +63,7 @@ class Responding(Interior):
         self._numerics, self._grid = self._half_space.numerics, self._half_space.grid
         self.sources, self._tractions = subsurface.inhomogeneities, subsurface.tractions
         self._stored = eigenstrain_name(body, beside=subsurface.beside)
-        self.remembers = frozenset({self._stored})
+        self.state_names = frozenset({self._stored})
         self._coords = subsurface.coords
         # Along traction directions the mean over each cell is reciprocal to the mean stress; other directions use the
         # centre.
@@ -77,7 +77,7 @@ class Responding(Interior):
         if self._centres:
             rows = tuple("xyz".index(name) for name in self._centres)
             self._surface = subsurface.route("displacement", surface_lattice(self._grid), rows)
-        self._time, self._spent, self._residual = 0.0, 0.0, 0.0
+        self._time, self._operator_calls, self._residual = 0.0, 0.0, 0.0
         self._lifted: tuple[FloatArray, FloatArray] | None = None
         self._progress: Progress | None = None
 
@@ -97,14 +97,14 @@ class Responding(Interior):
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
         """Solve for the eigenstrain; the result has ``eigenstrain`` and ``report``."""
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         self._time, self._progress = increment.times[1], increment.progress
         self._prestrain = self.prestrain(self._time)
         self._bulk = self._bulk_stress(increment.bulk[1])
         record = last.get(self._stored)
         self.eigenstrain = self._prestrain if record is None else self.fitted(record)
-        self._spent, self._residual = 0.0, 0.0
+        self._operator_calls, self._residual = 0.0, 0.0
 
     def _bulk_stress(self, values: Mapping[str, float]) -> FloatArray | None:
         """Mandel bulk stress ``(6,)`` [Pa]; None without bulk stress."""
@@ -121,7 +121,7 @@ class Responding(Interior):
         """See `Interior.image`."""
         solution = self.solve(self.applied(tractions), self._prestrain, tolerance)
         self.eigenstrain, self._residual = solution.eigenstrain, solution.report.residual
-        self._spent += solution.report.iterations
+        self._operator_calls += solution.report.iterations
         return self.unknown, self._residual
 
     def displacement(self, directions: str) -> dict[str, FloatArray]:
@@ -141,8 +141,8 @@ class Responding(Interior):
         """Callback for the residual of each iteration."""
         return self._progress
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
         name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities, prestrain included, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
@@ -153,4 +153,4 @@ class Responding(Interior):
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""
-        return {"inclusion_iterations": self._spent, "inclusion_residual": self._residual}
+        return {"inclusion_iterations": self._operator_calls, "inclusion_residual": self._residual}

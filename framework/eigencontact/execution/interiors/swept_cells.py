@@ -30,7 +30,7 @@ from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.cut_cells import CutCells
 from eigencontact.execution.interiors.initial import moved_state
-from eigencontact.execution.interiors.interior import Outgrown, Remembered
+from eigencontact.execution.interiors.interior import Outgrown, Records
 from eigencontact.execution.interiors.linked_cells import linked_cells
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.growth import enlarged, lattice_of
@@ -74,7 +74,7 @@ class SweptCells(Cells):
         super().__init__(subsurface, directions)
         self.levels: Levels | None = None
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
-        self.remembers |= {self._name(name) for source in self.sources for name in source.law.variables}
+        self.state_names |= {self._name(name) for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
         self.why += ", swept with the contact" if self._kernels else ", swept"
 
@@ -92,7 +92,7 @@ class SweptCells(Cells):
         from eigencontact.solvers.law_cells import LawCells
 
         super()._fill()
-        whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
+        whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.nonlinear]
         self._cut = CutCells.all_of(self._content, self._half_space.material)
         self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
@@ -113,7 +113,7 @@ class SweptCells(Cells):
             return means
         return centre_values(means, self._faces, self._numerics.threads or available_threads())
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
         self._sweeping, self._start = True, self.eigenstrain
@@ -130,7 +130,7 @@ class SweptCells(Cells):
         start, end = increment.times
         return LawStep(x=x, y=y, z=z, time=end, duration=end - start)
 
-    def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Remembered) -> dict[str, FloatArray]:
+    def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Records) -> dict[str, FloatArray]:
         """Variables of the cells of a law in stored records; zero in the rest state."""
         variables = {}
         for name, variable in law.variables.items():
@@ -139,7 +139,7 @@ class SweptCells(Cells):
             variables[name] = whole if record is None else whole[:, cells]
         return variables
 
-    def adopted(self) -> Remembered:
+    def adopted(self) -> Records:
         """See `Interior.adopted`."""
         state = self._subsurface.initial
         return {} if state is None else moved_state(state, self._laws, self._coords, self._box.lattice.edges)
@@ -169,14 +169,14 @@ class SweptCells(Cells):
             return super().image(tractions, tolerance)
         before, self._load = self._applied, self.applied(tractions)
         sweep = self._sweeps.sweep(
-            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
+            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._joint_stress()
         )
-        self._after, self._residual, self._size = sweep.remembered, sweep.residual, sweep.size
-        self._spent += self._applied - before
+        self._after, self._residual, self._size = sweep.variables, sweep.residual, sweep.size
+        self._operator_calls += self._applied - before
         self._change = sweep.image - self.eigenstrain
         if not self._about.size:
             return sweep.image, sweep.residual
-        means = self._averages.of(sweep.remembered)
+        means = self._averages.of(sweep.variables)
         size = float(np.linalg.norm(means))
         change = float(np.linalg.norm(means - self._about)) / size if size > 0.0 else 0.0
         self._residual = max(sweep.residual, change)
@@ -187,7 +187,7 @@ class SweptCells(Cells):
         """Number of operator applications so far; for two levels, those of both."""
         return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
 
-    def _caused(self) -> FloatArray | None:
+    def _joint_stress(self) -> FloatArray | None:
         """Stress in these cells by the eigenstrain of both levels; None with a single level."""
         return None if self.levels is None else self.levels.stress_in(self)
 
@@ -195,12 +195,13 @@ class SweptCells(Cells):
         """See `Interior.scalars`; with the certificate of nonlinear laws."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
+            stress = self._joint_stress()
             scalars["law_residual"] = self._sweeps.misfit(
-                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
+                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, stress
             )
         return scalars
 
-    def flowed(self, before: Remembered, after: Remembered) -> bool:
+    def flowed(self, before: Records, after: Records) -> bool:
         """See `Interior.flowed`."""
         names = {
             self._name(n) for law, _ in self._laws for n, variable in law.variables.items() if not variable.elastic
@@ -210,7 +211,7 @@ class SweptCells(Cells):
             for name in names & after.keys()
         )
 
-    def distance(self, state: Remembered, reference: Remembered) -> float:
+    def distance(self, state: Records, reference: Records) -> float:
         """See `Interior.distance`; relative to the reference strain if it exceeds the strain by the load."""
         first, second = (records[self._stored].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
@@ -272,9 +273,9 @@ class SweptCells(Cells):
             for law, share, law_variables in cut.parts(variables):
                 yield law, law_variables, volume, share
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
-        records = super().remembered()
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
+        records = super().state_records()
         for (law, cells), variables in zip(self._laws, self._after, strict=True):
             for name, variable in law.variables.items():
                 key, shape = self._name(name), (variable.components, *self._content.shape)

@@ -38,7 +38,7 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
 
-__all__ = ["Coupled", "Solved"]
+__all__ = ["Coupled", "Solution"]
 
 
 #: Largest number of rounds, and the same if every interior is swept: softening under friction takes a hundred rounds.
@@ -63,7 +63,7 @@ _ALONG = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Solved:
+class Solution:
     """Solution of an increment.
 
     Attributes
@@ -72,7 +72,7 @@ class Solved:
         Solution of the contact; None if the scene has no contact.
     displacement : mapping of str to (ny, nx)
         Surface displacement by the interiors, in all requested directions [m].
-    remembered : mapping of str to HistoryRecord
+    records : mapping of str to HistoryRecord
         State variables of the interiors.
     scalars : mapping of str to float
         Numbers of the iteration.
@@ -80,7 +80,7 @@ class Solved:
 
     contact: ContactAnswer | None
     displacement: dict[str, FloatArray]
-    remembered: dict[str, HistoryRecord]
+    records: dict[str, HistoryRecord]
     scalars: dict[str, float] = field(default_factory=dict)
 
 
@@ -114,16 +114,16 @@ class Coupled:
         self._least = max(share * numerics.tolerance, _TIGHTEST)
         self._responding = [interior for interior in interiors if interior.responds]
 
-    def at_rest(self, increment: Increment) -> Solved:
+    def at_rest(self, increment: Increment) -> Solution:
         """Interiors without load, at the start of the first step; None if they have no effect."""
         adopted = {name: record for interior in self._interiors for name, record in interior.adopted().items()}
         if not self._responding and (self._contact is None or self._contact.directions == "z"):
-            return Solved(contact=None, displacement={}, remembered=adopted)
+            return Solution(contact=None, displacement={}, records=adopted)
         for interior in self._interiors:
             interior.begin(increment.at_start(), adopted)
         return self._solve_interiors()
 
-    def solve(self, increment: Increment, memory: Any, before: Solved) -> Solved:
+    def solve(self, increment: Increment, memory: Any, before: Solution) -> Solution:
         """Solve one increment.
 
         Parameters
@@ -141,13 +141,13 @@ class Coupled:
             The increment is too large, or has no solution.
         """
         for interior in self._interiors:
-            interior.begin(increment, before.remembered)
+            interior.begin(increment, before.records)
         if self._contact is None:
             return self._solve_interiors()
         if not self._responding:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
-            return self._solved(answer, dict(answer.spent))
+            return self._solution(answer, dict(answer.counts))
         try:
             return self._iterated(self._contact, increment, memory)
         except NotConverged:
@@ -155,10 +155,10 @@ class Coupled:
             if len(stubborn) == len(self._responding):
                 raise
         for interior in stubborn:
-            interior.begin(increment, before.remembered)
+            interior.begin(increment, before.records)
         return self._iterated(self._contact, increment, memory)
 
-    def _solve_interiors(self) -> Solved:
+    def _solve_interiors(self) -> Solution:
         """Solve the interiors without tractions; only wholes and cells of one body interact then."""
         passes = _PASSES if any(interior.is_beside for interior in self._responding) else 1
         for interior in self._responding * passes:
@@ -180,15 +180,15 @@ class Coupled:
                     f"interiors of one body: residual {left:.1e} after {passes} passes without a contact (tolerance "
                     f"{_AGREED * self._tolerance:.1e}); use a larger tolerance, or one kind of cells"
                 )
-        return self._solved(None, {})
+        return self._solution(None, {})
 
-    def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
+    def _solution(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solution:
         for interior in self._interiors:
             interior.check()
             accumulate(by_name(interior.numbers), scalars, interior.scalars())
-        remembered = {name: item for interior in self._interiors for name, item in interior.remembered().items()}
-        return Solved(
-            contact=answer, displacement=self._displaced(self._directions), remembered=remembered, scalars=scalars
+        records = {name: item for interior in self._interiors for name, item in interior.state_records().items()}
+        return Solution(
+            contact=answer, displacement=self._displaced(self._directions), records=records, scalars=scalars
         )  # fmt: skip
 
     def _displaced(self, directions: str) -> dict[str, FloatArray]:
@@ -200,9 +200,9 @@ class Coupled:
             else {}
         )
 
-    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solution:
         """Iterate contact and interiors until the residual meets the tolerance."""
-        names, mixer, history, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
+        names, mixer, history, counts = contact.directions, _Mixer(), _ComplianceRatio(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
@@ -218,37 +218,37 @@ class Coupled:
             inner = float(np.clip(tolerance_ratio * best, self._least, loosest))
             fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
-            spent.update(answer.spent)
+            counts.update(answer.counts)
             images = [interior.image(answer.tractions, inner) for interior in (*whole, *swept) if interior.responds]
             images = images[len(images) - len(swept) :]
-            now = _Round(
+            current = _Round(
                 traction=np.stack([answer.tractions[ALONG[name].field] for name in names]),
                 elastic=np.stack([answer.displacement[name] for name in names]),
                 residual=self._stacked(whole, names),
             )
-            image, scales = now.residual - share * now.elastic, now.scales(names.index("z"))
+            image, scales = current.residual - share * current.elastic, current.scales(names.index("z"))
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
-                scalars = dict(spent) | {"coupling_iterations": float(number), "coupling_residual": residual}
-                return self._solved(answer, scalars)
+                scalars = dict(counts) | {"coupling_iterations": float(number), "coupling_residual": residual}
+                return self._solution(answer, scalars)
             if not np.isfinite(residual):
                 break
             loosest = _LOOSEST if answering else _LOOSEST_SWEPT
             if residual <= self._tolerance and not answering:
                 continue  # swept interiors keep their values: only the contact must be solved to the tolerance
             # Softening of the bodies requires an offset for every displacement by the tractions.
-            softness = history.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
+            softness = history.share(current) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
             moved = loaded is None or not np.array_equal(pressed, loaded)
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(tractions for tractions, _ in images)]
             if answering and (softness != share or moved or residual > last):
                 mixer, share = _Mixer(), softness
-                mixed = [now.residual - share * now.elastic, *answers[1:]]
+                mixed = [current.residual - share * current.elastic, *answers[1:]]
             else:
                 sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
                 mixed = mixer.next(guess, answers, sizes)
@@ -291,7 +291,7 @@ class _Mixer:
         self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
         #: Entries that have been nonzero, in order of their first change: number of the array, and flat indices in it.
         self._moving: list[tuple[int, NDArray[np.intp]]] = []
-        self._known: list[NDArray[np.bool_]] = []
+        self._nonzero: list[NDArray[np.bool_]] = []
 
     def next(
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
@@ -324,13 +324,13 @@ class _Mixer:
 
     def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
         """Append the newly nonzero entries to the stored ones."""
-        if not self._known:
-            self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
+        if not self._nonzero:
+            self._nonzero = [np.zeros(array.shape, dtype=bool) for array in guess]
         for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
             fresh = before != 0.0
             fresh |= after != 0.0
-            fresh &= ~self._known[number]
-            self._known[number] |= fresh
+            fresh &= ~self._nonzero[number]
+            self._nonzero[number] |= fresh
             self._moving.append((number, np.flatnonzero(fresh)))
 
 
@@ -349,20 +349,20 @@ class _Round:
         return np.asarray(np.maximum(sizes, max(_ALONG * float(sizes[normal]), np.finfo(float).tiny)))
 
 
-class _Seen:
+class _ComplianceRatio:
     """Compliance of the interiors relative to the bodies, estimated from changes between iterations."""
 
     def __init__(self) -> None:
         self._last: _Round | None = None
         self._ratios: list[float] = []
 
-    def share(self, now: _Round) -> float:
+    def share(self, current: _Round) -> float:
         """Fraction of the bodies' compliance to add in the contact: middle of the estimated range, in few steps."""
-        before, self._last = self._last, now
+        before, self._last = self._last, current
         if before is not None:
-            change = now.traction - before.traction
-            work = float(np.sum(change * (now.elastic - before.elastic)))
-            added = float(np.sum(change * (now.residual - before.residual)))
+            change = current.traction - before.traction
+            work = float(np.sum(change * (current.elastic - before.elastic)))
+            added = float(np.sum(change * (current.residual - before.residual)))
             if work > 0.0 and abs(added) < _EXTREME * work:
                 self._ratios.append(added / work)
         if not self._ratios:

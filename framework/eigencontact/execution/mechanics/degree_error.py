@@ -24,8 +24,8 @@ PRESSURE_ERROR = Number(
 _EDGE = 2
 
 
-def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, sunk: FloatArray) -> float:
-    """Estimated error [Pa] of the pressure of a solved step; `sunk` is the normal displacement by the interiors [m].
+def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, displacement_z: FloatArray) -> float:
+    """Estimated error [Pa] of the pressure of a solved step; `displacement_z` is that by the interiors [m].
 
     A degree lower by one, and by two, changes the surface displacement by an interior, and therefore the pressure. The
     estimate neglects the effect of this pressure on the interior. It is the largest change by the last degree, or half
@@ -37,7 +37,7 @@ def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, 
     assert step.control is not None
     pressure = step.fields["pressure"]
     loaded = binary_erosion(pressure > 0.0, iterations=_EDGE)
-    moved, total = step.surface.separation + sunk, 0.0
+    moved, total = step.surface.separation + displacement_z, 0.0
     for interior in interiors:
         factor, changes = interior.normal_displacement_by_less()
         pressures = [pressure]

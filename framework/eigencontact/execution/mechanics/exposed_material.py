@@ -21,7 +21,7 @@ class ExposedMaterial(Stateless):
     name = "exposed-material"
     requires = frozenset({"separation"})
     provides = frozenset({"exposed_material"})
-    wanted = dict.fromkeys(("exposed_material",), "laws by material")
+    requesters = dict.fromkeys(("exposed_material",), "laws by material")
 
     def __init__(self, exposed: Exposed) -> None:
         self._exposed = exposed
@@ -30,7 +30,7 @@ class ExposedMaterial(Stateless):
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
-        material = self._exposed.at(step.surface.lost.get(self._exposed.body))
+        material = self._exposed.at(step.surface.worn_depths.get(self._exposed.body))
         step.surface = replace(step.surface, exposed=material)
         step.fields["exposed_material"] = material.astype(float)
 

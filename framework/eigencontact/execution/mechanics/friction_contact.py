@@ -210,7 +210,7 @@ class ContactWithFriction(Contact):
             dissipated=last.fields["dissipated_energy_density"],
         )
 
-    def _way(self, slide: Slide | None) -> FloatArray | None:
+    def _sliding_path(self, slide: Slide | None) -> FloatArray | None:
         """Sliding path of body 2 on body 1 for sliding of the whole contact, along the shear directions [m]."""
         if slide is None:
             return None
@@ -255,7 +255,7 @@ class ContactWithFriction(Contact):
             offset=self._moved(offset, increment.bulk[1]),
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
-            slide=self._way(surface.slide),
+            slide=self._sliding_path(surface.slide),
             moved=surface.moved,
             progress=increment.progress,
         )
@@ -273,7 +273,7 @@ class ContactWithFriction(Contact):
             },
             memory=solution.sliding,
             solution=solution,
-            spent={
+            counts={
                 "iterations": normal_work(solution.normal)["iterations"],
                 "convolutions": float(solution.normal_convolutions),
                 "tangential_convolutions": float(solution.tangential_convolutions),

@@ -36,7 +36,7 @@ class ShearBound(Stateless):
     name, why = "shear-bound", "what the friction law allows, drawn beside the shear"
     requires = frozenset({"pressure", "slip_distance"})
     provides = frozenset({"shear_bound"})
-    wanted = dict.fromkeys(("shear_bound",), "pictures")
+    requesters = dict.fromkeys(("shear_bound",), "pictures")
 
     def __init__(self, law: FrictionLaw, grid: Grid, exposed: Exposed | None) -> None:
         self._law, self._axes, self._facts = law, grid.axes(), partial(exposed_facts, exposed)
@@ -74,7 +74,7 @@ class ReferenceShear(Stateless):
     name = "reference-shear"
     requires = frozenset({"pressure", "shear_bound"})
     provides = frozenset({"reference_shear_x", "reference_shear_y"})
-    wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
+    requesters = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
     def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids) -> None:
         self._grid, self._geometry = grid, geometry

@@ -143,7 +143,7 @@ class NormalContact(Contact):
             displacement={"z": solution.displacement},
             memory=memory,
             solution=solution,
-            spent=normal_work(solution),
+            counts=normal_work(solution),
         )
 
     def pressed(

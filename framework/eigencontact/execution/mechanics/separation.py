@@ -98,7 +98,7 @@ class TangentialDisplacement(Block):
     name, why = "tangential-displacement", "output.tangential-displacement = true"
     requires = frozenset({"pressure"})
     provides = frozenset({"displacement_x", "displacement_y"})
-    wanted = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
+    requesters = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
 
     def __init__(self, interface: Interface, grid: Grid, numerics: Numerics) -> None:
         self._grid, periodic = grid, numerics.boundary == "periodic"
@@ -165,7 +165,7 @@ class ReferencePressure(Stateless):
         self.name = "homogeneous-pressure" if simpler else "reference-pressure"
         self.why = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
         self._field = self.name.replace("-", "_")
-        self.provides, self.wanted = frozenset({self._field}), {self._field: "pictures"}
+        self.provides, self.requesters = frozenset({self._field}), {self._field: "pictures"}
         self._grid, self._geometry = grid, geometry
         self._modulus = contact_modulus(*without_layers(solids))
 

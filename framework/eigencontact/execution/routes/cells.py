@@ -36,7 +36,7 @@ class Planes(CellRoute):
     """Transforms in the plane, for each depth and each layer of cells."""
 
     #: Name of the method, which distinguishes its operators from those of other methods.
-    way: ClassVar[str] = ""
+    name: ClassVar[str] = ""
     steps: ClassVar[bool] = True
 
     def round_off(self) -> float | None:
@@ -45,7 +45,7 @@ class Planes(CellRoute):
 
     @cached_property
     def _settled(self) -> tuple[HalfSpace, tuple[Precision, ...]]:
-        numerics, precisions = settled(self.half_space.numerics, f"{self.quantity} by cells{self.way}", self.round_off)
+        numerics, precisions = settled(self.half_space.numerics, f"{self.quantity} by cells{self.name}", self.round_off)
         return replace(self.half_space, numerics=numerics), precisions
 
     @property
@@ -110,7 +110,7 @@ class Planes(CellRoute):
 class Volume(Planes):
     """Route by transforms in space, for planes at the spacing of the cell layers; the surface separately."""
 
-    way = ", in space"
+    name = ", in space"
 
     @property
     def words(self) -> str:

@@ -60,12 +60,12 @@ class PrescribedField:
             Description of the points.
         """
         uses: dict[tuple[str, str], KernelUse] = {}
-        for source, label, how in self._regions:
-            like = (source.key, how)
+        for source, label, method in self._regions:
+            like = (source.key, method)
             if like in uses:
                 uses[like] = replace(uses[like], count=uses[like].count + 1)
             else:
-                uses[like] = KernelUse(what, f"eigenstrain of {label}", source.key, f"{where}, {how}")
+                uses[like] = KernelUse(what, f"eigenstrain of {label}", source.key, f"{where}, {method}")
         return list(uses.values())
 
     def at(self, time: float) -> FloatArray:

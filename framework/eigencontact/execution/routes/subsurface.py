@@ -148,14 +148,14 @@ class Subsurface:
 
     def with_cells(self, coords: Mapping[str, FloatArray]) -> Subsurface | None:
         """Subsurface with the cells of stored results; None if the sources are incompatible with these cells."""
-        if _same(coords, self.coords):
+        if _agree(coords, self.coords):
             return self
         if not coords or not any(source.guessed for source in self.inhomogeneities):
             return None
         # The box of an earlier step may be smaller: the lattice is the stored one, not the union.
         lattice = lattice_of(coords, self.box.lattice.edges, self.half_space.grid)
         changed = replace(self, inhomogeneities=filling(self.inhomogeneities, lattice))
-        return changed if _same(coords, changed.coords) else None
+        return changed if _agree(coords, changed.coords) else None
 
 
 def subsurfaces_of(model: Model) -> list[Subsurface]:
@@ -167,7 +167,7 @@ def subsurfaces_of(model: Model) -> list[Subsurface]:
     return blocks
 
 
-def _same(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArray]) -> bool:
+def _agree(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArray]) -> bool:
     """Whether centres of cells agree to round-off."""
     return coords.keys() == other_coords.keys() and all(
         len(coords[axis]) == len(values)
@@ -176,7 +176,7 @@ def _same(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArra
     )
 
 
-class _Nothing(EigenstrainField):
+class _ZeroEigenstrain(EigenstrainField):
     """No eigenstrain."""
 
     key, references, uniform = "nothing", (), True
@@ -191,4 +191,4 @@ def ground_of(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
     law = matrix_law(matrix)
     rule = "below 0.5 in a body with cells around whole inclusions, or finer cells around inclusions"
     require(law is not None, f"body{source.body}", "poisson-ratio", matrix.poisson_ratio, rule)
-    return replace(source, law=cast("LinearLaw", law), field=_Nothing())
+    return replace(source, law=cast("LinearLaw", law), field=_ZeroEigenstrain())

@@ -100,12 +100,12 @@ def drive(
         point, last = course.settled(point, last)
         course.passes(point, last)
         step = course.step(point, before, last)
-        spent = course.advance(step)
+        elapsed = course.advance(step)
         last, before = step.record(), point
         yield last
         report_times = getattr(watcher, "step_took", None)
         if report_times is not None:
-            report_times(spent)
+            report_times(elapsed)
         if watcher is not None:
             watcher.step_finished(last, total)
 
@@ -136,7 +136,7 @@ class _Course:
 
     def advance(self, step: Step, *, settling: bool = False) -> dict[str, float]:
         """Advance all blocks by a step, or only those that take part in settling; returns the time of each [s]."""
-        spent = dict[str, float]()
+        elapsed = dict[str, float]()
         for block, running in self._running:
             if settling and not block.settles:
                 continue
@@ -147,8 +147,8 @@ class _Course:
                 except DomainTooSmall as problem:
                     problem.step = step
                     raise
-            spent[block.name] = self._stopwatch.seconds[block.name] - before
-        return spent
+            elapsed[block.name] = self._stopwatch.seconds[block.name] - before
+        return elapsed
 
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
         """Store the start values of a ramp at its first point; `last` is the previous step."""

@@ -169,7 +169,7 @@ class LoadHistory:
             return None
         begins = point.ramp == segment.first and (self.begins_ramp(point) or point.skipped > 0)
         return CyclePlace(
-            number=point.cycle, skipped=point.skipped, left=segment.repeat - point.cycle, begins=begins,
+            number=point.cycle, skipped=point.skipped, repeats_after=segment.repeat - point.cycle, begins=begins,
             ends=point.ends_cycle,
         )  # fmt: skip
 

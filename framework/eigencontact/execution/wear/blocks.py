@@ -151,8 +151,8 @@ class Wear(Block):
             self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
         slips = set() if interface.friction is None else {"slip_distance", "dissipated_energy_density"}
         self.requires = frozenset({"pressure", *slips})
-        self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
-        self.provides = frozenset(self.wanted)
+        self.requesters = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
+        self.provides = frozenset(self.requesters)
         if not model.slides:
             self.cost = self.solves(_SLIPPING)
 

@@ -78,14 +78,14 @@ class Jumps:
         if previous is not None:
             slope = (rate.pressed - previous) / last
             expected = ahead(memory, last)
-            missed = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
-            missing = float(missed.sum()) * self._area
+            mismatch = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
+            missing = float(mismatch.sum()) * self._area
             # In a solved cycle the surfaces move at its end, unless they move with each increment.
             state.error += 0.5 * (last - (self._table.update == "increment")) * missing
             if in_its_end:
                 change = last * float((slope * pressure).sum()) * self._area
-                spent, before = float(energy.sum()), float(memory["cycle_energy"].sum())
-                fading = spent / before if before > 0 else 1.0
+                work, before = float(energy.sum()), float(memory["cycle_energy"].sum())
+                fading = work / before if before > 0 else 1.0
                 # The first change also represents the cycle before it, which starts without slip.
                 state.lag = fading * state.lag - (0.5 if memory["slope"].any() else 1.0) * change
             jump = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
@@ -99,7 +99,7 @@ class Jumps:
         share = against_deflection(rate, pressure, self._softness)
         if share > 0:
             jump = min(jump, MOST / share)
-        state.jump = max(1, min(int(jump), cycle.left))
+        state.jump = max(1, min(int(jump), cycle.repeats_after))
         if state.cycles < _RUN_IN + 0.5:  # the first cycle starts without slip
             state.memory, state.jump = updated(memory), 1
             return

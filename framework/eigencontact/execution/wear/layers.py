@@ -97,7 +97,7 @@ class WornLayers:
 
     def __init__(self, media: Mapping[int, LayeredMedium], interface: Interface, grid: Grid, allowed: float) -> None:
         self._media, self._interface, self._allowed = media, interface, allowed
-        self._lost, self.solids = dict.fromkeys(media, 0.0), interface.solids
+        self._depths, self.solids = dict.fromkeys(media, 0.0), interface.solids
         reach, finest = max(grid.sides), min(grid.edges)
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
@@ -113,8 +113,8 @@ class WornLayers:
         """Use kernels for the mean worn depth under a pressure, if they change the response enough."""
         if not pressure.any():
             return
-        mean = {body: float(np.average(state.seen(body), weights=pressure)) for body in self._media}
-        if self._change(self._lost, mean) > _SHARE * self._allowed:
+        mean = {body: float(np.average(state.in_window(body), weights=pressure)) for body in self._media}
+        if self._change(self._depths, mean) > _SHARE * self._allowed:
             self._use(mean)
 
     def end(self, step: Step, state: WornState) -> None:
@@ -126,28 +126,28 @@ class WornLayers:
             The error exceeds the allowed error.
         """
         loaded = step.fields["pressure"] > 0
-        error, most = 0.0, {body: float(state.seen(body).max()) for body in self._media}
+        error, most = 0.0, {body: float(state.in_window(body).max()) for body in self._media}
         if loaded.any():
-            least = {body: float(state.seen(body)[loaded].min()) for body in self._media}
-            error = max(self._change(self._lost, least), self._change(self._lost, most))
+            least = {body: float(state.in_window(body)[loaded].min()) for body in self._media}
+            error = max(self._change(self._depths, least), self._change(self._depths, most))
         if not error <= self._allowed:
             deepest = max(most, key=most.__getitem__)
             raise SceneError(
-                f"wear.layer-error must hold for layers that are taken as uniform (got an error of {error:.2g} in step "
-                f"{step.index}, allowed {self._allowed:g}: body {deepest} has lost up to "
-                f"{readable(most[deepest], 'm')}, in the kernels {readable(self._lost[deepest], 'm')}); {_REMEDY}; or "
-                "allow more, or wear in smaller increments"
+                f"wear.layer-error = {self._allowed:g} must be at least the error by layers of uniform thickness (got "
+                f"{error:.2g} in step {step.index}: body {deepest} is worn by up to {readable(most[deepest], 'm')}, "
+                f"its layers in the kernels by {readable(self._depths[deepest], 'm')}); {_REMEDY}; or increase "
+                "wear.layer-error, or use smaller increments"
             )
-        step.scalars |= {f"layer_lost_{body}": lost for body, lost in self._lost.items()}
+        step.scalars |= {f"layer_lost_{body}": depths for body, depths in self._depths.items()}
         step.scalars["layer_error"] = error
 
-    def _use(self, lost: Mapping[int, float]) -> None:
-        if lost != self._lost:
-            self._lost, self.solids = dict(lost), self._thinned(lost)
+    def _use(self, depths: Mapping[int, float]) -> None:
+        if depths != self._depths:
+            self._depths, self.solids = dict(depths), self._thinned(depths)
 
-    def _thinned(self, lost: Mapping[int, float]) -> Solids:
+    def _thinned(self, depths: Mapping[int, float]) -> Solids:
         """Solids after uniform worn depths of their surfaces."""
-        thin = {body: medium.thinned(lost[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
+        thin = {body: medium.thinned(depths[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
         first, second = (thin.get(number, body) for number, body in enumerate(self._interface.solids, 1))
         return first, second
 

@@ -77,14 +77,14 @@ class WornState:
     @property
     def total(self) -> FloatArray:
         """Worn depth of both bodies together, at their present positions [m]."""
-        return np.asarray(sum(self.seen(body) for body in self.depth))
+        return np.asarray(sum(self.in_window(body) for body in self.depth))
 
     @property
-    def lost(self) -> FloatArray:
+    def sum_of_depths(self) -> FloatArray:
         """Worn depth of both bodies, each in its own coordinates [m]: for volumes and the start of a cycle."""
         return np.asarray(sum(self.depth.values()))
 
-    def seen(self, body: int) -> FloatArray:
+    def in_window(self, body: int) -> FloatArray:
         """Worn depth of a body, in coordinates of the window [m]."""
         return carried(self.depth[body], self.cells) if body == 2 else self.depth[body]
 
@@ -154,7 +154,7 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
     """Store fields, numbers and state in a step; `travels` states that body 2 moves."""
     total, area = state.total, grid.cell_area
     body2_depth = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
-    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}
+    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.in_window(body) for body in state.depth}}
     volume = float(total.sum()) * area
     step.scalars |= {
         "worn_volume": volume,

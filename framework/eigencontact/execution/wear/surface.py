@@ -89,9 +89,9 @@ class WornSurface:
         self._within = self._at_once or wear.slides
 
     @property
-    def lost(self) -> dict[int, FloatArray]:
+    def worn_depths(self) -> dict[int, FloatArray]:
         """Worn depth ``(ny, nx)`` [m] of each body that wears, in coordinates of the window."""
-        return {body: self._state.seen(body) for body in self._state.depth}
+        return {body: self._state.in_window(body) for body in self._state.depth}
 
     @property
     def solids(self) -> Solids | None:
@@ -102,7 +102,7 @@ class WornSurface:
     def _exposed_facts(self) -> dict[str, Any]:
         """Exposed material, for the states of laws."""
         exposed = self._exposed
-        return {} if exposed is None else exposed_facts(exposed, exposed.at(self.lost.get(exposed.body)))
+        return {} if exposed is None else exposed_facts(exposed, exposed.at(self.worn_depths.get(exposed.body)))
 
     def begin(self, step: Step) -> Surface:
         """Surfaces at the start of a step, from unworn surfaces at the same position.
@@ -122,7 +122,7 @@ class WornSurface:
             self._note_start(step)
         if slide is not None and not (cycle is not None and cycle.settling):
             self._slide(step, slide.distance)
-        return replace(self._worn_by(self._state.total), lost=self.lost, moved=moved)
+        return replace(self._worn_by(self._state.total), worn_depths=self.worn_depths, moved=moved)
 
     def _worn_by(self, depth: FloatArray) -> Surface:
         """Surfaces after a common worn depth ``(ny, nx)`` [m]."""
@@ -141,7 +141,7 @@ class WornSurface:
         peak = _peak(step, memory)
         if "start_slip" in memory:
             memory["peak_pressure"] = peak
-        slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
+        slip, energy = (_increase(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.surface.slide is not None:
             missed = float(np.abs(step.fields["pressure"] - self._expected).sum())
             step.scalars["wear_lag"] = missed / max(float(self._expected.sum()), np.finfo(float).tiny)
@@ -165,7 +165,7 @@ class WornSurface:
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
         if self._within:
-            state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
+            state.memory |= {"start_depth": state.sum_of_depths, "start_energy": state.energy}
         if self._travels and 2 in state.depth:
             state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
@@ -215,7 +215,7 @@ class WornSurface:
             )
             shear = checked_shear_bound(self._friction, state)
         slip, zero = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
-        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, zero, shear * slip))
+        rate = rate_of(self._law, self._law_state(step, pressure, shear, slip, zero, shear * slip))
         if halvings and self._overshoot(rate.depth(pressure)) > self._opening:
             for _ in range(2):
                 self._slide(step, 0.5 * distance, halvings - 1)
@@ -236,7 +236,7 @@ class WornSurface:
         """
         pressure, fields = step.fields["pressure"], step.fields
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
-        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
+        rate = rate_of(self._law, self._law_state(step, pressure, shear, slip, amplitude * slip, energy))
         depth = rate.depth(pressure)
         rate = replace(rate, steady=np.minimum(rate.steady, self._contact.softness(self.solids) * peak))
         assert step.control is not None
@@ -251,7 +251,7 @@ class WornSurface:
         """Wear by a whole cycle, and set the number of cycles that it represents."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
-        within = self._within and not np.array_equal(state.lost, memory["start_depth"])
+        within = self._within and not np.array_equal(state.sum_of_depths, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             slip = step.fields["slip_distance"] - memory["start_slip"]
@@ -259,7 +259,7 @@ class WornSurface:
         state.cycles += 1.0
         if rate is None or within:
             # The surfaces moved within the cycle: the total worn depth of the cycle counts.
-            depth, energy = state.lost - memory["start_depth"], state.energy - memory["start_energy"]
+            depth, energy = state.sum_of_depths - memory["start_depth"], state.energy - memory["start_energy"]
             loaded = (pressure > 0) & (not self._travels)
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
@@ -269,7 +269,7 @@ class WornSurface:
         )
         while state.jump > 1 and self._overshoot(state.jump * rate.depth(pressure)) > self._opening:
             state.jump //= 2
-        if cycle.left == 0:  # the last jump has an error as well, and no other jump follows
+        if cycle.repeats_after == 0:  # the last jump has an error as well, and no other jump follows
             state.memory, state.jump = updated(memory), 1
         elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
@@ -279,9 +279,9 @@ class WornSurface:
         exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0
-        return exposed.share_below(self.lost[exposed.body], self._parts[exposed.body] * depth)
+        return exposed.share_below(self.worn_depths[exposed.body], self._parts[exposed.body] * depth)
 
-    def _seen(
+    def _law_state(
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
         energy: FloatArray,
     ) -> WearState:  # fmt: skip
@@ -306,8 +306,8 @@ class WornSurface:
         self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
             motion = moved(
-                lambda lost, springs, start: self._contact.pressed(
-                    self._worn_by(lost), control, fields, springs, start
+                lambda depth_so_far, springs, start: self._contact.pressed(
+                    self._worn_by(depth_so_far), control, fields, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
@@ -329,7 +329,7 @@ class WornSurface:
             )
 
 
-def _grown(step: Step, name: str) -> FloatArray:
+def _increase(step: Step, name: str) -> FloatArray:
     """Increase of a cumulative field in a step."""
     if name not in step.fields:
         return np.zeros_like(step.fields["pressure"])

@@ -32,7 +32,7 @@ _SETTLED = 0.01
 #: Residual of a Newton step, relative to its start, if more cells change.
 _ROUGH = 0.4
 #: Round-off of the energy, relative to the work of the slip.
-_LOST = 4.0 * np.finfo(float).eps
+_ROUND_OFF = 4.0 * np.finfo(float).eps
 #: Stiffness of a cell, in units of the largest coefficient, for the size of the first gradient step.
 _SOFTEST = 0.2
 
@@ -210,12 +210,12 @@ class _Iteration:
         Tractions projected to their bound have round-off errors, and so has the energy: a cell with a very small bound
         may rotate by this error.
         """
-        share, lost = 1.0, _LOST * inner(np.abs(slip), np.abs(state.tractions))
+        share, round_off = 1.0, _ROUND_OFF * inner(np.abs(slip), np.abs(state.tractions))
         for _ in range(4):
             tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound, state.slipping)
             trial = self._state(tractions)
             expected, gained = _change_of_energy(slip, state, trial)
-            if gained <= 1e-4 * expected + lost:
+            if gained <= 1e-4 * expected + round_off:
                 return trial
             share *= 0.4
         return None
