@@ -27,7 +27,7 @@ __all__ = [
     "tables_at",
 ]
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
 TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 #: Sum of a load over such a lattice, ``(n,)``.
@@ -124,9 +124,9 @@ def all_tables(
     return _side_by_side(threads, [partial(tables_at, kernel, depths, half_widths, reach) for kernel in kernels])
 
 
-def _side_by_side(threads: int, makers: Sequence[Callable[[], Made]]) -> list[Made]:
+def _side_by_side(threads: int, makers: Sequence[Callable[[], Result]]) -> list[Result]:
     """Results of some functions, computed in parallel, in their order."""
-    results: dict[int, Made] = {}
+    results: dict[int, Result] = {}
 
     def make(number: int) -> None:
         results[number] = makers[number]()

@@ -240,9 +240,9 @@ def _write(
     from eigencontact.viz.style import save
     from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
-    with replacing(folder / DATASET, "the dataset of the sweep", kept=AGAIN) as sink:
+    with replacing(folder / DATASET, "the dataset of the sweep", consequence=AGAIN) as sink:
         sink.write(_as_netcdf(dataset))
-    with replacing(folder / TABLE, "the table of the sweep", kept=AGAIN) as sink:
+    with replacing(folder / TABLE, "the table of the sweep", consequence=AGAIN) as sink:
         sink.write(as_csv(axes, variants, results).encode())
     files = {
         DATASET: "all numbers by what was varied (opens in xarray)",

@@ -198,8 +198,8 @@ class RadialReturn:
     def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual f and its slope; without back-stresses from the norms |τ|, without tensors."""
         if self.kinematic:
-            now = self.state(drive, dp)
-            return now.residual, now.slope
+            trial = self.state(drive, dp)
+            return trial.residual, trial.slope
         p = drive.p + dp
         (flow_stress, hardening), (w, dw, *_) = self.isotropic.flow_stress(p), self._stiffness(drive, p)
         return _ROOT * w * size - 1.5 * dp * w - flow_stress, _ROOT * dw * size - 1.5 * (w + dp * dw) - hardening

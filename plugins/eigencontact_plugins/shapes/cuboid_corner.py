@@ -120,43 +120,43 @@ class LineCorner(Corner):
     def __init__(self, x: FloatArray, z: FloatArray) -> None:
         super().__init__(x, np.zeros((), np.result_type(x, z)), z)
         self.rho2: FloatArray = np.maximum(self.squares[0] + self.squares[2], FLOOR**2)
-        self.nothing: FloatArray = np.zeros(self.R.shape, self.R.dtype)
-        self.R = self.nothing
+        self.zeros: FloatArray = np.zeros(self.R.shape, self.R.dtype)
+        self.R = self.zeros
 
     def u(self) -> FloatArray:
         """See `Corner.u`."""
-        return self.nothing
+        return self.zeros
 
     def plus(self, i: int) -> FloatArray:  # noqa: ARG002
         """See `Corner.plus`."""
-        return np.full_like(self.nothing, np.inf)
+        return np.full_like(self.zeros, np.inf)
 
     def L(self, i: int) -> FloatArray:
         """See `Corner.L`."""
-        return np.asarray(-0.5 * np.log(self.rho2)) if i == 1 else self.nothing
+        return np.asarray(-0.5 * np.log(self.rho2)) if i == 1 else self.zeros
 
     def A(self, i: int) -> FloatArray:
         """See `Corner.A`."""
         if i == 1:
-            return self.nothing
+            return self.zeros
         sign, other = np.sign(self.x[i]), self.x[2 - i]
-        return np.asarray(np.arctan2(other * sign + self.nothing, np.abs(self.x[i])))
+        return np.asarray(np.arctan2(other * sign + self.zeros, np.abs(self.x[i])))
 
     def g(self, i: int) -> FloatArray:
         """See `Corner.g`."""
-        return np.asarray(-1.0 / self.rho2) if i == 1 else self.nothing
+        return np.asarray(-1.0 / self.rho2) if i == 1 else self.zeros
 
     def k(self, i: int) -> FloatArray:
         """See `Corner.k`."""
-        return np.asarray(-2.0 / self.rho2**2) if i == 1 else self.nothing
+        return np.asarray(-2.0 / self.rho2**2) if i == 1 else self.zeros
 
     def M(self) -> FloatArray:
         """See `Corner.M`."""
-        return self.nothing
+        return self.zeros
 
     def E(self, i: int) -> FloatArray:
         """See `Corner.E`."""
-        return self.A(2) if i == 0 else self.nothing
+        return self.A(2) if i == 0 else self.zeros
 
 
 Formula = Callable[[Corner, int, int, int], FloatArray]

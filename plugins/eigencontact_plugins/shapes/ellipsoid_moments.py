@@ -38,7 +38,7 @@ from eigencontact_plugins.shapes.ellipsoid_ferrers import (
 __all__ = ["density_scales", "density_values", "weighted_sums"]
 
 #: Potentials with the orders of their derivatives.
-Asked = tuple[tuple[str, tuple[Order, ...]], ...]
+Requests = tuple[tuple[str, tuple[Order, ...]], ...]
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
 CHUNK = 1024
@@ -110,7 +110,7 @@ class _Terms:
 
 
 @lru_cache(maxsize=16)
-def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, *, outside: bool) -> _Terms:
+def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Requests, *, outside: bool) -> _Terms:
     from scipy.sparse import coo_array  # late: most runs need no moments
 
     short = int(np.argmin(semi_axes))
@@ -163,7 +163,7 @@ def _sum(first: Order, second: Order, sign: int = 1) -> Order:
 def weighted_sums(
     semi_axes: FloatArray,
     degree: int,
-    requests: Asked,
+    requests: Requests,
     weights: FloatArray | None,
     points: Points,
     tests: FloatArray | None = None,

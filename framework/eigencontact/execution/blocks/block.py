@@ -79,7 +79,7 @@ class Part:
     ----------
     name : str
         Unique in the plan.
-    why : str
+    reason : str
         Reason why the plan contains it.
     kernels : sequence of KernelUse
         Influence coefficients that the block builds.
@@ -92,7 +92,7 @@ class Part:
     """
 
     name: str
-    why: str
+    reason: str
     kernels: Sequence[KernelUse] = ()
     cost: Cost = Cost()
     precisions: Sequence[Precision] = ()

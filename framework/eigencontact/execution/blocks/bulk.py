@@ -41,7 +41,7 @@ class BulkStress(Stateless):
         self._history = [at_rest, *held_bulk(model.scene.ramps, at_rest)]
         largest = {name: max((values[name] for values in self._history), key=abs) for name in at_rest}
         words = (f"{name.replace('_', '-')} up to {readable(value, 'Pa')}" for name, value in largest.items())
-        self.why = f"uniform stress by a load far away: {', '.join(words)}"
+        self.reason = f"uniform stress by a load far away: {', '.join(words)}"
 
     def foreseen(self, model: Model) -> Iterator[Caution]:
         """See `Block.foreseen`: warns of large strains, for example by a wrong unit."""

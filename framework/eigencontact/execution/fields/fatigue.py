@@ -193,7 +193,7 @@ class EvaluateFatigue(Conclusion):
 
     def __init__(self, model: FatigueModel, points: int, steps: int, threads: int) -> None:
         self._model, self._threads, label = model, threads, model.request.label
-        self.name, self.why = f"fatigue:{label}", f"[[fatigue]] {model.criterion.key!r} in {model.region.label!r}"
+        self.name, self.reason = f"fatigue:{label}", f"[[fatigue]] {model.criterion.key!r} in {model.region.label!r}"
         names = ["utilisation", "x", "y", "depth"]
         names += ["at_distance"] if model.request.distance else []
         names += ["cycles", "failure_probability"] if model.request.life else []

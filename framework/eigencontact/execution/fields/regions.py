@@ -78,7 +78,7 @@ class Region(Block):
         self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
         self.stored, label = not requester, request.label
         self.name = f"stress-{label}"
-        self.why = f"{requester or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
+        self.reason = f"{requester or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
         self.requesters = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
         parts = list(causes(interface))
@@ -90,7 +90,7 @@ class Region(Block):
         self.requires = frozenset().union(*(cause.requires for cause in parts))
         self.kernels = [kernel for cause in parts for kernel in cause.kernels]
         note = "; ".join(cause.note for cause in parts if cause.note)
-        self.why += f"; {note}" if note else ""
+        self.reason += f"; {note}" if note else ""
         self.cost = sum((cause.cost for cause in parts), Cost())
         self.precisions = [precision for cause in parts for precision in cause.precisions]
 

@@ -73,9 +73,9 @@ class Cells(Responding):
         super().__init__(subsurface, directions, self._box.centres(subsurface.half_space.grid))
         self._settle_precision()
         self._kernels, count = subsurface.kernels, len(self.sources)
-        self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
+        self.reason = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
         if subsurface.recedes:
-            self.why += ", which rise as the surface recedes"
+            self.reason += ", which rise as the surface recedes"
         self._declare()
 
     def _settle_precision(self) -> None:

@@ -43,7 +43,7 @@ class CoarseCells(SweptCells):
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions)
-        self.why = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
+        self.reason = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
 
     def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`; coarse cells of the patch have the means of the finer cells and no state."""
@@ -106,7 +106,7 @@ class FinerCells(SweptCells):
         self._stored = _finer(self._stored)
         self.state_names = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
         ratio = self._numerics.inclusion_refinement
-        self.why = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer, at inclusions, swept with those"
+        self.reason = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer at inclusions, swept together"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None
 
     def _name(self, variable: str) -> str:

@@ -80,7 +80,7 @@ class PolynomialWholes(Responding):
         self.estimates_degree = max(item.degree for item in self._degrees) > 0
         if not self.estimates_degree:
             self.numbers = Responding.numbers
-        self.why = self._reason()
+        self.reason = self._reason()
         self._declare()
 
     def _reason(self) -> str:

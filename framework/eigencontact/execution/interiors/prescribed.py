@@ -28,7 +28,7 @@ class PrescribedEigenstrain(Interior):
         body, grid = subsurface.body, subsurface.half_space.grid
         self.body, self._directions = body, directions
         self.name = "residual-displacement" if body == 1 else f"residual-displacement-{body}"
-        self.why = "displacement of the surface by " + names_of([source.name for source in subsurface.prescribed])
+        self.reason = "displacement of the surface by " + names_of([source.name for source in subsurface.prescribed])
         rows = tuple("xyz".index(name) for name in directions)
         self._field = subsurface.prescribed_field("displacement", surface_lattice(grid), rows)
         self.cost, self.precisions = self._field.cost, self._field.precisions

@@ -76,7 +76,7 @@ class SweptCells(Cells):
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
         self.state_names |= {self._name(name) for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
-        self.why += ", swept with the contact" if self._kernels else ", swept"
+        self.reason += ", swept with the contact" if self._kernels else ", swept"
 
     def _name(self, variable: str) -> str:
         """Name of a stored variable of a law."""

@@ -26,7 +26,7 @@ class ExposedMaterial(Stateless):
     def __init__(self, exposed: Exposed) -> None:
         self._exposed = exposed
         names = dict.fromkeys(exposed.names)
-        self.why = f"what of body {exposed.body} is at the surface: {', '.join(names)}"
+        self.reason = f"what of body {exposed.body} is at the surface: {', '.join(names)}"
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""

@@ -134,7 +134,7 @@ class ContactWithFriction(Contact):
         Whether inhomogeneities are iterated together with the contact.
     """
 
-    name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
+    name, reason = "frictional-contact", "pressure and shear with friction, stick and slip"
     numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
     accumulated = frozenset({"slip_distance", "dissipated_energy_density"})
 

@@ -33,7 +33,7 @@ _UNIFORM = 1e-9
 class ShearBound(Stateless):
     """Largest shear allowed by the friction law in each cell, for the pressure of the step."""
 
-    name, why = "shear-bound", "what the friction law allows, drawn beside the shear"
+    name, reason = "shear-bound", "what the friction law allows, drawn beside the shear"
     requires = frozenset({"pressure", "slip_distance"})
     provides = frozenset({"shear_bound"})
     requesters = dict.fromkeys(("shear_bound",), "pictures")
@@ -79,7 +79,7 @@ class ReferenceShear(Stateless):
     def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids) -> None:
         self._grid, self._geometry = grid, geometry
         self._modulus = contact_modulus(*without_layers(solids))
-        self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
+        self.reason = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""

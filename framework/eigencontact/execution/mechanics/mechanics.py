@@ -119,7 +119,7 @@ class Mechanics(Block):
         contact, interiors = self._make()
         self.numbers = tuple(self._numbers(contact, interiors))
         self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
-        self.name, self.why = self._parts[0].name, self._parts[0].why
+        self.name, self.reason = self._parts[0].name, self._parts[0].reason
         self.kernels = [kernel for member in self._parts for kernel in member.kernels]
         self.cost = sum((member.cost for member in self._parts), Cost())
         self.requires = frozenset() if contact is None else contact.requires

@@ -97,7 +97,7 @@ class NormalContact(Contact):
         Whether inhomogeneities are iterated together with the contact.
     """
 
-    name, why = "normal-contact", "pressure, contact area, approach"
+    name, reason = "normal-contact", "pressure, contact area, approach"
     fields = NORMAL_FIELDS
     numbers = NORMAL_NUMBERS
 

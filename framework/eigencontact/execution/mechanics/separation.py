@@ -64,8 +64,8 @@ class Separation(Block):
     def __init__(self, interface: Interface, grid: Grid, *, travels: bool, slides: bool | None = None) -> None:
         self._interface, self._grid, self._travels = interface, grid, travels
         slides = interface.friction is not None if slides is None else slides
-        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
-        self.why += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
+        self.reason = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
+        self.reason += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
         self.numbers = Separation.numbers if travels else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
@@ -95,7 +95,7 @@ class _TravellingGap:
 class TangentialDisplacement(Block):
     """Displacement along the surface by the pressure."""
 
-    name, why = "tangential-displacement", "output.tangential-displacement = true"
+    name, reason = "tangential-displacement", "output.tangential-displacement = true"
     requires = frozenset({"pressure"})
     provides = frozenset({"displacement_x", "displacement_y"})
     requesters = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
@@ -163,7 +163,7 @@ class ReferencePressure(Stateless):
         from eigencontact.core.material import contact_modulus
 
         self.name = "homogeneous-pressure" if simpler else "reference-pressure"
-        self.why = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
+        self.reason = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
         self._field = self.name.replace("-", "_")
         self.provides, self.requesters = frozenset({self._field}), {self._field: "pictures"}
         self._grid, self._geometry = grid, geometry

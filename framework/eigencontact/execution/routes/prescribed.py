@@ -49,12 +49,12 @@ class PrescribedField:
         self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")
         self._once: FloatArray | None = None
 
-    def uses(self, what: str, where: str) -> list[KernelUse]:
+    def uses(self, field: str, where: str) -> list[KernelUse]:
         """Influence coefficients for `explain`; equal regions are counted together.
 
         Parameters
         ----------
-        what : str
+        field : str
             Name of the field, for example ``"stress (6 components)"``.
         where : str
             Description of the points.
@@ -65,7 +65,7 @@ class PrescribedField:
             if like in uses:
                 uses[like] = replace(uses[like], count=uses[like].count + 1)
             else:
-                uses[like] = KernelUse(what, f"eigenstrain of {label}", source.key, f"{where}, {method}")
+                uses[like] = KernelUse(field, f"eigenstrain of {label}", source.key, f"{where}, {method}")
         return list(uses.values())
 
     def at(self, time: float) -> FloatArray:

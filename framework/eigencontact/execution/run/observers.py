@@ -37,13 +37,13 @@ class Observe(Stateless):
     def __init__(
         self, number: int, observing: Observing, labels: Iterable[str], grid: Grid, quantities: frozenset[str]
     ) -> None:
-        self.name, self.why = f"observer-{number}-{observing.key}", f"[[observers]] {observing.key!r}"
+        self.name, self.reason = f"observer-{number}-{observing.key}", f"[[observers]] {observing.key!r}"
         self._observer, self._prefix, self._key = observing.observer, observing.prefix, observing.key
         self._regions, self._grid = {label: label for label in labels}, grid
         self._regions |= {name: request.label for name, request in observing.regions.items()}
         regions = {f"stress:{label}" for label in self._regions.values()}
         self.requires = quantities | set(observing.observer.remembered) | regions
-        self.provides, self.requesters = frozenset({f"observed:{number}"}), {f"observed:{number}": self.why}
+        self.provides, self.requesters = frozenset({f"observed:{number}"}), {f"observed:{number}": self.reason}
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""

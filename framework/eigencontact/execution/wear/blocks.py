@@ -89,7 +89,7 @@ class WornSeparation(Separation):
         model = wear.model
         super().__init__(wear.interface, wear.window.grid, travels=model.travels, slides=True)
         self._wear = wear
-        self.why += ", and what has worn"
+        self.reason += ", and what has worn"
         if model.slides:
             solves = _TRAVELLING if model.travels else _JUMPING if model.repeats else _SLIDING
             self.cost = wear.solves(solves)
@@ -145,10 +145,10 @@ class Wear(Block):
             *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
         )
         bodies = " and ".join(f"body {body}" for body in model.parts)
-        self.why = f"{bodies} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
+        self.reason = f"{bodies} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
         for body in layered:
             most = model.table.layer_error
-            self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
+            self.reason += f"; layers of body {body} have their mean thickness in contact, error at most {most:g}"
         slips = set() if interface.friction is None else {"slip_distance", "dissipated_energy_density"}
         self.requires = frozenset({"pressure", *slips})
         self.requesters = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
