@@ -76,4 +76,4 @@ def test_costs_add_up():
     assert Cost(1.0, 2.0, 3.0) + Cost(10.0, 20.0, 30.0) == Cost(11.0, 22.0, 33.0)
     assert Cost(1.0, 2.0, 3.0, 4.0) + Cost(transient=5.0) == Cost(1.0, 2.0, 3.0, 5.0)
     assert Cost(1.0, 2.0, 3.0, 4.0).once == Cost(0.0, 5.0, 0.0, 5.0)
-    assert Cost(1.0, 2.0, 3.0, 4.0).anew == Cost(0.0, 0.0, 5.0, 5.0)
+    assert Cost(1.0, 2.0, 3.0, 4.0).every_step == Cost(0.0, 0.0, 5.0, 5.0)
