@@ -99,9 +99,9 @@ def moved_state(
         omitted = float(np.abs(values[:, ~cells]).sum())
         if omitted > _LARGEST_OMISSION * total:
             raise SceneError(
-                f"{plain!r} of {state.where} must lie where a law remembers it "
-                f"(got {100 * omitted / total:.2g} % of it elsewhere); "
-                f"give the body the law of the earlier run, {state.where.split('.')[0]}.law"
+                f"{plain!r} of {state.where} must be in cells with a law that has this variable "
+                f"(got {100 * omitted / total:.2g} % of it in other cells); "
+                f"set {state.where.split('.')[0]}.law as in the earlier run"
             )
         moved[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
     return moved
