@@ -119,7 +119,7 @@ REFUSED = {
         {"steps": {"normal-load": "1 N"}},
         "steps must not prescribe normal-load without a contact (got no geometry); add [geometry]",
     ),
-    "a moment on nothing": ({"steps": [{}, {"tilt-x": 0.1}]}, "steps.1 must not prescribe tilt-x without a geometry"),
+    "a moment on nothing": ({"steps": [{}, {"tilt-x": 0.1}]}, "steps.1 must not prescribe tilt-x without a contact"),
     "a geometry without load": (
         {"geometry": CONTACT["geometry"], "steps": {}},
         "steps must be controlled by normal-load or approach: give one of them (got neither)",

@@ -241,7 +241,7 @@ REFUSED = {
     ),
     "travel with friction alone": (
         {"wear": None, "steps": PRESSED | {"travel-x": "1 um"}},
-        "steps must not move the geometry (travel-x, travel-y) in a contact with friction (got both); leave out [fric",
+        "steps must not move the geometry (travel-x, travel-y) in a contact with friction (got both); remove [fric",
     ),
 }  # fmt: skip
 
