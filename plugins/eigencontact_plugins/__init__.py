@@ -1,1 +1,1 @@
-"""Bundled plugins: each is registered through the same entry points as a stranger's package."""
+"""Bundled plugins, registered through the same entry points as an external package."""

@@ -52,7 +52,7 @@ class Probe(Observer):
         Raises
         ------
         SceneError
-            If the step has no such field, or a point lies outside the window.
+            The step has no such field, or a point lies outside the window.
         """
         from scipy.ndimage import map_coordinates
 

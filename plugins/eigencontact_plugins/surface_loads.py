@@ -2,17 +2,17 @@
 
 A rectangle with an infinite half width along y is a strip in plane strain (`surface_loads_strip`).
 
-Near the rectangle the field is the alternating sum of a corner function (`surface_loads_corner`); far from it, where
-that sum would lose digits, pointwise evaluation uses Gauss sums of point forces (`surface_loads_far`). `sample` keeps
-to corner sums: its errors are relative to the largest coefficient of the lattice, which is what a convolution feels.
-Traction waves are in `surface_loads_waves`.
+Near the rectangle the field is the alternating sum of a corner function (`surface_loads_corner`). Far from it that sum
+would lose accuracy, and pointwise evaluation uses Gauss sums of point forces (`surface_loads_far`). `sample` always
+uses corner sums: its errors are relative to the largest coefficient of the lattice, which determines the error of a
+convolution. `surface_loads_waves` has the traction waves.
 
 Notes
 -----
-On the surface the stress is the limit from inside the body; on an edge of the rectangle the components that jump take
-the mean of both sides (a quarter at a corner). Some are truly infinite there, logarithmically: ``xy`` of a pressure at
-the corners for ν < 1/2, and ``xx, yy`` of q_x on the edges along y, ``xy`` on those along x (likewise q_y). They come
-out large and finite, with the right sign, as if at a distance of 1e-30 half widths. Displacement is continuous.
+On the surface the stress is the limit from inside the body. On an edge of the rectangle discontinuous components are
+the mean of both sides (a quarter at a corner). Some components have logarithmic singularities: ``xy`` of a pressure at
+the corners for ν < 1/2, and ``xx, yy`` of q_x on the edges along y, ``xy`` on those along x (likewise q_y). Their
+values are large and finite, with the correct sign, as at a distance of 1e-30 half widths. Displacement is continuous.
 
 The wave of zero wavenumber has displacement 0, stress -1 in the component that balances the traction, 0 in the others.
 """
@@ -38,7 +38,7 @@ HalfWidths = tuple[float, float]
 
 
 def _unit_of_length(half_widths: HalfWidths) -> float:
-    """Power of two nearest to the longest half width, an exact scale from cells of 1 nm to cells of 1 m."""
+    """Power of two nearest to the longest half width, an exact scale for cells from 1 nm to 1 m."""
     return float(2.0 ** (np.frexp(max(half_widths))[1] - 1))
 
 
@@ -70,7 +70,7 @@ class _UniformLoad(CornerInfluence):
     ) -> FloatArray:
         """Corner sums near the rectangle, Gauss sums far from it, in the unit of length of the rectangle.
 
-        Measured error of the displacement at any distance, in parts of the largest component over the three loads:
+        Measured error of the displacement at any distance, relative to the largest component over the three loads:
         1e-14 for a square, 4e-13 for edges 1:1000.
         """
         if np.isinf(half_widths[1]):
@@ -102,7 +102,8 @@ class _UniformLoad(CornerInfluence):
     ) -> FloatArray:
         """Influence coefficients on a lattice; see `SurfaceInfluence.sample`.
 
-        The surface displacement of a pressure along z, all that frictionless contact needs, has a path of its own.
+        The surface displacement along z by a pressure has a faster method of its own; frictionless contact needs
+        nothing else.
         """
         if np.isinf(half_widths[1]):
             points = x[None, :], y[:, None], z
@@ -133,7 +134,7 @@ class _UniformLoad(CornerInfluence):
 
 @dataclass(frozen=True, kw_only=True)
 class PressureLoad(_UniformLoad):
-    """Uniform pressure, pushing along +z into the body (Boussinesq; Love's rectangle).
+    """Uniform pressure along +z into the body (Boussinesq; Love's rectangle).
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Corner functions of a uniformly loaded rectangle on a homogeneous half-space, finite at every point of z >= 0.
 
-With R = sqrt(x² + y² + z²), s = 1 - 2ν and W the function whose derivative W_xy is z ln(R + z) - R, everything is
-built from derivatives of W, written so that nothing cancels and nothing is 0/0 at the surface:
+With R = sqrt(x² + y² + z²), s = 1 - 2ν and the function W with the derivative W_xy = z ln(R + z) - R, all fields follow
+from derivatives of W, in a form without cancellation and without 0/0 at the surface:
 
 ==========  ==========================================================================================
 A           W_zzz = -A, A = arctan(xy / (zR)); at z = 0 its limit from inside the body
@@ -14,8 +14,8 @@ V           W_zz = V = x L_y + y L_x - z A
 The displacement is ``2 dF/dz - dH/dx + 2ν dψ₁/dx - z dψ/dx`` along x and ``dH/dz + s ψ - z dψ/dz`` along z, over 4πG
 (thesis 2.15-2.22, with 2.22 corrected), with F₁ = W for a shear along x and H₁ = W for a pressure.
 
-A shear along y is the shear along x with x and y exchanged, so it needs no formula of its own. All lengths are in
-one arbitrary unit; a change of unit adds terms that the sum over the four corners removes.
+A shear along y follows from the shear along x by exchange of x and y. All lengths are in one arbitrary unit; a change
+of unit adds terms that the sum over the four corners removes.
 """
 
 # ruff: noqa: N802 - symbols of the table above
@@ -45,10 +45,10 @@ def mandel_factor(component: str) -> float:
 
 
 class Corner:
-    """Shared sub-expressions at the points (x, y, z) relative to a corner, each computed when first used."""
+    """Shared sub-expressions at the points (x, y, z) relative to a corner, each computed at first use."""
 
     def __init__(self, x: FloatArray, y: FloatArray, z: FloatArray | float) -> None:
-        self.x, self.y, self.z = x, y, z + 0.0  # turns a depth of -0.0, which arctan2 tells apart, into 0.0
+        self.x, self.y, self.z = x, y, z + 0.0  # replaces a depth of -0.0, which arctan2 distinguishes, by 0.0
         self.xz2 = x * x + self.z * self.z
         self.yz2 = y * y + self.z * self.z
         self.R = np.sqrt(self.xz2 + y * y)
@@ -75,7 +75,7 @@ class Corner:
 
     @cached_property
     def log(self) -> FloatArray:
-        """Logarithm of R + z; finite at the corner, where it is multiplied by 0 or singular."""
+        """Logarithm of R + z; finite at the corner, where its factor is 0 or singular."""
         return np.log(np.maximum(self.R + self.z, FLOOR))
 
     @cached_property
@@ -181,8 +181,8 @@ def per_traction(quantity: str, components: Sequence[str], values: FloatArray, m
 def surface_lift(x: FloatArray, y: FloatArray) -> FloatArray:
     """Values of x L_y + y L_x at z = 0 on the lattice of nodes ``x (nx,)``, ``y (ny,)``, ``(ny, nx)``.
 
-    It is odd in x and in y and 0 on both axes, so the logarithms are taken of absolute values. On a lattice that is the
-    same in x and in y one of the two terms is the transpose of the other.
+    It is odd in x and in y and 0 on both axes, so the logarithms use absolute values. On a lattice with equal x and y
+    one of the two terms is the transpose of the other.
     """
     ax, ay = np.maximum(np.abs(x), FLOOR), np.maximum(np.abs(y), FLOOR)
     r: FloatArray = np.sqrt((ay * ay)[:, None] + ax * ax)

@@ -1,12 +1,12 @@
 """Field of a uniformly loaded rectangle far from it: Gauss-Legendre sums of the point-force solutions.
 
 The sum over the four corners of a rectangle of edges h >= w loses a relative (h/w)(d/h)² times a few rounding errors at
-the distance d from the rectangle. From d = 1.25 h on (h/4 for a rectangle more elongated than 8, which loses more) the
-integrand is so smooth that a Gauss rule of n points along an edge of half width c converges like q^(-2n),
-q = e + sqrt(e² + 1), e = d/c; n is chosen per shell of distance for 1e-15.
+the distance d from the rectangle. From d = 1.25 h on (h/4 for a rectangle more elongated than 8, with a larger loss)
+the integrand is so smooth that a Gauss rule of n points along an edge of half width c converges like q^(-2n), q = e +
+sqrt(e² + 1), e = d/c. Each shell of distance has an n for an error of 1e-15.
 
 Point forces: Boussinesq (along z) and Cerruti (along x), K. L. Johnson 1985, eqs. 3.18-3.19 and 3.75-3.76, with
-1 - z/R written as (x² + y²) / (R (R + z)). Here R > 0, s = 1 - 2ν, and
+1 - z/R in the form (x² + y²) / (R (R + z)). Here R > 0, s = 1 - 2ν, and
 
 g = 1/(R (R + z)),  h = (2R + z)/(R³ (R + z)²),  k = 1/(R (R + z)²),  m = (3R + z)/(R³ (R + z)³).
 """
@@ -26,12 +26,12 @@ __all__ = ["gauss_field", "is_far"]
 
 HalfWidths = tuple[float, float]
 
-#: Inner radii of the shells that share one Gauss rule, as distances from the rectangle in longest edges.
+#: Inner radii of the shells with a common Gauss rule, as distances from the rectangle in longest edges.
 SHELLS = (0.25, 0.5, 1.25, 3.0, 12.0, 200.0)
 
 
 class PointForce:
-    """Shared sub-expressions at the points (x, y, z) relative to the force, each computed when first used."""
+    """Shared sub-expressions at the points (x, y, z) relative to the force, each computed at first use."""
 
     def __init__(self, x: FloatArray, y: FloatArray, z: FloatArray) -> None:
         self.x, self.y, self.z = x, y, z

@@ -1,8 +1,8 @@
 """Field of a uniformly loaded strip |x| <= a on a homogeneous half-space in plane strain, exact at every z >= 0.
 
-It is the limit of the rectangle of `surface_loads_corner` for an infinite half width along y. Differences over the two
-edges are written out, so that nothing cancels far from the strip. With θ = arctan(x/z) and ρ² = x² + z², and a capital
-letter for the difference of a function over the edges, f(x + a) - f(x - a):
+It is the limit of the rectangle of `surface_loads_corner` for an infinite half width along y. The formulas contain
+differences over the two edges explicitly, without cancellation far from the strip. With θ = arctan(x/z) and ρ² = x² +
+z², a capital letter is the difference of a function over the edges, f(x + a) - f(x - a):
 
 ==========  ===============================================================================
 angle       Θ of θ
@@ -31,13 +31,13 @@ __all__ = ["strip_field"]
 
 
 class Strip:
-    """Shared differences over the edges of a strip at the points (x, z), each computed when first used."""
+    """Shared differences over the edges of a strip at the points (x, z), each computed at first use."""
 
     def __init__(self, x: FloatArray, z: FloatArray | float, a: float) -> None:
         self.x, self.z = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(z, dtype=float) + 0.0)
         self.a = a
         self.right, self.left = self.x + a, self.x - a
-        # Squared distances from the two edges, finite in a quotient or a logarithm at the edges themselves.
+        # Squared distances from the two edges, finite in quotients and logarithms at the edges.
         self.rho2_left, self.rho2_right = (
             np.maximum(offset * offset + self.z * self.z, FLOOR**2) for offset in (self.right, self.left)
         )
@@ -80,7 +80,7 @@ class Strip:
 
 Formula = Callable[[Strip, float], FloatArray]
 
-# 2πG times the displacement and π times the stress (plain components). Components that are left out are zero.
+# 2πG times the displacement and π times the stress (plain components). Missing components are zero.
 PRESSURE: dict[str, Formula] = {
     "x": lambda s, nu: -(1 - 2 * nu) * s.M + s.z * s.log,
     "z": lambda s, nu: 2 * (1 - nu) * s.V + s.z * s.angle,
@@ -127,7 +127,7 @@ def strip_field(
     K. L. Johnson 1985, Contact Mechanics, sec. 2.5, doi:10.1017/CBO9781139171731
     """
     x, y, z = points
-    unit = float(2.0 ** (np.frexp(half_width)[1] - 1))  # strips of 1 nm and of 1 m look alike
+    unit = float(2.0 ** (np.frexp(half_width)[1] - 1))  # the same digits for strips of 1 nm and of 1 m
     out = np.zeros((len(components), *np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))))
     strip, table = Strip(x / unit, z / unit, half_width / unit), _TABLES[direction]
     for row, name in enumerate(components):

@@ -1,10 +1,10 @@
 """Response of a homogeneous half-space to tractions that vary as exp(i (kx x + ky y)), at any depth.
 
-With k = sqrt(kx² + ky²), z ln(R + z) - R has the transform (2π/k³) exp(-kz); the displacement of thesis 2.15-2.22 (2.22
-corrected) and Hooke's law then give the tables below, each times exp(-kz), with s = 1 - 2ν. Nothing divides by s: the
-volume strain carries that factor and cancels it.
+With k = sqrt(kx² + ky²), z ln(R + z) - R has the transform (2π/k³) exp(-kz). The displacement of thesis 2.15-2.22 (2.22
+corrected) and Hooke's law then give the tables below, each times exp(-kz), with s = 1 - 2ν. There is no division by s:
+the volume strain has this factor, which cancels it.
 
-A shear along y is the shear along x with x and y exchanged. Stresses are plain components inside the tables.
+A shear along y follows from the shear along x by exchange of x and y. Stresses are plain components inside the tables.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ SHEAR_X: dict[str, Formula] = {
     "xz": lambda w, _: -1 + w.m * w.m * w.d,
     "xy": lambda w, nu: 1j * w.n * (1 - w.m * w.m * (2 * nu + w.d)),
 }
-# Stress of a uniform traction (k = 0); every other component, the in-plane ones too, is 0 there.
+# Stress of a uniform traction (k = 0); all other components, also the in-plane ones, are 0.
 UNIFORM = {("z", "zz"): -1.0, ("x", "xz"): -1.0, ("y", "yz"): -1.0}
 
 
@@ -75,7 +75,8 @@ def wave_response(
     """Amplitudes per unit traction along `direction` (x, y or z), ``(len(components), ...)`` [m/Pa] or Mandel [-].
 
     At k = 0 displacements are 0, and so are the stresses that do not balance the traction: the in-plane normal stresses
-    have no limit there (it depends on the direction of k, which is a choice of lateral boundary conditions).
+    have no limit there (it depends on the direction of k, which corresponds to a choice of lateral boundary
+    conditions).
     """
     wave = Wave(ky, kx, z) if direction == "y" else Wave(kx, ky, z)
     table = PRESSURE if direction == "z" else SHEAR_X

@@ -108,7 +108,7 @@ def test_every_region_of_the_gallery_keeps_its_name(root):
 
 @pytest.mark.parametrize("name", ["pressure", "Pressure", "surface", "displacement", "shear", "max", "tilt", "history"])
 def test_a_region_takes_no_place_of_the_surface(name):
-    with pytest.raises(EigencontactError, match=rf"^stress region must have a name that nothing else .*got '{name}'"):
+    with pytest.raises(EigencontactError, match=rf"^stress region must have a name that differs from .*got '{name}'"):
         load_scene("hertz", [f"stress.0.name={name}"])
 
 

@@ -127,5 +127,5 @@ def test_refused_without_inclusions_and_in_a_periodic_space():
     with pytest.raises(SceneError, match="in a scene without any"):
         ec.run({"body1": STEEL, **CONTACT, "stress": [plane]})
     swollen = [{**SWOLLEN, "name": "ball"}]
-    with pytest.raises(SceneError, match="half-space = 'exact' or 'full-space' for points finer than the cells"):
+    with pytest.raises(SceneError, match="half-space = 'exact' or 'full-space' for regions finer than cells"):
         run(plane, inclusions=swollen, numerics={"half-space": "image-pressure"})

@@ -79,7 +79,7 @@ def test_the_place_in_a_cycle():
     found = points_of([PRESSED, {"cycle": FRETTING, "repeat": 6}], friction=True, jumps=4)
     places = [place for _, _, place in found]
     assert places[0] is None
-    told = [(place.number, place.skipped, place.left, place.begins, place.ends) for place in places[1:]]
+    told = [(place.number, place.skipped, place.repeats_after, place.begins, place.ends) for place in places[1:]]
     assert told == [
         (1, 0, 5, True, False), (1, 0, 5, False, False), (1, 0, 5, False, False), (1, 0, 5, False, True),
         (5, 3, 1, True, False), (5, 0, 1, False, False), (5, 0, 1, False, False), (5, 0, 1, False, True),

@@ -147,7 +147,7 @@ def test_what_is_stored_gives_more_regions(folder, refined):
 
 def test_explain_foretells_the_finer_cells():
     text = ec.explain(scene(3))
-    assert "3 times finer, at inclusions" in text
+    assert "3 times finer at inclusions" in text
     assert "27 x 27 x 24 cells" in text
 
 

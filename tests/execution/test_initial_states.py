@@ -103,13 +103,13 @@ def test_a_body_that_stays_elastic_keeps_its_print(earlier):
 @pytest.mark.parametrize(
     ("law", "initial", "message"),
     [
-        (None, {}, "body1.initial must stand beside a law"),
+        (None, {}, "body1.initial must be used with a history-dependent law"),
         (LAW, {"step": 3}, "body1.initial.step must be one that .* holds, 1 to 2"),
-        (PERFECT, {}, "'back_stress_1' of body1.initial must lie where a law remembers it"),
+        (PERFECT, {}, "'back_stress_1' of body1.initial must be in cells with a law that has this variable"),
         (
             {"type": "by-depth", "interfaces": ["1 um"], "laws": [LAW, {"type": "elastic"}]},
             {},
-            "of body1.initial must lie where a law remembers it",
+            "of body1.initial must be in cells with a law that has this variable",
         ),
     ],
 )

@@ -26,7 +26,7 @@ def worn(depth_at, *, in_its_end=False, **table):
     while number <= CYCLES:
         depth = np.full(GRID.shape, depth_at(number))
         rate = Rate(pressed=depth / PRESSURE, steady=np.zeros(GRID.shape))
-        place = CyclePlace(number=number, skipped=0, left=CYCLES - number, begins=True, ends=True)
+        place = CyclePlace(number=number, skipped=0, repeats_after=CYCLES - number, begins=True, ends=True)
         chooser.decide(state, place, rate, depth, PRESSURE, 1e9, in_its_end=in_its_end)
         solved.append(number)
         jumps.append(state.jump)

@@ -107,8 +107,8 @@ def test_either_body_may_be_layered():
 def test_two_like_bodies_move_alike():
     """Normal and tangential contact part, and together they give way like one body of half the stiffness."""
     both = ec.plan(scene(coating(2.0), body2=coating(2.0), coupling="full"))
-    assert any("Dundurs' constant is 0" in item.why for item in both.left_out)
-    assert any("counted twice" in item.why for item in both.left_out)
+    assert any("Dundurs' constant is 0" in item.reason for item in both.left_out)
+    assert any("counted twice" in item.reason for item in both.left_out)
     single = scene(coating(2.0, factor=0.5), coupling="partial")
     agree(fields_of(both), fields_of(single), rtol=1e-6)
 

@@ -50,7 +50,7 @@ def test_whole_cells_know_their_law_and_others_the_matrix():
     np.testing.assert_array_equal(content.fraction, 1.0)
     np.testing.assert_array_equal(content.beside, 0)
     assert content.laws == [SOFT]
-    assert content.others == []
+    assert content.nonlinear == []
 
 
 def test_cut_cells_know_their_share_and_the_way_out():
@@ -91,7 +91,7 @@ def test_prestrain_is_the_share_of_each_region_times_its_own():
 
 def test_a_law_that_is_not_linear_fills_whole_cells_from_a_half_on():
     content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 2.6)), block(SOFT, (-2, -2, 3.2), (2, 2, 5)))
-    ((law, filled),) = content.others
+    ((law, filled),) = content.nonlinear
     assert law is STEEL
     expected = np.zeros((6, 8, 8), dtype=bool)
     expected[1:3, 2:6, 2:6] = True
@@ -109,7 +109,7 @@ def test_beside_a_law_that_is_not_linear_a_rigid_material_has_the_matrix():
     content = cells_of(block(STEEL, (-2, -2, 1), (2, 2, 3.4)), block(Rigid(), (-2, -2, 3.4), (2, 2, 5)))
     np.testing.assert_array_equal(content.linear.index[3, 2:6, 2:6], 1)
     np.testing.assert_array_equal(content.linear.beside, 0)
-    assert not content.others[0][1][3].any()
+    assert not content.nonlinear[0][1][3].any()
     assert not content.cut.any()
 
 
@@ -126,7 +126,7 @@ def test_two_materials_share_a_cell_beside_a_law_that_is_not_linear():
     middle = content.across(cells)[:, cells == np.ravel_multi_index((3, 3, 3), expected.shape)]
     np.testing.assert_allclose(middle[:, 0], [0.0, 0.0, 1.0], atol=1e-15)
     assert not content.linear.index[content.cut].any()
-    assert not content.others[0][1][content.cut].any()
+    assert not content.nonlinear[0][1][content.cut].any()
 
 
 def test_the_matrix_is_beside_a_law_only_if_it_has_one():
@@ -150,7 +150,7 @@ def test_a_law_of_a_neighbourhood_has_whole_cells():
     wide = Wide(young_modulus=2e11, poisson_ratio=0.3, yield_stress=2e8, hardening_modulus=1e10)
     content = cells_of(block(wide, (-2, -2, 1), (2, 2, 2.6)), block(SOFT, (-2, -2, 2.6), (2, 2, 4)))
     assert not content.cut.any()
-    assert content.others[0][1][2, 3, 3]
+    assert content.nonlinear[0][1][2, 3, 3]
 
 
 def test_normals_of_a_ball_are_its_radii():
@@ -192,7 +192,7 @@ def test_a_law_that_fills_no_cell_is_refused_by_name(law):
 
 def test_what_later_regions_cover_is_not_missed():
     content = cells_of(block(STEEL, (-1, -1, 1), (1, 1, 2)), block(SOFT, (-2, -2, 0.5), (2, 2, 3)))
-    assert content.others == []
+    assert content.nonlinear == []
 
 
 def test_a_map_of_linear_constants_is_linear(tmp_path):

@@ -72,7 +72,7 @@ def test_the_eigenstrain_is_that_of_eshelby(prestrain):
     numbers = block.scalars()
     assert numbers["inclusion_iterations"] > 0
     assert numbers["inclusion_residual"] <= 1e-10
-    stored = block.remembered()
+    stored = block.state_records()
     block.begin(replace(AT_REST, times=(1.0, 2.0)), stored)
     np.testing.assert_array_equal(block.eigenstrain, stored["equivalent_eigenstrain_1"].values)
     assert block.scalars()["inclusion_iterations"] == 0

@@ -99,7 +99,7 @@ def test_a_run_goes_on_from_its_records_to_the_bit():
 
 
 def test_what_lies_deep_is_refused_where_its_cells_would_have_to_rise():
-    with pytest.raises(SceneError, match=r"depth lost by body 1 must stay below 0.5 of the height of cells"):
+    with pytest.raises(SceneError, match=r"worn depth of body 1 must stay below 0.5 of the cell height of"):
         records(scene((10,), (3,), inclusions=coating(thickness=H / 4, top=H / 4), cells=24))
 
 

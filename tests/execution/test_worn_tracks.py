@@ -142,4 +142,4 @@ def test_volume_is_kept_wherever_body_2_is():
     state = WornState(depth={1: np.zeros((6, 6)), 2: np.zeros((6, 6))}, energy=np.zeros((6, 6)), cells=(1.4, 0.7))
     added = np.random.default_rng(1).random((6, 6))
     state.wear(added, {1: 0.25, 2: 0.75})
-    assert [state.total.sum(), state.lost.sum()] == close([added.sum()] * 2, rel=1e-14)
+    assert [state.total.sum(), state.sum_of_depths.sum()] == close([added.sum()] * 2, rel=1e-14)

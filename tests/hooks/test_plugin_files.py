@@ -367,7 +367,7 @@ def test_check_finds_separations_that_are_no_numbers(answer, words, bowl, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give --with b"),
+        (["bowl.py"], "geometry 'bowl' must have parameters for the check (got none); give --with b"),
         (["bolw"], "unknown plugin 'bolw'"),
         (["nowhere.py"], "no such file"),
     ],

@@ -168,15 +168,15 @@ def test_explain_says_what_is_even_in_the_radius():
 REFUSED = {
     "no load": (
         ["steps=[{normal-load=1, increments=2}, {shift-x=1e-8, increments=3, spacing='radius'}]"],
-        r"steps.1.spacing must be 'even' unless the step gives normal-load or approach, .*in a step that gives neither",
+        r"steps.1.spacing must be 'even' unless this step and the previous step both prescribe .*with neither",
     ),
     "another control": (
         ["steps=[{normal-load=1}, {approach=1e-8, increments=3, spacing='radius'}]"],
-        r"steps.1.spacing .*got 'radius' in a step that gives approach after one that gives normal-load",
+        r"steps.1.spacing .*got 'radius' with approach after normal-load",
     ),
     "a cycle that ends with another control": (
         ["steps=[{normal-load=1}, {cycle=[{normal-load=2, increments=3, spacing='radius'}, {approach=0}], repeat=2}]"],
-        r"steps.1.cycle.0.spacing .*got 'radius' in a step that gives normal-load after one that gives approach",
+        r"steps.1.cycle.0.spacing .*got 'radius' with normal-load after approach",
     ),
     "a word": (["steps.spacing=area"], r"steps\.0\.spacing must be one of 'radius' or 'even'"),
 }  # fmt: skip

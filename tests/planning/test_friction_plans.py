@@ -43,7 +43,7 @@ def pairs(planned):
 
 
 def left_out(planned):
-    return {item.what: item.why for item in planned.left_out}
+    return {item.effect: item.reason for item in planned.left_out}
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def test_explain_says_layers_plugin_and_what_they_replace():
     assert costs["stress-cut"].seconds_once > 0
     assert "homogeneous-pressure" in costs
     assert "reference-pressure" not in costs
-    left_out = {item.what: item.why for item in planned.left_out}
+    left_out = {item.effect: item.reason for item in planned.left_out}
     assert "only the bare substrate" in left_out["closed form of the pressure"]
     assert any("Burmister" in reference for reference in planned.to_dict()["references"])
 
@@ -79,7 +79,7 @@ def test_a_layered_body_couples_unless_the_other_is_like_it(body2, level, alike)
     planned = ec.plan(scene(body2=body2, friction=friction, steps=sliding, numerics={"coupling": level}))
     responses = [(kernel.response, kernel.traction) for kernel in planned.kernels]
     assert (("displacement z", "shear q_x") in responses) == (level == "full" and not alike)
-    assert any("Dundurs' constant is 0" in item.why for item in planned.left_out) == alike
+    assert any("Dundurs' constant is 0" in item.reason for item in planned.left_out) == alike
 
 
 STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)

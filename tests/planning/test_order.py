@@ -8,18 +8,18 @@ from eigencontact.planning.order import in_order
 
 
 class Declared(Stateless):
-    def __init__(self, name, requires="", provides="", wanted=""):
+    def __init__(self, name, requires="", provides="", requesters=""):
         self.name, self.requires, self.provides = name, frozenset(requires.split()), frozenset(provides.split())
-        self.wanted = dict.fromkeys(wanted.split(), "the test")
+        self.requesters = dict.fromkeys(requesters.split(), "the test")
 
     def advance(self, step):
         raise AssertionError(step)
 
 
-def chain(wanted):
+def chain(requesters):
     """Four blocks, declared backwards; one gives what is wanted."""
     declared = {"c": "b", "a": "", "b": "a", "spare": "c"}
-    return [Declared(name, needs, name, name if name == wanted else "") for name, needs in declared.items()]
+    return [Declared(name, needs, name, name if name == requesters else "") for name, needs in declared.items()]
 
 
 # blocks -> names in order
@@ -76,4 +76,4 @@ def test_costs_add_up():
     assert Cost(1.0, 2.0, 3.0) + Cost(10.0, 20.0, 30.0) == Cost(11.0, 22.0, 33.0)
     assert Cost(1.0, 2.0, 3.0, 4.0) + Cost(transient=5.0) == Cost(1.0, 2.0, 3.0, 5.0)
     assert Cost(1.0, 2.0, 3.0, 4.0).once == Cost(0.0, 5.0, 0.0, 5.0)
-    assert Cost(1.0, 2.0, 3.0, 4.0).anew == Cost(0.0, 0.0, 5.0, 5.0)
+    assert Cost(1.0, 2.0, 3.0, 4.0).every_step == Cost(0.0, 0.0, 5.0, 5.0)

@@ -28,7 +28,7 @@ def test_a_frictionless_scene_without_stress_has_one_kernel():
     assert (kernel.response, kernel.traction, kernel.count) == ("displacement z", "pressure p", 1)
     text = planned.explain()
     assert "kernels, 1 in all" in text
-    left_out = {item.what: item.why for item in planned.left_out}
+    left_out = {item.effect: item.reason for item in planned.left_out}
     assert left_out["sub-surface stress"] == "the scene has no [[stress]] region"
     assert left_out["deflection and stress of body 2"] == "it is rigid"
     assert left_out["displacement along x and y"] == "output.tangential-displacement is false"
@@ -40,7 +40,7 @@ def test_a_frictionless_scene_without_stress_has_one_kernel():
 def test_what_is_asked_for_is_not_left_out():
     planned = ec.plan(ec.load_scene("hertz", [PLANE, "output.tangential-displacement=true", *PLAIN[1:]]))
     assert set(names(planned)) >= {"stress-cut", "tangential-displacement"}
-    left_out = {item.what for item in planned.left_out}
+    left_out = {item.effect for item in planned.left_out}
     assert not left_out & {"sub-surface stress", "displacement along x and y"}
     responses = [kernel.response for kernel in planned.kernels]
     assert sorted(responses) == ["displacement x", "displacement y", "displacement z", "stress (6 components)"]

@@ -66,13 +66,13 @@ def test_explain_without_wear_says_nothing_of_it():
 
 
 def test_what_wear_leaves_out():
-    left = {item.what: item.why for item in ec.plan(scene(ENERGY, cycles(5000))).left_out}
+    left = {item.effect: item.reason for item in ec.plan(scene(ENERGY, cycles(5000))).left_out}
     assert "debris, a third body and transfer" in left
     assert "slopes of the worn surfaces" in left
     assert "about 4971 of 5000 cycles" in left
     fewer = ec.plan(scene(ENERGY | {"cycles-per-update": 100}, cycles(5000)))
-    assert "4947 of 5000 cycles" in {item.what for item in fewer.left_out}
-    assert not [item for item in ec.plan(scene(ENERGY, cycles(2))).left_out if "cycles" in item.what]
+    assert "4947 of 5000 cycles" in {item.effect for item in fewer.left_out}
+    assert not [item for item in ec.plan(scene(ENERGY, cycles(2))).left_out if "cycles" in item.effect]
 
 
 def test_predicted_time_follows_the_cycles_that_are_solved():
@@ -149,17 +149,17 @@ def test_a_shift_that_is_not_small_beside_the_contact_is_told_by_number(along, s
     if told:
         assert found[0].error == close(ratio / (1 + ratio), rel=1e-12)
         assert "the scar is 13 % shorter along the shift than that of a moving contact" in found[0].words
-    (left,) = [item.what for item in planned.left_out if "motion of the contact" in item.what]
+    (left,) = [item.effect for item in planned.left_out if "motion of the contact" in item.effect]
     assert left.endswith(f"shift-x and shift-y, up to {percent(ratio)} of its radius")
 
 
 def test_without_wear_or_shift_the_contact_does_not_move_over_the_body():
     for planned in (shifted(**{"tangential-load-x": 1.0}), ec.plan("gross-slip")):
-        assert not [item for item in planned.left_out if "motion of the contact" in item.what]
+        assert not [item for item in planned.left_out if "motion of the contact" in item.effect]
         assert "shift" not in [caution.code for caution in planned.cautions]
 
 
 @pytest.mark.parametrize(("scene", "motion"), [("pin-on-disc", "slides"), ("repeated-rolling", "rolls")])
 def test_a_geometry_slides_where_surfaces_rub(scene, motion):
     (block,) = [block for block in ec.plan(scene).blocks if block.name == "separation"]
-    assert f", which {motion} along the surface" in block.why
+    assert f", which {motion} along the surface" in block.reason

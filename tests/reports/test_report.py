@@ -232,11 +232,11 @@ def test_the_plan_is_what_explain_tells(hertz):
         scene = tomllib.loads(dataset.attrs["scene"])
     plan = ec.plan(scene)
     left = [(head["text"], cell["text"]) for head, cell in pairs(page)]
-    assert left == [(item.what, item.why) for item in plan.left_out]
+    assert left == [(item.effect, item.reason) for item in plan.left_out]
     for kernel in plan.kernels:
         assert str(kernel) in page.id("model")["text"]
     for part in plan.parts:
-        assert f"{part.name}: {part.why}" in page.id("model")["text"]
+        assert f"{part.name}: {part.reason}" in page.id("model")["text"]
 
 
 def pairs(page):

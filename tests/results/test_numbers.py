@@ -45,7 +45,7 @@ class Stiffness(Stateless):
     name, why = "secant-stiffness", "a test"
     requires = frozenset({"pressure"})
     provides = frozenset({"secant_stiffness"})
-    wanted = dict.fromkeys(provides, "a test")
+    requesters = dict.fromkeys(provides, "a test")
     numbers = (Number(name="secant_stiffness", unit="N/m", meaning="load by approach", headline=True),)
 
     def advance(self, step):

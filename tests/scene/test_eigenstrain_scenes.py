@@ -117,9 +117,9 @@ REFUSED = {
     "nothing at all": ({"inclusions": []}, "the scene must have a geometry, inclusions or eigenstrain (got none"),
     "a load on nothing": (
         {"steps": {"normal-load": "1 N"}},
-        "steps must not prescribe normal-load without a geometry (got no contact to load); add [geometry]",
+        "steps must not prescribe normal-load without a contact (got no geometry); add [geometry]",
     ),
-    "a moment on nothing": ({"steps": [{}, {"tilt-x": 0.1}]}, "steps.1 must not prescribe tilt-x without a geometry"),
+    "a moment on nothing": ({"steps": [{}, {"tilt-x": 0.1}]}, "steps.1 must not prescribe tilt-x without a contact"),
     "a geometry without load": (
         {"geometry": CONTACT["geometry"], "steps": {}},
         "steps must be controlled by normal-load or approach: give one of them (got neither)",
@@ -129,10 +129,10 @@ REFUSED = {
         {"numerics": {"boundary": "periodic"}},
         "numerics.boundary must be 'non-periodic' in a scene with inclusions or eigenstrain (got 'periodic')",
     ),
-    "in a rigid body": ({"inclusions": [ball(body=2)]}, "inclusions.0 must lie in an elastic body (body2 is rigid)"),
+    "in a rigid body": ({"inclusions": [ball(body=2)]}, "inclusions.0 must lie in an elastic body (got a rigid body2)"),
     "a patch in a rigid body": (
         {"inclusions": [], "eigenstrain": PATCH | {"body": 2}},
-        "eigenstrain.0 must lie in an elastic body (body2 is rigid)",
+        "eigenstrain.0 must lie in an elastic body (got a rigid body2)",
     ),
     "no eigenstrain": ({"inclusions": [ball(eigenstrain=None)]}, "inclusions.0 must be given an eigenstrain"),
     "two numbers": ({"inclusions": [ball(eigenstrain=[1, 2])]}, "eigenstrain must be a number, three, a symmetric 3 x"),

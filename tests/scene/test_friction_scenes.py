@@ -191,11 +191,11 @@ REFUSED = {
     "load without geometry": (
         {"geometry": None, "friction": None, "eigenstrain": {"type": "uniform", "value": 1e-3, "depth": 1e-6},
          "steps": {"shift-y": 1e-9}},
-        "steps must not prescribe shift-y without a geometry (got no contact to load); add [geometry]",
+        "steps must not prescribe shift-y without a contact (got no geometry); add [geometry]",
     ),
     "friction without geometry": (
         {"geometry": None, "eigenstrain": {"type": "uniform", "value": 1e-3, "depth": 1e-6}, "steps": None},
-        "friction must not be given without a geometry (got no contact to slip in); add [geometry]",
+        "friction must be left out of a scene without a contact (got no geometry); add [geometry]",
     ),
     "both rigid": ({"body1": {"rigid": True}}, "body1 and body2 must not both be rigid; give one of them"),
     "never pressed": (

@@ -101,7 +101,7 @@ REFUSED = {
     "same names": (["stress.1.name=section"], "stress regions must have different names (got 'section' twice)"),
     "stress in a rigid body": (
         ["stress.0.body=2"],
-        "stress region 'section' must lie in an elastic body (body2 is rigid)",
+        "stress region 'section' must lie in an elastic body (got a rigid body2)",
     ),
     "negative depth": (
         ["stress.0.depth-max=-1"],
@@ -117,7 +117,7 @@ REFUSED = {
     ),
     "line of a periodic scene": (
         ["numerics.boundary=periodic", "grid={cells=8, size=[1.0, 1.0]}"],
-        "stress of a periodic scene must be asked for on planes or volumes (got a line or points)",
+        "stress regions of a periodic scene must be planes or volumes (got a line or points)",
     ),
     "automatic grid of a periodic scene": (
         ["numerics.boundary=periodic", "stress=[]"],

@@ -206,15 +206,15 @@ REFUSED = {
     "typo of repeat": ({"steps": [PRESSED, {"cycle": CYCLE, "repaet": 3}]}, "; did you mean 'repeat'?"),
     "many repeats": (
         {"wear": None, "steps": [PRESSED, {"cycle": CYCLE, "repeat": 60_000}]},
-        "is solved and stored (got 60000, and 120001 in all); 49999 is the most",
+        "is solved and stored (got 60000, which gives 120001); the largest value is 49999",
     ),
     "many updates": (
         {"wear": ENERGY | {"cycles-per-update": 1}, "steps": [PRESSED, {"cycle": CYCLE, "repeat": 60_000}]},
-        "49999 is the most, or set a larger wear.cycles-per-update",
+        "the largest value is 49999, or set a larger wear.cycles-per-update",
     ),
     "many increments": (
         {"steps": [PRESSED, {"cycle": [CYCLE[0], {"shift-x": 0.0, "increments": 200_000}], "repeat": 2}]},
-        "steps.1.cycle.1.increments must leave at most 100000 load steps in all, each of which is solved and stored (g",
+        "steps.1.cycle.1.increments must give at most 100000 load steps in total, because each is solved and stored",
     ),
     "no distance": ({"steps": SLIDING | {"sliding-distance": 0.0}}, "steps.sliding-distance must be positive and fini"),
     "distance back": ({"steps": SLIDING | {"sliding-distance": "-1 m"}}, "sliding-distance must be positive and finit"),
@@ -229,19 +229,19 @@ REFUSED = {
     ),
     "distance and shift": (
         {"steps": [PRESSED, SLIDING | {"shift-x": "1 um"}]},
-        "steps.1 must slide by sliding-distance, or be loaded or moved by shift-x (got both); make two steps of them",
+        "steps.1 must prescribe either sliding-distance or shift-x (got both); use two steps",
     ),
     "distance and travel": (
         {"wear": ARCHARD, "friction": None, "steps": SLIDING | {"travel-x": "1 um"}},
-        "steps must slide by sliding-distance, or be loaded or moved by travel-x (got both); make two steps of them",
+        "steps must prescribe either sliding-distance or travel-x (got both); use two steps",
     ),
     "sliding that does nothing": (
         {"wear": None, "friction": None, "steps": SLIDING},
-        "steps must slide (sliding-distance) with friction, with wear, or both (got neither); add [friction] or [wear]",
+        "steps.sliding-distance must be used with friction, wear, or both (got neither); add [friction] or [wear]",
     ),
     "travel with friction alone": (
         {"wear": None, "steps": PRESSED | {"travel-x": "1 um"}},
-        "steps must not move the geometry (travel-x, travel-y) in a contact with friction (got both); leave out [fric",
+        "steps must not move the geometry (travel-x, travel-y) in a contact with friction (got both); remove [fric",
     ),
 }  # fmt: skip
 
@@ -259,7 +259,7 @@ def test_refusals_are_one_line(case):
 def test_the_most_steps_that_are_named_are_allowed():
     """What a refusal names as the most is taken."""
     assert load_scene(scene(wear=None, steps=[PRESSED, {"cycle": CYCLE, "repeat": 49_999}]))
-    with pytest.raises(SceneError, match="49999 is the most"):
+    with pytest.raises(SceneError, match="the largest value is 49999"):
         load_scene(scene(wear=None, steps=[PRESSED, {"cycle": CYCLE, "repeat": 50_000}]))
 
 

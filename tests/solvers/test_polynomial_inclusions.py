@@ -224,4 +224,4 @@ def test_reflections():
     assert reflection(5.03, 1.0, 3.6) == reflection(5.03, 3.6, 1.0) == close(0.7869093153, rel=1e-9)
     degree = degree_for(1.0, 0.5, 1e-3)
     assert stated_error(1.0, 0.5, degree) <= 1e-3 < stated_error(1.0, 0.5, degree - 1)
-    assert counts_between(2.0, 1.0, 1.0, 2, alone=True) < counts_between(2.4, 1.0, 1.0, 2)
+    assert counts_between(2.0, 1.0, 1.0, 2, own_field=True) < counts_between(2.4, 1.0, 1.0, 2)

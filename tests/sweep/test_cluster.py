@@ -186,7 +186,7 @@ def test_a_killed_worker_costs_its_task_only(serial, tmp_path):
             killed.append(workers[0].pid)
             os.kill(workers[0].pid, signal.SIGKILL)
 
-    found = sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster="local:2", told=told)
+    found = sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster="local:2", report_progress=told)
     assert len(killed) == 1
     assert not found.failed
     same_to_the_bit(found, serial)
@@ -231,7 +231,7 @@ def test_a_scheduler_that_dies_and_one_that_goes_on(serial, tmp_path):
                 first.kill()
 
         with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command resumes"):
-            sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address, told=told)
+            sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address, report_progress=told)
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/results.nc")}
     assert 3 <= len(kept) < 8
     with scheduler(port), worker(port):
@@ -297,7 +297,7 @@ def test_plugin_files_reach_workers_that_do_not_see_them(tmp_path):
             away.rename(path)
 
     engine = Cluster("local:2", say=lambda _: path.rename(away))
-    found = sweep(scene, VARY, tmp_path / "out", fields=["pressure"], cluster=engine, told=told)
+    found = sweep(scene, VARY, tmp_path / "out", fields=["pressure"], cluster=engine, report_progress=told)
     assert not found.failed
     same_to_the_bit(found, alone)
 

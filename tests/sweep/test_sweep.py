@@ -246,7 +246,7 @@ def test_a_full_disk_is_said_once(tmp_path, monkeypatch):
         monkeypatch.setattr(Path, "write_text", lambda *_, **__: (_ for _ in ()).throw(full))
 
     with pytest.raises(ResultsError, match=r"dataset of the sweep must be .*No space left.*running the sweep again"):
-        sweep(SCENE, {"steps.normal-load": ["0.5 N", "1 N"]}, tmp_path, told=fill)
+        sweep(SCENE, {"steps.normal-load": ["0.5 N", "1 N"]}, tmp_path, report_progress=fill)
     assert outcomes_seen[0] == ""
     assert "must be stored" in outcomes_seen[1]
     monkeypatch.undo()

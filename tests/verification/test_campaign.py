@@ -276,7 +276,7 @@ def test_words(error, uncertainty, word):
         ('x = "softer"', 'x = "soft"', "map.x must be one of softer, load .*did you mean 'softer'"),
         ('expect = "softer <= 0.01"', 'expect = "soft <= 0.01"', "expect.*'soft'.*softer"),
         ('title = "A', 'scenes = ["hertz"]\ntitle = "A', "either scene or scenes"),
-        ('name = "pressure"', 'name = "approach"', "quantity must have a name of its own .got 'approach' twice."),
+        ('name = "pressure"', 'name = "approach"', "quantity names must be different .got 'approach' twice."),
         ("[map]", "[mapp]", "unknown key 'mapp'"),
     ],
 )

@@ -57,7 +57,7 @@ def after(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--workers", "2"], "--workers must be without --cluster, which has its own (got 2); leave it out"),
+        (["--workers", "2"], "--workers must be left out with --cluster, which sets its own number (got 2)"),
         (["--cluster", "local:0"], "cluster must be local:N, N from 1 to 1024 (got 'local:0')"),
     ],
 )

@@ -79,7 +79,7 @@ def test_one_kernel_says_what_was_left_out(verify):
     outcome = verify("--kernel", "analytic", "--json", "-o", "out")
     data = json.loads(outcome.out)
     assert [case["name"] for case in data["cases"]] == ["plain", "full"]
-    assert {"subject": "other", "what": "everything", "reason": "not asked for in this run"} in data["not_covered"]
+    assert {"subject": "other", "what": "everything", "reason": "not requested in this run"} in data["not_covered"]
     assert outcome.code == 0
 
 

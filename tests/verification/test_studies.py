@@ -260,10 +260,10 @@ def test_bars_are_drawn_where_there_are_errors(own, tmp_path):
         ('title = "Load on a ball"', "", "study own must have title"),
         ('is = "max_pressure"', 'is = "max_presure"', "did you mean 'max_pressure'"),
         ('is = "max_pressure"', "is = \"__import__('os')\"", "function must be one of"),
-        ('is = "max_pressure"', 'is = "max_pressure.values"', "a formula may have"),
+        ('is = "max_pressure"', 'is = "max_pressure.values"', "a formula must have only"),
         ('is = "rising"', 'is = "up"', "check.is must be rising or falling"),
         ('"50 um", "100 um"', '"50 um", "50 um"', "each value once"),
-        ('"geometry.radius" = [', '"geometri.radius" = [', "every variant is refused; .*geometri"),
+        ('"geometry.radius" = [', '"geometri.radius" = [', "no variant is valid; .*geometri"),
     ],
 )
 def test_what_is_refused(own, finished_runs, before, after, words):

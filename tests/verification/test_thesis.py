@@ -175,7 +175,7 @@ def test_command_judges_a_figure(command, tmp_path):
         (("thesis", "--chapter", "7"), "--chapter must be one of 1, 2, 3, 4 (got 7)"),
         (
             ("bone", "--figure", "3.20"),
-            "--chapter, --figure and --pictures must stand with the name thesis (got 'bone')",
+            "--chapter, --figure and --pictures must be used with the study thesis (got 'bone')",
         ),
     ],
 )

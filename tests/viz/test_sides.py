@@ -14,7 +14,7 @@ from close import close
 from eigencontact.model.model import build_model
 from eigencontact.planning.borders import line_borders
 from eigencontact.results.borders import line_variables
-from eigencontact.viz.cut import Shown, View
+from eigencontact.viz.cut import StepValues, View
 from eigencontact.viz.lines import contact_runs
 from eigencontact.viz.profile import line_profile, stress_profile
 from eigencontact.viz.section import stress_section
@@ -202,7 +202,7 @@ def test_curves_along_a_line_break_where_the_material_changes():
     # Through a ball instead: the border lies where the sphere is, cells that it cuts are left out.
     del data.attrs["layers"]
     ball = data.assign(stored_line(BALL + STIFF, 0.0, 4.0, 33))
-    axes = line_profile(ball, "axis", Shown("Von Mises stress", "Pa", stress), -1, View()).axes[0]
+    axes = line_profile(ball, "axis", StepValues("Von Mises stress", "Pa", stress), -1, View()).axes[0]
     marks = sorted(float(line.get_ydata()[0]) for line in axes.get_lines() if line.get_label() == "_interface")
     assert marks == close([0.97, 3.03], abs=1e-6)
     curve = axes.get_lines()[0]

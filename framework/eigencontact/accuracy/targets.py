@@ -152,7 +152,7 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
             )
         if absolute and name not in table.targets and number is not None:
             raise SceneError(
-                f'accuracy.numbers must be a part of the numbers, like "1 %" (got {target!r}); write {key} = {target!r}'
+                f'accuracy.numbers must be a relative error, like "1 %" (got {target!r}); write {key} = {target!r}'
             )
         if reason or number is None:
             left_out[name] = reason
@@ -164,8 +164,8 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
             reason = f"the points of its region give it to {readable(fixed, number.unit)} only, on any cells"
             if name in table.targets:
                 raise SceneError(
-                    f"accuracy.{key} must be an error that the points of [[stress]] allow (got {target!r}: {reason}); "
-                    "give more points there, or allow that error"
+                    f"accuracy.{key} must be at least the error by points of [[stress]] (got {target!r}: {reason}); "
+                    "use more points, or a larger error"
                 )
             left_out[name] = reason
             continue
@@ -174,7 +174,7 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
     if not allowed:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
         raise SceneError(
-            f"accuracy.numbers must be of a scene with results that can reach it (got {reasons}); name a number"
+            f"accuracy.numbers must apply to results that can reach a target (got {reasons}); name a number"
         )
     return Targets(allowed=allowed, texts=texts, left_out=left_out)
 
@@ -215,7 +215,7 @@ def _in_unit(target: float | str, number: Number) -> float:
     """Error with a unit in that of its number."""
     key = _key(number.name)
     if number.unit in ("1", "unknown"):
-        raise SceneError(f'accuracy.{key} must be a part of the number, like "1 %", as it has no unit (got {target!r})')
+        raise SceneError(f'accuracy.{key} must be a relative error, like "1 %", as it has no unit (got {target!r})')
     unit = number.unit.replace("m2", "m^2").replace("m3", "m^3").replace(" ", "*")
     try:
         return float(parse_quantity(target, unit, "an error"))

@@ -11,8 +11,8 @@ __all__ = ["Caution", "LeftOut"]
 class LeftOut:
     """An effect that this package could model and a run does not, and the reason."""
 
-    what: str
-    why: str
+    effect: str
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)

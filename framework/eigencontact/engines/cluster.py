@@ -19,15 +19,15 @@ from uuid import uuid4
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
-from eigencontact.engines.engine import Lost, Share
+from eigencontact.engines.engine import DeadTask, Share
 from eigencontact.engines.guard import GUARD, refuse_unguarded
 from eigencontact.errors import ClusterError, shown
 
 __all__ = ["Cluster", "cluster_of"]
 
 Task = TypeVar("Task")
-Answer = TypeVar("Answer")
-Held = TypeVar("Held")
+Result = TypeVar("Result")
+State = TypeVar("State")
 
 #: Longest wait for a scheduler [s].
 _CONNECT = 10.0
@@ -144,8 +144,8 @@ class Cluster:
         )  # fmt: skip
 
     def map(
-        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
-    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        self, function: Callable[[Task, State], Result], tasks: Sequence[Task], begin: Callable[[Share], State]
+    ) -> Iterator[tuple[Task, Result | DeadTask]]:
         """As `Engine.map`.
 
         Raises
@@ -173,7 +173,7 @@ class Cluster:
                 ) from problem
             lost_tasks = deque[tuple[Task, str]]()
             for task, result in self._answers(function, tasks, name, workers=0):
-                if isinstance(result, Lost):
+                if isinstance(result, DeadTask):
                     lost_tasks.append((task, result.reason))
                 else:
                     yield task, result
@@ -187,8 +187,8 @@ class Cluster:
                     self._client.unregister_worker_plugin(name)
 
     def _answers(
-        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], name: str, *, workers: int
-    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        self, function: Callable[[Task, State], Result], tasks: Sequence[Task], name: str, *, workers: int
+    ) -> Iterator[tuple[Task, Result | DeadTask]]:
         """Results of tasks; twice as many tasks as workers are submitted; `workers` 0 counts the workers."""
         from distributed import as_completed
         from distributed.protocol.pickle import dumps
@@ -208,7 +208,7 @@ class Cluster:
                     try:
                         question = dumps((function, task))
                     except Exception as refused:  # noqa: BLE001 - whatever pickling a stranger's task raises
-                        yield task, Lost(f"cannot be sent to a worker: {' '.join(str(refused).split())}")
+                        yield task, DeadTask(f"cannot be sent to a worker: {' '.join(str(refused).split())}")
                         continue
                     future = self._client.submit(perform, question, name, pure=False, resources=needs)
                     running[future] = task
@@ -227,7 +227,8 @@ class Cluster:
                     yield task, result
                 elif future.status == "error":
                     problem = future.exception()
-                    yield task, Lost(f"its worker failed: {' '.join(f'{type(problem).__name__}: {problem}'.split())}")
+                    words = " ".join(f"{type(problem).__name__}: {problem}".split())
+                    yield task, DeadTask(f"its worker failed: {words}")
                 else:
                     raise self._lost_scheduler(finished, len(tasks))
         except (OSError, RuntimeError, CancelledError) as problem:  # how a client that has lost its scheduler refuses

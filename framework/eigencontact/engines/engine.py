@@ -1,7 +1,7 @@
 """Interface of engines for independent tasks, and the two engines on the local machine.
 
 An engine yields what comes of a task as soon as it has come. A task whose process dies costs no other: it is tried
-again alone, and is `Lost` when it dies again.
+again alone, and is `DeadTask` when it dies again.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
 from eigencontact.engines.guard import GUARD, refuse_unguarded
 
-__all__ = ["Engine", "Lost", "Processes", "Share", "ThisProcess"]
+__all__ = ["DeadTask", "Engine", "Processes", "Share", "ThisProcess"]
 
 Task = TypeVar("Task")
-Answer = TypeVar("Answer")
-Held = TypeVar("Held")
+Result = TypeVar("Result")
+State = TypeVar("State")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
-class Lost:
+class DeadTask:
     """Marker in place of a result: the process of the task died more than once; `reason` is one line."""
 
     reason: str
@@ -57,8 +57,8 @@ class Engine(Protocol):
         """Release the resources."""
 
     def map(
-        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
-    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        self, function: Callable[[Task, State], Result], tasks: Sequence[Task], begin: Callable[[Share], State]
+    ) -> Iterator[tuple[Task, Result | DeadTask]]:
         """Yield tasks and their results in the order of completion.
 
         Parameters
@@ -86,8 +86,8 @@ class ThisProcess(_Local):
     """Performs tasks one after the other, here."""
 
     def map(
-        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
-    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        self, function: Callable[[Task, State], Result], tasks: Sequence[Task], begin: Callable[[Share], State]
+    ) -> Iterator[tuple[Task, Result | DeadTask]]:
         """As `Engine.map`."""
         state = begin(Share(None, machine_bytes()))
         for task in tasks:
@@ -113,26 +113,26 @@ class Processes(_Local):
         self._workers = workers
 
     def map(
-        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
-    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        self, function: Callable[[Task, State], Result], tasks: Sequence[Task], begin: Callable[[Share], State]
+    ) -> Iterator[tuple[Task, Result | DeadTask]]:
         """As `Engine.map`."""
         lost_tasks = yield from self._pool(function, tasks, begin, self._workers)
         for task in lost_tasks:  # their process died, or that of a neighbour: each again in its own process
             if (yield from self._pool(function, [task], begin, 1)):
-                yield task, Lost(f"its process died twice: it ran out of memory, was killed, or {GUARD}")
+                yield task, DeadTask(f"its process died twice: it ran out of memory, was killed, or {GUARD}")
 
     def _pool(
         self,
-        function: Callable[[Task, Held], Answer],
+        function: Callable[[Task, State], Result],
         tasks: Sequence[Task],
-        begin: Callable[[Share], Held],
+        begin: Callable[[Share], State],
         count: int,
-    ) -> Generator[tuple[Task, Answer | Lost], None, list[Task]]:
+    ) -> Generator[tuple[Task, Result | DeadTask], None, list[Task]]:
         """Yield results of tasks; return the tasks whose process died."""
         lost_tasks, count = list[Task](), min(count, len(tasks))
         share = Share(max(1, available_threads() // self._workers), machine_bytes() / self._workers)
         with ProcessPoolExecutor(max(1, count), get_context("spawn"), _begin, (begin, share)) as pool:
-            running: dict[Future[Answer], Task] = {pool.submit(_perform, function, task): task for task in tasks}
+            running: dict[Future[Result], Task] = {pool.submit(_perform, function, task): task for task in tasks}
             try:
                 for future in as_completed(running):
                     try:
@@ -154,5 +154,5 @@ def _begin(begin: Callable[[Share], Any], share: Share) -> None:
     _HELD = begin(share)
 
 
-def _perform(function: Callable[[Any, Any], Answer], task: Any) -> Answer:
+def _perform(function: Callable[[Any, Any], Result], task: Any) -> Result:
     return function(task, _HELD)

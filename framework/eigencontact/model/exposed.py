@@ -49,9 +49,9 @@ class Exposed:
     shapes: tuple[tuple[int, InclusionShape], ...]
     grid: Grid
 
-    def at(self, lost: FloatArray | None = None) -> NDArray[np.intp]:
+    def at(self, worn_depth: FloatArray | None = None) -> NDArray[np.intp]:
         """Numbers ``(ny, nx)`` under a worn depth ``(ny, nx)`` [m], by default zero."""
-        depth = np.zeros(self.grid.shape) if lost is None else lost
+        depth = np.zeros(self.grid.shape) if worn_depth is None else worn_depth
         depth = depth + _BELOW * min(self.grid.edges)
         layer = np.searchsorted(np.asarray(self.interfaces), depth) + 1
         out = np.where(layer > len(self.interfaces), 0, layer)
@@ -60,15 +60,15 @@ class Exposed:
             out[np.asarray(shape.contains(x, y, depth))] = number
         return out
 
-    def share_below(self, lost: FloatArray, added: FloatArray) -> float:
+    def share_below(self, worn_depth: FloatArray, added: FloatArray) -> float:
         """Volume fraction of additional wear ``(ny, nx)`` [m] below the exposed material."""
-        numbers = self.at(lost)
-        crossed = self.at(lost + added) != numbers
+        numbers = self.at(worn_depth)
+        crossed = self.at(worn_depth + added) != numbers
         if not crossed.any():
             return 0.0
         low, step = np.zeros(numbers.shape), 0.5
         for _ in range(_BISECTIONS):
-            low = np.where(self.at(lost + (low + step) * added) == numbers, low + step, low)
+            low = np.where(self.at(worn_depth + (low + step) * added) == numbers, low + step, low)
             step *= 0.5
         return float((added * (1.0 - low))[crossed].sum() / added.sum())
 

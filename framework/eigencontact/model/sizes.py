@@ -46,16 +46,16 @@ def cut_down(value: float, count: float, power: int = 1, each: float = BYTES_OF_
     return float(f"{floor(fitting / unit) * unit:.2g}")
 
 
-def refuse_more(count: float, where: str, what: str, got: str, advice: str, each: float = BYTES_OF_ONE) -> None:
+def refuse_more(count: float, where: str, items: str, size: str, advice: str, each: float = BYTES_OF_ONE) -> None:
     """Refuse a size that cannot fit.
 
     Parameters
     ----------
     count : float
         Cells or points.
-    where, what : str
+    where, items : str
         The field of the scene, and what it is a size of.
-    got, advice : str
+    size, advice : str
         Its value, and the nearest one that would do.
     each : float
         Least memory that one of them takes [bytes].
@@ -67,6 +67,6 @@ def refuse_more(count: float, where: str, what: str, got: str, advice: str, each
     """
     if count > most(each):
         raise SceneError(
-            f"{where} must make at most {most(each):.2g} {what}, which fill the {machine_bytes() / 1e9:.3g} GB of "
-            f"memory here (got {got}); {advice}"
+            f"{where} must make at most {most(each):.2g} {items}, which fill the {machine_bytes() / 1e9:.3g} GB of "
+            f"memory here (got {size}); {advice}"
         )

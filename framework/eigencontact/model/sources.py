@@ -139,12 +139,12 @@ class Source:
         """Method for the field of the region, in words."""
         if self.lattice is not None:
             nz, ny, nx = self.lattice.shape
-            why = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
+            reason = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
             if isinstance(self.shape, Patch):
-                why = "a patch of the window"
+                reason = "a patch of the window"
             elif self.exact:
-                why = "the half-space is periodic"
-            return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({why})"
+                reason = "the half-space is periodic"
+            return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({reason})"
         method = self.shape.method if isinstance(self.shape, InclusionShape) else "closed form"
         if isinstance(self.shape, HasMirrorPotential):
             return method

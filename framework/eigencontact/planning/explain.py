@@ -82,9 +82,10 @@ def plan_words(plan: Plan) -> PlanWords:
             seconds = part.cost.seconds_once + plan.steps * part.cost.seconds_per_step
             price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
-            blocks.append(f"{part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
+            blocks.append(f"{part.name}{together}: {part.reason}" + (f"  [{price}]" if seconds else ""))
     blocks += [
-        f"{part.name}, after the last step: {part.why}  [{_time(part.cost.seconds_once)}]" for part in plan.conclusions
+        f"{part.name}, after the last step: {part.reason}  [{_time(part.cost.seconds_once)}]"
+        for part in plan.conclusions
     ]
     return PlanWords(
         title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
@@ -97,7 +98,7 @@ def plan_words(plan: Plan) -> PlanWords:
             f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(run_bytes(plan))} with libraries and pictures",
             f"            {_time(plan.seconds)} of solving",
         ],
-        left_out=[(effect.what, effect.why) for effect in plan.left_out],
+        left_out=[(effect.effect, effect.reason) for effect in plan.left_out],
     )
 
 
@@ -110,7 +111,7 @@ def explain(plan: Plan) -> str:
     lines += ["blocks, in order", *(f"  {line}" for line in words.blocks), ""]
     lines += [f"kernels, {len(words.kernels)} in all", *(f"  {line}" for line in words.kernels), ""]
     lines += [*words.predicted, "", "left out, and why"]
-    return "\n".join([*lines, *(f"  {subject}: {why}" for subject, why in words.left_out)])
+    return "\n".join([*lines, *(f"  {subject}: {reason}" for subject, reason in words.left_out)])
 
 
 def as_data(plan: Plan) -> dict[str, object]:
@@ -157,7 +158,7 @@ def as_data(plan: Plan) -> dict[str, object]:
         "predicted_memory_bytes": run_bytes(plan),
         "predicted_array_bytes": plan.cost.peak,
         "predicted_seconds": plan.seconds,
-        "left_out": [{"what": item.what, "why": item.why} for item in plan.left_out],
+        "left_out": [{"what": item.effect, "why": item.reason} for item in plan.left_out],
         "references": list(references(plan)),
         "scene": plan.scene.resolved(),
     }
@@ -166,7 +167,7 @@ def as_data(plan: Plan) -> dict[str, object]:
 def _block_as_data(block: Block, steps: int) -> dict[str, object]:
     return {
         "name": block.name,
-        "why": block.why,
+        "why": block.reason,
         "requires": sorted(block.requires),
         "provides": sorted(block.provides),
         "parts": [part.name for part in block.parts],

@@ -39,18 +39,18 @@ def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if contact and not model.periodic:
         along = " along x" if model.grid.repeats_y else ""
-        why = f'numerics.boundary = "{scene.numerics.boundary}": the half-space is exact'
-        out.append(LeftOut(f"periodic images{along}", why))
+        reason = f'numerics.boundary = "{scene.numerics.boundary}": the half-space is exact'
+        out.append(LeftOut(f"periodic images{along}", reason))
     out += [effect for block in blocks for effect in block.left_out(model)]
     if model.sources:
         out += _of_the_eigenstrain(model)
     layer = _layer_that_fills(model)
     if layer is not None:
-        why = (
+        reason = (
             f"{layer.name!r}, a flat layer of one material over the whole window, is divided into cells and ends "
             f'with the window; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster'
         )
-        out.append(LeftOut("the exact response of a layered body", why))
+        out.append(LeftOut("the exact response of a layered body", reason))
     return out
 
 
@@ -60,8 +60,8 @@ def _of_the_contact(contact: Interface) -> list[LeftOut]:
     if contact.friction is not None:
         out = _of_the_coupling(contact.coupling)
     else:
-        why = "the scene prescribes no tangential load and has no friction"
-        out = [LeftOut("shear tractions q_x, q_y and their kernels", why)]
+        reason = "the scene prescribes no tangential load and has no friction"
+        out = [LeftOut("shear tractions q_x, q_y and their kernels", reason)]
     elastic = [body for body in solids if body is not None]
     if len(elastic) == 2 and elastic[0] == elastic[1]:
         out.append(
@@ -79,11 +79,11 @@ def _of_the_contact(contact: Interface) -> list[LeftOut]:
 
 def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
     """Effects that the coupling of normal and tangential contact leaves out."""
-    why = f'numerics.coupling = "{coupling.level}"'
-    unused = f"{why}, and no step prescribes a load or shift along it"
+    reason = f'numerics.coupling = "{coupling.level}"'
+    unused = f"{reason}, and no step prescribes a load or shift along it"
     out = [LeftOut(f"shear and displacement along {c}", unused) for c in "xy" if c not in coupling.components]
     if coupling.level == "none" and len(coupling.components) > 1:
-        out.append(LeftOut("displacement along y by shear along x, and along x by shear along y", why))
+        out.append(LeftOut("displacement along y by shear along x, and along x by shear along y", reason))
     if coupling.alike:
         out.append(
             LeftOut(
@@ -94,10 +94,10 @@ def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
         )
         return out
     if coupling.level in ("none", "partial"):
-        out.append(LeftOut("displacement along the surface by pressure", f"{why}: loads along z cause no slip"))
+        out.append(LeftOut("displacement along the surface by pressure", f"{reason}: loads along z cause no slip"))
     if coupling.level != "full":
         goodman = ": the pressure ignores the shear (Goodman's approximation)" if coupling.level == "one-way" else ""
-        out.append(LeftOut("displacement along the normal by shear", why + goodman))
+        out.append(LeftOut("displacement along the normal by shear", reason + goodman))
     return out
 
 

@@ -31,7 +31,7 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
         for quantity in block.provides:
             providers.setdefault(quantity, []).append(block)
     needed: dict[str, Block] = {}
-    open_ends = {quantity: requester for block in candidates for quantity, requester in block.wanted.items()}
+    open_ends = {quantity: requester for block in candidates for quantity, requester in block.requesters.items()}
     while open_ends:
         quantity, requester = open_ends.popitem()
         block = _only_provider(providers, quantity, requester)

@@ -134,7 +134,7 @@ class Plan:
             ("kernels", str(sum(kernel.count for kernel in self.kernels))),
             ("memory, predicted", readable(float(self.cost.peak), "B")),
             ("time, predicted", time_in_words(self.seconds)),
-            *(("left out", f"{effect.what}: {effect.why}") for effect in self.left_out),
+            *(("left out", f"{effect.effect}: {effect.reason}") for effect in self.left_out),
         ]
         return html_table(self.scene.title or self.name, rows)
 

@@ -75,7 +75,7 @@ def _blocks(model: Model) -> list[Block]:
     if model.observers:
         from eigencontact.execution.run.observers import observers_of
 
-        blocks += observers_of(model, frozenset(name for block in surface_blocks for name in block.wanted))
+        blocks += observers_of(model, frozenset(name for block in surface_blocks for name in block.requesters))
     return blocks
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from eigencontact.results.stored import Results
-    from eigencontact.viz.chosen import Chosen
+    from eigencontact.viz.chosen import Picture
 
 __all__ = ["FORMATS", "draw_chosen", "opened", "plot"]
 
@@ -183,7 +183,7 @@ def opened(results: Any) -> Iterator[Results]:
     yield dataset
 
 
-def _picture_of(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Chosen:
+def _picture_of(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Picture:
     from eigencontact.postprocess.stored_run import place_of
     from eigencontact.viz.chosen import chosen_picture
 

@@ -137,7 +137,7 @@ def writable_folder(folder: Path) -> None:
 
 @contextmanager
 def replacing(
-    path: Path, what: str, *, lasting: bool = True, kept: str = "--resume keeps the steps that are stored"
+    path: Path, content: str, *, lasting: bool = True, consequence: str = "--resume keeps the steps that are stored"
 ) -> Iterator[Sink]:
     """Open a temporary file that replaces `path` when the block succeeds, and is removed otherwise.
 
@@ -145,12 +145,12 @@ def replacing(
     ----------
     path : Path
         Final name; an older file of that name stays untouched until the new one is complete and on the disk.
-    what : str
+    content : str
         Name of the content for the message: ``"step 3"``.
     lasting : bool
         Whether it has to be on the disk when the block ends, so that it outlives a loss of power; a process that is
         killed loses nothing in either case.
-    kept : str
+    consequence : str
         What the message says is not lost.
 
     Raises
@@ -176,8 +176,8 @@ def replacing(
     except OSError as error:
         _discard(partial)
         raise ResultsError(
-            f"{what} must be stored in {path.parent} (got: {reason(error)}); free space or make the folder "
-            f"writable; {kept}"
+            f"{content} must be stored in {path.parent} (got: {reason(error)}); free space or make the folder "
+            f"writable; {consequence}"
         ) from error
     except _Inside as error:
         _discard(partial)

@@ -13,7 +13,7 @@ from eigencontact.results.history import HISTORY_STEP
 from eigencontact.results.join import dataset_of, join_steps
 from eigencontact.results.part import Part, part_of
 from eigencontact.results.stepfile import history_part, step_part
-from eigencontact.results.stored import Held
+from eigencontact.results.stored import StoredArray
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -139,11 +139,11 @@ class _MemoryVariable:
     def __float__(self) -> float:
         return float(self.values)
 
-    def __getitem__(self, at: int) -> Held:
+    def __getitem__(self, at: int) -> StoredArray:
         if self.dims[:1] not in _STEPPED:
-            return Held(np.asarray(self.values[at]))
+            return StoredArray(np.asarray(self.values[at]))
         step = self._steps[at]
-        return Held(np.asarray(step[self._name][0]) if self._name in step else np.full(self.shape[1:], np.nan))
+        return StoredArray(np.asarray(step[self._name][0]) if self._name in step else np.full(self.shape[1:], np.nan))
 
     @property
     def values(self) -> NDArray[Any]:

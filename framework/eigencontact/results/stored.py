@@ -19,7 +19,7 @@ from eigencontact.results.reader import opened_whole
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Held", "Results", "open_stored", "widest_edge"]
+__all__ = ["Results", "StoredArray", "open_stored", "widest_edge"]
 
 #: Attributes of variables that belong to the format.
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
@@ -94,7 +94,7 @@ def open_stored(path: str | Path) -> _Stored:
 
 
 @dataclass(slots=True)
-class Held:
+class StoredArray:
     """Values of a variable in memory."""
 
     values: NDArray[Any]
@@ -117,9 +117,9 @@ class _Variable:
         self.shape: tuple[int, ...] = array.shape
         self.ndim: int = array.ndim
 
-    def __getitem__(self, index: Any) -> Held:
+    def __getitem__(self, index: Any) -> StoredArray:
         values = np.asarray(self._array[index])
-        return Held(values.astype(str) if self._text else values)
+        return StoredArray(values.astype(str) if self._text else values)
 
     def __float__(self) -> float:
         return float(self.values)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Accuracy", "accuracy_table", "part_of", "with_accuracy"]
 
-_RULE = 'a part of the number, as "1 %" or 0.01, or an error with a unit, as "2 nm"'
+_RULE = 'a relative error, as "1 %" or 0.01, or an error with a unit, as "2 nm"'
 
 
 def part_of(target: float | str) -> float | None:

@@ -63,8 +63,8 @@ def _check_names(scene: Scene) -> None:
     for number, label in enumerate(labels):
         if clashes(label):
             raise ValueError(
-                f"!stress region must have a name that nothing else in results has (got {label!r}, and fields, numbers "
-                "or files of the surface are called so); choose another name"
+                "!stress region must have a name that differs from those of surface fields, numbers and files in the "
+                f"results (got {label!r}); choose another name"
             )
         for earlier_label in labels[:number]:
             if earlier_label == label:
@@ -80,8 +80,8 @@ def _check_steps(scene: Scene) -> None:
         raise ValueError("!steps must be given")
     if scene.friction is not None and not scene.geometry:
         raise ValueError(
-            "!friction must not be given without a geometry (got no contact to slip in); add [geometry], or leave it "
-            "out"
+            "!friction must be left out of a scene without a contact (got no geometry); add [geometry], or remove "
+            "[friction]"
         )
     _check_number_of_steps(scene)
     controlled = False
@@ -93,8 +93,8 @@ def _check_steps(scene: Scene) -> None:
             raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {got})")
         if step.prescribed and not scene.geometry:
             raise ValueError(
-                f"!{where} must not prescribe {step.prescribed[0]} without a geometry (got no contact to load); "
-                "add [geometry], or leave it out"
+                f"!{where} must not prescribe {step.prescribed[0]} without a contact (got no geometry); "
+                "add [geometry], or remove it"
             )
         if step.travels:
             _check_travel(scene, where)
@@ -116,14 +116,14 @@ def _check_bulk(scene: Scene) -> None:
             name = next((name.replace("_", "-") for name in names if name in step.bulk), None)
             if name is not None and scene.bodies[body - 1].rigid:
                 raise ValueError(
-                    f"!{where}.{name} must be of an elastic body (body{body} is rigid); leave it out, or give "
+                    f"!{where}.{name} must act on an elastic body (got a rigid body{body}); remove it, or give "
                     f"body{body} young-modulus and poisson-ratio"
                 )
     if scene.bulk_at_rest and scene.friction is not None and scene.numerics.boundary == "periodic":
         name = next(iter(scene.bulk_at_rest)).replace("_", "-")
         raise ValueError(
             f"!numerics.boundary must be 'non-periodic' with bulk stress in a contact with friction (got 'periodic', "
-            f"and {name}): a mean strain moves the surfaces apart from period to period; leave out one of them"
+            f"and {name}), because a mean strain displaces the surfaces differently in each period; remove one of them"
         )
 
 
@@ -134,12 +134,12 @@ def _check_spacing(scene: Scene) -> None:
         control = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
         final_control = control or (previous_control if scene.friction is not None else None)
         if step.spacing == "radius" and (control is None or previous_control not in ("", control)):
-            got = f"a step that gives {control or 'neither'}"
+            pair = control or "neither"
             if control is not None and previous_control not in ("", control):
-                got += f" after one that gives {previous_control or 'neither'}"
+                pair += f" after {previous_control or 'neither'}"
             raise ValueError(
-                f"!{where}.spacing must be 'even' unless the step gives normal-load or approach, as the one before it "
-                f"does (got 'radius' in {got}); leave it out"
+                f"!{where}.spacing must be 'even' unless this step and the previous step both prescribe normal-load, "
+                f"or both approach (got 'radius' with {pair}); remove it"
             )
         previous_control = final_control
 
@@ -158,8 +158,8 @@ def _check_number_of_steps(scene: Scene) -> None:
         most = max(1, count * remaining // counts[largest])
         fewer = name == "repeat" and scene.wear is not None and scene.wear.cycles_per_update is not None
         raise ValueError(
-            f"!{where}.{name} must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
-            f"stored (got {shown(count)}, and {shown(sum(counts))} in all); {most} is the most"
+            f"!{where}.{name} must give at most {_MOST_STEPS} load steps in total, because each is solved and stored "
+            f"(got {shown(count)}, which gives {shown(sum(counts))}); the largest value is {most}"
             + (", or set a larger wear.cycles-per-update" if fewer else "")
         )
 
@@ -167,27 +167,24 @@ def _check_number_of_steps(scene: Scene) -> None:
 def _check_sliding(scene: Scene, where: str, step: Step) -> None:
     controls = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL | set(TRAVEL)]
     if controls:
-        raise ValueError(
-            f"!{where} must slide by sliding-distance, or be loaded or moved by {controls[0]} (got both); make two "
-            "steps of them"
-        )
+        raise ValueError(f"!{where} must prescribe either sliding-distance or {controls[0]} (got both); use two steps")
     if scene.friction is None and scene.wear is None:
         raise ValueError(
-            f"!{where} must slide (sliding-distance) with friction, with wear, or both (got neither); add [friction] "
-            "or [wear], or leave it out"
+            f"!{where}.sliding-distance must be used with friction, wear, or both (got neither); add [friction] or "
+            "[wear], or remove it"
         )
 
 
 def _check_travel(scene: Scene, where: str) -> None:
     if scene.friction is not None and scene.wear is None:
         raise ValueError(
-            f"!{where} must not move the geometry (travel-x, travel-y) in a contact with friction (got both); leave "
-            "out [friction] for rolling without it, or slide by shift-x and shift-y"
+            f"!{where} must not move the geometry (travel-x, travel-y) in a contact with friction (got both); remove "
+            "[friction] for frictionless rolling, or prescribe shift-x and shift-y for sliding"
         )
     if scene.numerics.boundary == "periodic":
         raise ValueError(
             f"!{where} must not move the geometry (travel-x, travel-y) in a periodic scene (got numerics.boundary = "
-            "'periodic'): it would leave the window; leave out one of them"
+            "'periodic'), because it would leave the window; remove one of them"
         )
 
 
@@ -203,14 +200,14 @@ def _check_eigenstrain(scene: Scene) -> None:
     lines = [request for request in scene.stress if request.shape in ("line", "points")]
     if scene.numerics.half_space == "periodic" and lines:
         raise ValueError(
-            f"!numerics.half-space must be 'exact' for fields on lines and at points, as {lines[0].label!r} asks for "
-            "(got 'periodic'); ask for a plane or a volume"
+            f"!numerics.half-space must be 'exact' for fields on lines and at points, here {lines[0].label!r} "
+            "(got 'periodic'); use a plane or a volume"
         )
     for group in ("inclusions", "eigenstrain"):
         for number, item in enumerate(getattr(scene, group)):
             if scene.bodies[item.body - 1].rigid:
                 raise ValueError(
-                    f"!{group}.{number} must lie in an elastic body (body{item.body} is rigid); set body, or give "
+                    f"!{group}.{number} must lie in an elastic body (got a rigid body{item.body}); set body, or give "
                     f"body{item.body} young-modulus and poisson-ratio"
                 )
             if scene.bodies[item.body - 1].medium is not None:
@@ -251,18 +248,20 @@ def _check_initial(scene: Scene) -> None:
         )
         if body.initial is not None and not laws:
             raise ValueError(
-                f"!body{number}.initial must stand beside a law that remembers it (got none in body {number}); give "
+                f"!body{number}.initial must be used with a history-dependent law (got none in body {number}); set "
                 f"body{number}.law as in the earlier run"
             )
 
 
 def _check_region(scene: Scene, request: StressRequest) -> None:
     if scene.bodies[request.body - 1].rigid:
-        raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
+        raise ValueError(
+            f"!stress region {request.label!r} must lie in an elastic body (got a rigid body{request.body})"
+        )
     if request.around is not None or request.refinement is not None:
         _check_close_up(scene, request)
     if scene.numerics.boundary == "periodic" and request.shape in ("line", "points"):
-        raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")
+        raise ValueError("!stress regions of a periodic scene must be planes or volumes (got a line or points)")
 
 
 def _check_close_up(scene: Scene, request: StressRequest) -> None:
@@ -273,7 +272,7 @@ def _check_close_up(scene: Scene, request: StressRequest) -> None:
         )
     if scene.numerics.half_space in ("image-pressure", "periodic") or scene.numerics.boundary == "periodic":
         raise ValueError(
-            "!numerics must be non-periodic with half-space = 'exact' or 'full-space' for points finer than the cells, "
-            f"as {request.label!r} asks for (got {scene.numerics.boundary!r}, {scene.numerics.half_space!r}); "
+            "!numerics must be non-periodic with half-space = 'exact' or 'full-space' for regions finer than cells, "
+            f"{request.label!r} (got {scene.numerics.boundary!r}, {scene.numerics.half_space!r}); "
             "leave out around and refinement"
         )

@@ -40,14 +40,14 @@ def check_line(scene: Scene) -> None:
     if scene.grid.datum_depth is not None and not (scene.grid.line or scene.numerics.repeats_y):
         raise ValueError(
             f"!grid.datum-depth must be left out unless length = 'infinite' or numerics.boundary = 'periodic-y' (got "
-            f"{scene.grid.datum_depth:g}): distant points are at rest elsewhere"
+            f"{scene.grid.datum_depth:g}), because the displacement of other contacts vanishes at infinity; remove it"
         )
     if not scene.grid.line:
         return
     if scene.inclusions and not scene.numerics.in_cells:
         raise ValueError(
-            "!numerics.inclusion-resolution must be 'cells' in a line contact (got wholes): no plane strain of wholes "
-            "is known"
+            "!numerics.inclusion-resolution must be 'cells' in a line contact (got 'wholes'), because whole "
+            "inhomogeneities have no plane-strain solution; remove it"
         )
     if scene.numerics.half_space not in ("exact", "full-space") and (scene.inclusions or scene.eigenstrain):
         raise ValueError(
@@ -57,12 +57,12 @@ def check_line(scene: Scene) -> None:
     across_bulk = [name for name in scene.bulk_at_rest if not name.endswith("_xx")]
     if across_bulk:
         raise ValueError(
-            f"!{across_bulk[0].replace('_', '-')} must be left out in a line contact (got grid.length = 'infinite'): "
-            "in plane strain the bulk stress yy follows from xx, and xy has nothing to do with the plane"
+            f"!{across_bulk[0].replace('_', '-')} must be left out in a line contact (got grid.length = 'infinite'), "
+            "because in plane strain yy follows from xx and xy is zero; remove it"
         )
     _check_motions(
-        scene, "a line contact", "(got grid.length = 'infinite'): plane strain has no turn about x or z and no motion "
-        "of the geometry along y", "in plane strain",
+        scene, "a line contact", "(got grid.length = 'infinite'), because plane strain excludes rotations about x and "
+        "z and motion along y", "in plane strain",
     )  # fmt: skip
 
 
@@ -72,7 +72,7 @@ def check_repeating(scene: Scene) -> None:
         return
     where = "with numerics.boundary = 'periodic-y'"
     if scene.grid.line:
-        raise ValueError(f"!grid.length must be left out {where} (got 'infinite'): strips have no end along y already")
+        raise ValueError(f"!grid.length must be left out {where} (got 'infinite'), because strips are infinite along y")
     parts = {
         "inclusions": scene.inclusions, "eigenstrain": scene.eigenstrain, "body1.law": scene.body1.law,
         "body2.law": scene.body2.law, "body1.medium": scene.body1.medium, "body2.medium": scene.body2.medium,
@@ -81,15 +81,15 @@ def check_repeating(scene: Scene) -> None:
     present = next((name for name, is_present in parts.items() if is_present), None)
     if present is not None:
         raise ValueError(
-            f"!{present} must be left out {where} (got both): homogeneous elastic bodies can repeat along y alone"
+            f"!{present} must be left out {where} (got both): only homogeneous elastic bodies can repeat along y"
         )
     _check_motions(
-        scene, "a contact that repeats along y", "(got numerics.boundary = 'periodic-y'): a turn about x or z, or a "
-        "motion along y, moves the geometry out of its period", "under loads that repeat along y",
+        scene, "a contact that repeats along y", "(got numerics.boundary = 'periodic-y'), because a rotation about "
+        "x or z, or a motion along y, moves the geometry out of its period", "under loads that repeat along y",
     )  # fmt: skip
 
 
-def _check_motions(scene: Scene, contact: str, reason: str, why: str) -> None:
+def _check_motions(scene: Scene, contact: str, reason: str, condition: str) -> None:
     """Refuse turns about x and z and travel along y, and motions against the inside without a depth."""
     for where, step in named_ramps(scene.steps):
         across = [name for name in step.prescribed if name in _ACROSS]
@@ -98,7 +98,7 @@ def _check_motions(scene: Scene, contact: str, reason: str, why: str) -> None:
         moved = [name for name in step.prescribed if name in _AGAINST_DEPTH]
         if moved and scene.grid.datum_depth is None:
             raise ValueError(
-                f"!{where} must not prescribe {moved[0]} in {contact} without grid.datum-depth (got none): {why} "
-                "displacements have no limit far away, so name the depth of the points that move by it, or give the "
-                "load"
+                f"!{where} must not prescribe {moved[0]} in {contact} without grid.datum-depth (got none): {condition} "
+                "the displacement of distant points has no limit; set the depth of the reference points, or prescribe "
+                "the load"
             )

@@ -1,1 +1,1 @@
-"""Constrained solvers of contact problems, one algorithm a file."""
+"""Constrained solvers of contact problems, one algorithm per file."""

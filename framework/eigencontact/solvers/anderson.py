@@ -8,23 +8,24 @@ from eigencontact.core.array_types import FloatArray
 
 __all__ = ["Anderson"]
 
-#: Share of the largest singular value (of differences scaled to one) below which a combination is left out.
+#: Singular values below this fraction of the largest (of differences scaled to one) are left out of the combination.
 _DEPENDENT = 1e-6
 
 
 class Anderson:
-    """Next iterate from the last ones and their images.
+    """Next iterate of a fixed-point iteration, from the last iterates and their images.
 
-    With all guesses kept, a linear problem takes the course of GMRES: it converges where the plain iteration grows.
+    With all iterates stored, the method follows GMRES for a linear problem: it converges where the plain iteration
+    diverges.
 
     Parameters
     ----------
     depth : int
-        Differences kept.
+        Number of stored differences.
 
     Notes
     -----
-    Vectors may become longer from call to call: entries that are new were zero before, and are not stored for it.
+    Vectors may become longer from call to call. New entries were zero before; the stored vectors are not extended.
 
     References
     ----------

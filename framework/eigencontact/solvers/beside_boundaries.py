@@ -1,14 +1,14 @@
 r"""Stress at points near the boundaries of regions, from the material at the point.
 
-A cut cell carries one eigenstrain for both of its materials, E = f ε_1 with the share f of the region. At points in it
-and beside it the field of such cells is that of neither. Across a boundary of normal n the traction is continuous, and
-so is the strain in its plane. Hence, with T of `eigencontact.solvers.cell_conditions.constraint_of_layer`, the stress F
-in the middle of a cell, by the eigenstrain of all cells, is
+A cut cell has one eigenstrain for both of its materials, E = f ε_1, with the fraction f of the region. At points in and
+next to such cells, the field of the cells is that of neither material. Across a boundary of normal n the traction is
+continuous, and so is the strain in its plane. With T of `eigencontact.solvers.cell_conditions.constraint_of_layer` and
+the stress F at the centre of a cell by the eigenstrain of all cells, the stress in the surrounding body is
 
-    F + T E    on the side of the body around,
+    F + T E.
 
-a field that is smooth across the cells of the boundary, and is interpolated between their middles. On the side of the
-region its stress is smooth from one cell to the next, and goes on linearly from whole cells into the cut ones.
+This field is smooth across the cells of the boundary and is interpolated between their centres. In the region the
+stress is smooth from cell to cell, and is continued linearly from whole cells into the cut cells.
 
 References
 ----------
@@ -30,32 +30,34 @@ from eigencontact.solvers.cells import Cells
 
 __all__ = ["Between", "continued", "outer_stress", "outward"]
 
-#: Cells on either side that a linear continuation is fitted to.
+#: Cells on either side for the fit of a linear continuation.
 _REACH = 3
-#: Slopes are drawn to zero by this part of the sum of the weights: a region of one layer has none across it.
+#: Regularization of the slopes, relative to the sum of the weights: a region with a single layer has no slope across
+#: it.
 _LEVEL = 1e-3
-#: A point so near to a face or a middle, in cells, lies on it.
+#: Distance in cells below which a point lies on a face or at a centre.
 _SNAP = 1e-9
-#: Cell before a face, and behind it.
+#: Cells on both sides of a face.
 _SIDES = ((np.ceil, -0.5), (np.floor, 0.5))
 
 
 class Between:
-    """Points between the middles of cells: the eight cells about each, and their weights.
+    """Points between the cell centres: the eight cells around each point, and their weights.
 
     Parameters
     ----------
     cells : Cells
-        Above the middles of the first layer values go on linearly; the box must reach beyond all other points.
+        Cells of the box. Values are continued linearly above the centres of the first layer; elsewhere the box must
+        extend beyond all points.
     points : three of (n,)
         x, y, z [m].
 
     Attributes
     ----------
     about : (8, n) of int
-        Flat indices of the cells; those without weight are replaced by the nearest.
+        Flat indices of the cells; cells without weight are replaced by the nearest cell.
     on : (8, n) of int
-        Flat indices of the cells that a point lies in: the same, but for points on faces.
+        Flat indices of the cells that contain a point: all equal, except for points on faces.
     """
 
     def __init__(self, cells: Cells, points: tuple[FloatArray, FloatArray, FloatArray]) -> None:
@@ -85,10 +87,10 @@ class Between:
 
 
 def outward(share: FloatArray, pitch: tuple[float, float, float], *, flush: bool) -> FloatArray:
-    """Vectors ``(3, nz, ny, nx)`` out of a region, by the fall of its share over the 26 cells about each.
+    """Vectors ``(3, nz, ny, nx)`` out of a region, by the decrease of its fraction over the 26 neighbours of each cell.
 
-    They are zero away from the boundary. Beyond the box there is nothing of the region, but above the surface what is
-    below it, where the box is `flush` with it. `pitch` is (dx, dy, dz).
+    They are zero away from the boundary. Outside the box the fraction is zero; above the surface it equals the first
+    layer if the box is `flush` with the surface. `pitch` is (dx, dy, dz).
     """
     padded = np.pad(share, 1)
     if flush:
@@ -104,7 +106,7 @@ def outward(share: FloatArray, pitch: tuple[float, float, float], *, flush: bool
 
 
 def outer_stress(stress: FloatArray, eigenstrain: FloatArray, normal: FloatArray, matrix: Material) -> FloatArray:
-    """F + T E [Pa] of cells ``(6, n)``; their normals ``(3, n)`` are zero in cells without a boundary."""
+    """F + T E [Pa] of cells ``(6, n)``; the normals ``(3, n)`` are zero in cells without a boundary."""
     out, there = stress.copy(), np.flatnonzero(normal.any(axis=0) & eigenstrain.any(axis=0))
     if there.size:
         constraint = constraint_of_layer(matrix, normal[:, there].T)
@@ -113,13 +115,13 @@ def outer_stress(stress: FloatArray, eigenstrain: FloatArray, normal: FloatArray
 
 
 def continued(values: FloatArray, weight: FloatArray, where: IntArray) -> FloatArray:
-    """Values ``(c, m)`` in cells `where` (flat indices), on the straight fit to weighted cells about each.
+    """Values ``(c, m)`` in cells `where` (flat indices), by a linear fit to the weighted cells around each.
 
     Parameters
     ----------
     values : (c, nz, ny, nx)
     weight : (nz, ny, nx)
-        Zero where there is no value. Cells count by this and less with their distance.
+        Zero in cells without a value. The weight in the fit also decreases with the distance.
     """
     place = np.stack(np.unravel_index(where, weight.shape)) + _REACH
     weights = np.pad(weight, _REACH)
@@ -137,7 +139,7 @@ def continued(values: FloatArray, weight: FloatArray, where: IntArray) -> FloatA
 
 
 def _snapped(placed: FloatArray) -> FloatArray:
-    """Coordinates in cells, rounded to multiples of a half if they agree within rounding."""
+    """Coordinates in cells, set to multiples of a half if equal within round-off."""
     near = np.rint(2.0 * placed) / 2.0
     return np.where(np.abs(placed - near) <= _SNAP, near, placed)
 

@@ -1,18 +1,19 @@
 r"""Conditions on stress and eigenstrain in the cells of an inhomogeneous body, including cells cut by a boundary.
 
-A cell of stiffness C_i in a matrix of stiffness C_m, compliance M_m, with mean stress σ and eigenstrain ε*, obeys
+A cell of stiffness C_i in a matrix of stiffness C_m, compliance M_m, with mean stress σ and eigenstrain ε*, satisfies
 
     P σ + Q ε* = R ε_p,    P = stiff M_m - soft,  Q = R = stiff,    stiff = C_i (C_i + 2G)^-1,  soft = (C_i + 2G)^-1,
 
-with G the shear modulus of the matrix: bounded for a void, a rigid cell and an incompressible matrix. Of a cut cell a
-share f is filled by material 1, the rest by material 2. Both parts see the mean stress and the difference of their
-eigenstrains ε_1 - ε_2 through a tensor T,
+with the shear modulus G of the matrix. P, Q and R are bounded for a void, a rigid cell and an incompressible matrix. In
+a cut cell material 1 fills a fraction f, and material 2 the rest. The stresses of both parts depend on the mean stress
+and, through a tensor T, on the difference of their eigenstrains ε_1 - ε_2,
 
     σ_1 = σ - (1-f) T (ε_1 - ε_2),    σ_2 = σ + f T (ε_1 - ε_2),    ε* = f ε_1 + (1-f) ε_2,
 
-and elimination of ε_1 and ε_2 leaves P, Q and R of the cell. T = 0 is Reuss' mixture (one stress), T = C_m Voigt's (one
-strain), T of a ball, C_m (I - S), that of Hashin and Shtrikman, and T of a layer with the normal of the boundary is
-exact for flat boundaries far larger than a cell. Used is the ball's where no normal is known, else mostly the layer's.
+and elimination of ε_1 and ε_2 gives P, Q and R of the cell. T = 0 is Reuss' mixture (equal stress), and T = C_m is
+Voigt's (equal strain). T of a ball, C_m (I - S), is that of Hashin and Shtrikman. T of a layer with the normal of the
+boundary is exact for flat boundaries much larger than a cell. The program uses T of a ball without a known normal,
+otherwise mostly T of a layer.
 
 References
 ----------
@@ -57,9 +58,9 @@ __all__ = [
 
 IntArray = NDArray[np.int_]
 
-# Part of a ball's T in that of cells with a known normal. Cells are no endless layers: by a layer's T alone a void (or
-# a rigid inclusion) seems larger by as much as its cut cells reach beyond it. Measured on Eshelby's sphere at 5 to 10
-# cells a radius, where 0.1 to 0.3 are best from void to rigid, 0.1 for the stress inside.
+# Weight of a ball's T in cut cells with a known normal. With a layer's T alone, a void or a rigid inclusion seems
+# larger, by the extent of its cut cells beyond it, because cells are not infinite layers. Measured on Eshelby's sphere
+# with 5 to 10 cells per radius: 0.1 to 0.3 are best from void to rigid, 0.1 for the stress inside.
 _ROUND = 0.1
 
 
@@ -73,16 +74,16 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True)
 class Shares:
-    """Shares of materials in cut cells, by flat index.
+    """Fractions of materials in cut cells, by flat index.
 
     Attributes
     ----------
     mixed : (n,) of bool
-        Cells that hold two materials.
+        Cells with two materials.
     fraction : (n,)
-        Share of the first.
+        Fraction of the first material.
     beside : (n,) of int
-        Index of the second.
+        Index of the second material.
     normal : (3, n) or None
         Normal of the boundary.
     """
@@ -141,7 +142,7 @@ class Conditions:
             yield slice(cut, cells.size), self._cut(cells[cut:], index, shares)
 
     def _of_material(self, name: int, cells: NDArray[np.intp]) -> Condition:
-        """Of one material; 0 is the matrix, whose P is zero."""
+        """Condition of one material; material 0 is the matrix with P = 0."""
         if name == 0:
             matrix = self.matrix
             stiff = isotropic_factors(matrix.young_modulus, matrix.poisson_ratio, matrix.shear_modulus)[1]
@@ -174,11 +175,12 @@ def condition_of(material: Elasticity | ArrayLike, matrix: Material) -> Conditio
 
 
 def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint: FloatArray) -> Condition:
-    """Conditions of cut cells, all ``(n, 6, 6)``; `fraction` ``(n,)`` is the share of the first material."""
+    """Conditions of cut cells, all ``(n, 6, 6)``; `fraction` ``(n,)`` is that of the first material."""
     f = fraction[:, None, None]
     (P1, Q1, _), (P2, Q2, _) = first, second
     difference1, difference2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
-    # What the difference of the two eigenstrains adds to the mean condition, by what it does to their difference.
+    # Contribution of the difference of the two eigenstrains to the mean condition, from the condition of the
+    # difference.
     mean = (1.0 - f) * difference1 + f * difference2
     weight = np.linalg.solve(mean.swapaxes(1, 2), (difference1 - difference2).swapaxes(1, 2)).swapaxes(1, 2)
     stress = f * P1 + (1.0 - f) * P2 - f * (1.0 - f) * weight @ (P1 - P2)
@@ -202,9 +204,9 @@ def constraint_of_cut(matrix: Material, normals: FloatArray) -> FloatArray:
 
 
 def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
-    """T [Pa] of flat layers, ``(n, 6, 6)``, for plane stress in their plane.
+    """T [Pa] of flat layers, ``(n, 6, 6)``, with plane stress in the plane of the layer.
 
-    `normals` are ``(n, 3)``, of any length but zero.
+    `normals` are ``(n, 3)``, of any nonzero length.
     """
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
     n = normals / np.linalg.norm(normals, axis=1, keepdims=True)
@@ -214,7 +216,7 @@ def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
 
 
 def compliance(material: Material) -> FloatArray:
-    """Mandel compliance ``(6, 6)`` [1/Pa]; finite for ν = 0.5 too."""
+    """Mandel compliance ``(6, 6)`` [1/Pa]; also finite for ν = 0.5."""
     nu = material.poisson_ratio
     out = (1.0 + nu) * np.eye(6)
     out[:3, :3] -= nu

@@ -13,7 +13,7 @@ __all__ = ["Cells", "offset_in_cells"]
 
 Point = tuple[float, float, float]
 
-# Fraction of a cell below which an offset counts as a multiple of half a cell.
+# Distance in cells below which an offset counts as a multiple of half a cell.
 _SNAP = 1e-9
 
 
@@ -28,7 +28,7 @@ class Cells:
     pitch : (float, float, float)
         Edges (dx, dy, dz) of a cell [m].
     shape : (int, int, int)
-        Cells along (z, y, x), as arrays are indexed.
+        Number of cells along (z, y, x), in the order of array indices.
     """
 
     first: Point
@@ -59,7 +59,7 @@ class Cells:
 def offset_in_cells(source: Cells, target: Cells) -> tuple[float, float, float]:
     """Position of the first target relative to the first source along (z, y, x), in cells.
 
-    Multiples of half a cell come out exact.
+    Multiples of half a cell are exact.
 
     Examples
     --------
@@ -76,6 +76,6 @@ def offset_in_cells(source: Cells, target: Cells) -> tuple[float, float, float]:
 
 
 def snapped(value: float) -> float:
-    """A multiple of a half where the value is one to rounding."""
+    """The nearest multiple of a half if the value equals it within round-off, otherwise the value."""
     near = round(2.0 * value) / 2.0
     return near if abs(value - near) <= _SNAP * max(1.0, abs(value)) else value

@@ -1,8 +1,8 @@
 """Field of the eigenstrain in a box of cells on a much finer lattice over a small part of the box.
 
-The field of cells near the part is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
-by parts of a cell, each of them one convolution. The field of all other cells is smooth there; it is computed once on
-the cells' pitch and interpolated.
+The field of cells near the part is summed exactly: a fine lattice consists of lattices with the pitch of the cells,
+shifted by fractions of a cell, with one convolution each. The field of all other cells is smooth there. It is computed
+once with the pitch of the cells, and interpolated.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from eigencontact.solvers.eigenstrain import VolumeField
 
 __all__ = ["close_up"]
 
-#: Cells within this many of their longest edges from the points are summed exactly. The field of the rest is
-#: interpolated, with an error of some 1e-5 of its largest value.
+#: Distance from the points, in the longest edge of a cell, within which cells are summed exactly. The field of all
+#: other cells is interpolated, with an error of about 1e-5 of its largest value.
 _REACH = 6
-#: Points on either side beyond the part that the interpolation uses.
+#: Points on each side beyond the part, for the interpolation.
 _MORE = 3
 #: Degree of the interpolation.
 _DEGREE = 5
@@ -65,7 +65,7 @@ def close_up(
     Raises
     ------
     SceneError
-        A pitch that does not divide the cells; points in the surface above cells that reach it.
+        A pitch does not divide the cells, or points are in the surface above cells at the surface.
     """
     strain = np.asarray(eigenstrain, dtype=float)
     require(strain.shape == (6, *source.shape), "close-up", "eigenstrain", strain.shape, f"(6, *{source.shape})")
@@ -111,7 +111,7 @@ def _finer(source: Cells, target: Cells) -> tuple[int, int, int]:
 
 
 def _split(source: Cells, target: Cells, strain: FloatArray) -> tuple[tuple[slice, slice, slice] | None, FloatArray]:
-    """Part (z, y, x) of the cells near the points with eigenstrain, None without any; the strain of all other cells."""
+    """Part (z, y, x) of the cells near the points with eigenstrain, or None; and the eigenstrain of all other cells."""
     slices = []
     for axis in (2, 1, 0):
         points, edge, count = target.centres(axis), source.pitch[axis], source.shape[2 - axis]

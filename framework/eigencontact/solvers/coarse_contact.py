@@ -1,4 +1,4 @@
-"""Extent and largest pressure of a contact by a solve on few cells."""
+"""Extent and largest pressure of a contact from a solution on few cells."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Separation", "close_estimate", "coarse_contact", "estimate_contact",
 
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
-#: Cells across the window of a coarse solve, and of the last one, whose window is that of the contact.
+#: Cells across the window of a coarse solve, and of the last solve with a window fitted to the contact.
 _CELLS, _FINER = 48, 144
 
 
@@ -41,7 +41,7 @@ def coarse_contact(
     options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
     try:
         return coarse, NormalSolver(coarse, coefficients, options).solve(h, control).pressure
-    except SceneError:  # of a body that is refused
+    except SceneError:  # invalid body
         raise
     except EigencontactError:
         return None
@@ -93,7 +93,7 @@ def settled_estimate(
     start: float,
     cells: MakeGrid = Grid.of,
 ) -> ContactEstimate | None:
-    """Contact on a window that it fills by a third to four fifths; the search begins with a side of `start` [m]."""
+    """Contact on a window that it fills by a third to four fifths; the search starts with a side of `start` [m]."""
     size = np.array([start, start])
     center = np.array(place, dtype=float)
     for _ in range(60):
@@ -107,7 +107,7 @@ def settled_estimate(
         share = extent / size
         edge = 0.5 - np.abs(middle - center) / size - 0.5 * share
         if np.all(share < 0.8) and np.all(share > 0.3) and np.all(edge > 0.02):
-            # Once more on finer cells: a box of whole cells overstates the contact by about one of them.
+            # Repeat on finer cells: a box of whole cells overestimates the contact by about one cell.
             dx, dy = 1.25 * extent / _FINER
             close = cells(_FINER, _FINER, float(dx), float(dy), (float(middle[0]), float(middle[1])))
             return estimate_contact(close, separation, coefficients, control, periodic=False, cells=_FINER)

@@ -1,4 +1,4 @@
-"""One normal solve: coarse to fine, on the box that can touch, certified on the whole window."""
+"""One normal solve: from coarse to fine grids, on the box of possible contact, certified on the whole window."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 
 __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 
-# Tolerance of the last grid before the finest: the start need not be better than the error of that grid, and a tighter
-# start saves iterations on the finest grid.
+# Tolerance of the last grid before the finest. The start need not be better than the discretization error of that grid;
+# a tighter start saves iterations on the finest grid.
 _COARSE_TOLERANCE = 1e-3
-# Tolerance of the other coarse grids, where a tighter one saves nothing.
+# Tolerance of the other coarse grids; a tighter one saves no time.
 _COARSER_TOLERANCE = 1e-2
-# Merged cells so few that still coarser grids would take more time than they save, as in a row, and grids in the ladder
-# from which on that counts.
+# Number of merged cells below which still coarser grids cost more time than they save, for example in a row; and number
+# of grids from which on this limit applies.
 _FEW, _RUNGS = 256, 4
 
 
@@ -77,7 +77,7 @@ class CoarseToFine:
         return self._finest(fixed, self._from_below(ladder))
 
     def _from_below(self, ladder: list[tuple[Grid, FloatArray, tuple[int, int]]]) -> FloatArray | None:
-        """Start on the finest grid from coarser grids, which are released; None without a coarser grid."""
+        """Start for the finest grid from coarser grids, which are then released; None without a coarser grid."""
         pressure: FloatArray | None = None
         while len(ladder) > 1:
             grid, field_, factors = ladder.pop()
@@ -92,14 +92,14 @@ class CoarseToFine:
         return compliance.unit
 
     def _prolonged(self, pressure: FloatArray, grid: Grid, finer: Grid, factors: tuple[int, int]) -> FloatArray:
-        """Pressure on the next finer grid; the product with the relative compliance is smooth and interpolated."""
+        """Pressure on the next finer grid; its product with the relative compliance is smooth, and is interpolated."""
         if not self._springs:
             return prolong(pressure, factors, finer.shape)
         coarse, fine = (self._springs[level] / self._cell_compliance(level) for level in (grid, finer))
         return prolong(pressure * (1.0 + coarse), factors, finer.shape) / (1.0 + fine)
 
     def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None, tolerance: float) -> FloatArray:
-        """Loose solution on a coarser grid, for a start only."""
+        """Approximate solution on a coarser grid, as a start only."""
         if 0 not in self.free and fixed.min() >= 0:  # the merged cells do not touch yet
             return np.zeros(grid.shape)
         compliance = self.solver.compliance(grid)
@@ -114,7 +114,7 @@ class CoarseToFine:
         window = Box(0, grid.ny, 0, grid.nx)
         box = self.solver.box(compliance, pressure)
         compliance.reserve(box, window)
-        tolerance = 0.7 * options.tolerance  # of the iteration, so that the certificate holds with room to spare
+        tolerance = 0.7 * options.tolerance  # margin of the iteration, so that the certificate holds
         left = options.max_iterations
         for _ in range(50):
             iterations = self.report.iterations
@@ -130,7 +130,7 @@ class CoarseToFine:
             if grown == box:
                 if residual > tolerance or left <= 0 or tolerance < 0.05 * options.tolerance:
                     break
-                tolerance *= 0.3  # the updated gap has drifted from the true one: ask for more
+                tolerance *= 0.3  # the updated gap has drifted from the true one
             box = grown
         raise NotConverged(
             f"normal contact did not converge in {self.report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
@@ -159,7 +159,7 @@ class CoarseToFine:
         return True
 
     def _empty(self, fixed: FloatArray) -> NormalSolution:
-        """Solution without contact: under no load the bodies just touch."""
+        """Solution without contact: with zero load the bodies just touch."""
         require(not any(self.free.values()), "step", "moment", self.free, "zero where the normal load is zero")
         approach = float(fixed.min()) if 0 in self.free else float(self.control.approach or 0.0)
         gap = fixed - approach if 0 in self.free else fixed.copy()
@@ -195,18 +195,18 @@ class CoarseToFine:
         separation = fixed[box.slices]
         modes, forces, _ = self._modes(grid, box)
         dtype = np.float64 if compliance.options.precision == "double" else np.float32
-        # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
+        # Lengths are in units of a typical deflection, pressures in length/unit, so that all numbers are of order one.
         length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
         scale = length / unit
         if pressure is not None and np.any(pressure[box.slices] > 0):
-            p = pressure[box.slices]  # the start is not needed any more: memory is reused
+            p = pressure[box.slices]  # the start is not needed again: its memory is reused
             p /= scale
             loaded = p > 0
         else:
             p, loaded = self._first(separation, grid)
             p = p / scale
         circulant = self.solver.circulant(compliance, box)
-        # The circulant is cheaper and knows the energy of pressures without a load, away from the edges, to a few %.
+        # The circulant is cheaper. Away from the edges its energy of pressures without a resultant is right to a few %.
         energy = circulant.forward.energy if 0 in self.free and box.shape != grid.shape else operator.energy
         problem = BoxProblem(
             apply=operator,
@@ -244,7 +244,7 @@ class CoarseToFine:
             loaded = state.pressure > 0
         out = np.zeros(grid.shape)
         out[box.slices] = state.pressure
-        out[box.slices] *= scale  # what lies outside stays untouched, and takes no memory
+        out[box.slices] *= scale  # memory pages outside the box stay untouched
         return out, state.residual
 
     def _modes(self, grid: Grid, box: Box) -> tuple[RigidModes, FloatArray, FloatArray]:
@@ -257,12 +257,13 @@ class CoarseToFine:
         return RigidModes(fields), np.array(list(self.free.values())) / np.array(sizes), np.array(sizes)
 
     def _first(self, separation: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
+        """Start without an estimate: load on the lowest cells, or zero pressure on overlapping cells."""
         if 0 not in self.free:
             return np.zeros(separation.shape), separation < 0
         loaded = np.ones(separation.shape, dtype=bool)
         if len(self.free) == 1:
-            # Cells equal by symmetry must not be told apart by round-off: scaled scenes then take the same course.
+            # Round-off must not distinguish cells that are equal by symmetry; scaled scenes then take the same
+            # iterations.
             low, quarter = float(separation.min()), float(np.quantile(separation, 0.25))
             loaded = separation <= quarter + 1e-6 * (quarter - low)
         return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
@@ -287,7 +288,7 @@ class CoarseToFine:
         rigid = {mode: float(value) for mode, value in zip(self.free, fit, strict=True)}
         for mode, value in rigid.items():
             gap -= value * mode_field(mode, grid)
-        # Without any pressure the overlap is measured against itself: such a state must never be certified.
+        # Without any pressure the overlap is relative to itself, so that such a state is never certified.
         deflection = max(float((deflected[source.slices] * weight).max()), self._least_deflection(compliance))
         deflection = deflection or max(0.0, -float(gap.min())) or inf
         near = gap[source.slices]
@@ -305,16 +306,16 @@ class CoarseToFine:
         return self._solution(pressure, gap, displacement, rigid, forces), overlapping
 
     def _least_deflection(self, compliance: Compliance) -> float:
-        """Displacement of a cell by its share of the prescribed load, spread over the window [m]; 0 without a load.
+        """Displacement of a cell by its share of the prescribed load, uniform over the window [m]; 0 without a load.
 
-        On a half-space the deflection in contact is always larger. A periodic body under a uniform pressure does not
-        deflect, its mean displacement being zero by definition; its gaps are measured against this.
+        On a half-space the deflection in contact is always larger. A periodic body does not deflect under a uniform
+        pressure, because its mean displacement is zero by definition; this value is then the reference of its gaps.
         """
         grid = compliance.grid
         return compliance.unit * self.free.get(0, 0.0) / (grid.nx * grid.ny * grid.cell_area)
 
     def _load_error(self, forces: list[float]) -> float:
-        """Largest relative error of the prescribed forces; moments relative to the load at half the window."""
+        """Largest relative error of the prescribed forces; moments are relative to the load at half the window."""
         load = abs(self.free.get(0, forces[0]))
         arm = 0.5 * max(self.grid.sides)
         errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
@@ -322,12 +323,12 @@ class CoarseToFine:
 
 
 def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
-    """Refuse a contact at the edge of the window, which may cut it.
+    """Refuse a contact at the edge of the window, because the edge may cut it off.
 
     Raises
     ------
     DomainTooSmall
-        There is pressure in the outermost cells.
+        The outermost cells carry pressure.
     """
     ends = (pressure[:, [0, -1]], pressure[[0, -1]])
     sides = {"xy"[axis]: ends[axis] for axis in grid.ended_axes}
@@ -343,7 +344,7 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
 
 
 def margin(box: Box) -> tuple[int, int]:
-    """Rows and columns around a loaded box for the growth of the contact."""
+    """Rows and columns around a loaded box for growth of the contact."""
     return tuple(max(2, -(-n // 128)) for n in box.shape)  # type: ignore[return-value]
 
 
@@ -354,6 +355,6 @@ def _cut(field: FloatArray, box: Box) -> FloatArray:
 
 
 def _least_outside(field: FloatArray, box: Box) -> float:
-    """Smallest value of a field outside a box; infinity if nothing is outside."""
+    """Smallest value of a field outside a box; infinity if the box is the whole field."""
     strips = (field[: box.y0], field[box.y1 :], field[box.y0 : box.y1, : box.x0], field[box.y0 : box.y1, box.x1 :])
     return min((float(strip.min()) for strip in strips if strip.size), default=inf)

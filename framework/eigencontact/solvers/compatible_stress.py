@@ -1,13 +1,14 @@
-r"""Compatible stress in an elastic region, by virtual work, from a stress with correct tractions on its boundary.
+r"""Compatible stress in an elastic region by virtual work, from a stress with correct tractions on its boundary.
 
-Cells of a stiff region are hardly strained. Small errors of the strain at its boundary then become self-balanced
-stress in all of the region, as large as the ratio of the stiffnesses allows. Its moments are right: tractions on the
-region are those of the soft body around. Of the stress σ of the cells only these are kept,
+The cells of a stiff region have small strains. Small errors of the strain at the boundary therefore cause a
+self-balanced stress in the whole region, larger by the ratio of the stiffnesses. The moments of the stress are correct,
+because the tractions on the region are those of the soft surrounding body. The projection keeps only these moments of
+the stress σ of the cells,
 
     ∫ e(v) : C (e(u)) dV = ∫ e(v) : σ dV    for every displacement v,
 
-with u and v linear between the corners of cells, and shares of cells as weights. The answer is C e(u), whatever σ has
-of a self-balanced stress without tractions. A prestrain that is uniform is compatible, and part of e(u).
+with u and v linear between the corners of cells, and fractions of cells as weights. The result is C e(u). It contains
+no self-balanced stress without tractions of σ. A uniform prestrain is compatible, and therefore part of e(u).
 
 References
 ----------
@@ -30,7 +31,7 @@ __all__ = ["CompatibleStress"]
 
 _CORNERS = tuple(product((0, 1), repeat=3))
 _GAUSS = tuple(0.5 + sign / np.sqrt(12.0) for sign in (-1.0, 1.0))
-#: Residual of the virtual work, relative to that of the stress.
+#: Residual of the virtual work, relative to the virtual work of the stress.
 _TOLERANCE = 1e-5
 _MOST_ITERATIONS = 5000
 
@@ -41,7 +42,7 @@ class CompatibleStress:
     Parameters
     ----------
     share : (nz, ny, nx)
-        Part of each cell that the region fills, 0 to 1.
+        Fraction of each cell inside the region, 0 to 1.
     stiffness : (6, 6)
         Mandel stiffness of the region, in any unit.
     pitch : (float, float, float)
@@ -64,29 +65,29 @@ class CompatibleStress:
         self._displacement = np.zeros_like(diagonal)
 
     def of(self, stress: FloatArray) -> FloatArray:
-        """Stress of the region, the mean over each cell ``(6, nz, ny, nx)``; zero where the share is zero.
+        """Stress of the region, mean over each cell ``(6, nz, ny, nx)``; zero in cells with fraction zero.
 
         Parameters
         ----------
         stress : (6, nz, ny, nx)
-            Mandel stress of the region's material in its cells; not read where the share is zero.
+            Mandel stress of the region's material in its cells; ignored in cells with fraction zero.
 
         Raises
         ------
         NotConverged
-            The displacement is not found.
+            The iteration for the displacement does not converge.
         """
         work = np.where(self._share > 0.0, np.moveaxis(stress, 0, -1), 0.0)
         load = self._spread(self._share * (work @ self._mean))
-        self._displacement = self._solved(load, self._displacement)
+        self._displacement = self._displacement_of(load, self._displacement)
         means = self._gathered(self._displacement) @ self._of_mean.T
         return np.moveaxis(np.where(self._share > 0.0, means, 0.0), -1, 0)
 
-    def _solved(self, load: FloatArray, start: FloatArray) -> FloatArray:
+    def _displacement_of(self, load: FloatArray, start: FloatArray) -> FloatArray:
         """Displacement of the corners of cells, by conjugate gradients; rigid motions are free."""
         size, answer = float(np.linalg.norm(load)), start.copy()
         residual = load - self._force(answer)
-        if np.linalg.norm(residual) >= size:  # nothing is gained: perhaps the region was unloaded
+        if np.linalg.norm(residual) >= size:  # the start gives no advantage: perhaps the region was unloaded
             answer, residual = np.zeros_like(load), load.copy()
         bound = _TOLERANCE * size
         direction = scaled = self._inverse * residual
@@ -107,7 +108,7 @@ class CompatibleStress:
         return self._spread(self._share * (self._gathered(displacement) @ self._matrix))
 
     def _places(self) -> Iterator[tuple[slice, tuple[slice, slice, slice]]]:
-        """Position of each corner in the 24 numbers of a cell, and of the cells in the lattice of corners."""
+        """Position of each corner in the 24 numbers of a cell, and position of the cells in the lattice of corners."""
         nz, ny, nx = self._share.shape[:3]
         for number, (k, j, i) in enumerate(_CORNERS):
             yield slice(3 * number, 3 * number + 3), (slice(k, k + nz), slice(j, j + ny), slice(i, i + nx))
@@ -125,7 +126,7 @@ class CompatibleStress:
 
 
 def _strain(edges: FloatArray, place: tuple[float, ...]) -> FloatArray:
-    """Mandel strain ``(6, 24)`` at a place (0 to 1 along x, y, z) of a cell, by the displacement of its corners."""
+    """Mandel strain ``(6, 24)`` at a position (0 to 1 along x, y, z) in a cell, by the displacement of its corners."""
     out = np.zeros((6, 24))
     for number, (k, j, i) in enumerate(_CORNERS):
         bits = (i, j, k)

@@ -1,8 +1,8 @@
 """Preconditioned conjugate gradients for ``p >= 0, g(p) >= 0, p g = 0`` on one box, with prescribed forces.
 
-The gap of the loaded cells is driven to zero; cells that pull are released, cells that overlap are taken in. Rigid
-modes whose force is prescribed are eliminated: search directions carry no force, and the rigid displacement is the
-least-squares fit of the gap over the loaded cells.
+The iteration reduces the gap of the loaded cells to zero. It releases cells with tension and loads cells that overlap.
+Rigid modes with prescribed force are eliminated: search directions have no resultant force, and the rigid displacement
+is the least-squares fit of the gap over the loaded cells.
 
 References
 ----------
@@ -23,7 +23,7 @@ from eigencontact.solvers.sweeps import Sweeps
 
 __all__ = ["BoxProblem", "BoxState", "relative", "solve_box"]
 
-# Iterations without half the best residual after which the loaded cells only change sides.
+# Iterations without a reduction of the best residual by half, after which cells only alternate between loaded and free.
 _STALLED = 60
 
 
@@ -34,24 +34,24 @@ class BoxProblem:
     Attributes
     ----------
     apply : callable
-        Pressure to displacement.
+        Displacement of a pressure.
     precondition : callable
-        Gap residual to pressure correction; symmetric positive definite.
+        Pressure correction for a gap residual; symmetric positive definite.
     separation : (ny, nx) array
-        Separation less the prescribed rigid displacements.
+        Separation minus the prescribed rigid displacements.
     modes : RigidModes
-        The rigid modes whose force is prescribed.
+        Rigid modes with prescribed force.
     forces : (m,) array
-        Their forces: ``sum(mode * p)``.
+        Forces of these modes: ``sum(mode * p)``.
     share : (ny, nx) array, optional
-        Weight of each loaded cell in a rigid motion, 1 by default: cells that yield to the least pressure have less.
+        Weight of each loaded cell in a rigid motion, 1 by default; cells on soft springs have less.
     least_deflection : float
-        Gaps are measured against the largest deflection of loaded cells, but never against less than this.
+        Smallest reference of gaps; the usual reference is the largest deflection of loaded cells.
     energy : callable, optional
-        Approximate sum of a pressure times its displacement. It selects the cells to release before the displacement of
-        a step is computed, which is then computed once and not twice.
+        Approximate sum of a pressure times its displacement. With it the iteration selects the cells to release before
+        it computes the displacement of a step; a step then needs one displacement instead of two.
     threads : int
-        Cores for the fields; they do not change the result.
+        Cores for the operations on fields; the result does not depend on them.
     """
 
     apply: Callable[[Array], Array]
@@ -83,17 +83,17 @@ def solve_box(
     max_iterations: int,
     on_iteration: Callable[[float], None],
 ) -> BoxState:
-    """Iterate until the relative residual on the box is within the tolerance, stalls, or the iterations are used up.
+    """Iterate until the relative residual on the box meets the tolerance, stalls, or the iterations are used up.
 
     Parameters
     ----------
     pressure : (ny, nx) array
-        Start; positive at loaded cells. Its memory is used.
+        Start, positive in loaded cells. The solver overwrites it.
     loaded : (ny, nx) bool array
-        Loaded cells of the start (a pressure of zero may still count as loaded).
+        Loaded cells of the start; they may have zero pressure.
     on_iteration : callable
-        Called with the residual of each iteration. The residual of the result is the part of moments that no pressure
-        on the box carries, where that is larger than the tolerance.
+        Called with the residual of each iteration. If no pressure on the box can carry the moments to the tolerance,
+        the residual of the result is the relative part of the moments that is missing.
     """
     return _Iteration(problem, pressure, loaded).run(tolerance, max_iterations, on_iteration)
 
@@ -107,12 +107,12 @@ class _Iteration:
         self.parts = [self.modes.of_rows(rows) for rows in self.sweep.blocks]
         self.p = self.modes.carry(pressure, problem.forces) if len(self.modes) else pressure.copy()
         self.c = loaded.astype(bool)
-        if not self.modes.carries(self.p, problem.forces):  # these cells cannot: start with all of the box
+        if not self.modes.carries(self.p, problem.forces):  # too few cells for the moments: use all cells
             self.p, self.c = self.modes.carry(np.ones_like(pressure), problem.forces), np.ones_like(self.c)
         self.trial = pressure if self.p is not pressure else np.empty_like(pressure)
         self.r, self.r_old = np.empty_like(self.p), np.zeros_like(self.p)
         self.direction = np.empty_like(self.p)
-        self.z = self.r  # of the preconditioner, then what a step adds to the pressure
+        self.z = self.r  # of the preconditioner, later the change of the pressure in a step
         self.g = problem.apply(self.p)
         self.deflection, self.gram, self.projection = 0.0, np.zeros((0, 0)), np.zeros(0)
         self.gauge(problem.separation)
@@ -140,9 +140,9 @@ class _Iteration:
         self.deflection, self.projection, self.gram = max(largest), sum(projections), sum(grams)
 
     def judge(self, rigid: Array, least: float) -> tuple[float, float]:
-        """Gaps of the loaded cells, and of unloaded cells that overlap by at least `least`, which become loaded.
+        """Evaluate gaps of the loaded cells; unloaded cells that overlap by at least `least` become loaded.
 
-        Returns the largest overlap of cells not loaded, and the largest gap of loaded ones.
+        Returns the largest overlap of unloaded cells, and the largest gap of loaded cells.
         """
 
         def judge_block(k: int, rows: slice) -> tuple[float, float, Array, Array]:
@@ -178,7 +178,7 @@ class _Iteration:
             self.sweep(level_block)
 
     def products(self) -> tuple[float, float]:
-        """Restrict the correction to the loaded cells; its products with the present and previous gaps."""
+        """Restrict the correction to the loaded cells; return its products with the present and previous gaps."""
 
         def block_products(_: int, rows: slice) -> tuple[float, float]:
             z = self.z[rows]
@@ -189,7 +189,7 @@ class _Iteration:
         return sum(new), sum(old)
 
     def turn(self, beta: float) -> float:
-        """Next search direction, without forces; its product with the gaps."""
+        """Set the next search direction, without resultant forces; return its product with the gaps."""
 
         def project_block(k: int, rows: slice) -> Array:
             d = self.direction[rows]
@@ -214,7 +214,7 @@ class _Iteration:
         return sum(self.sweep(correct_block))
 
     def go(self, step: float) -> tuple[float, Array]:
-        """Pressure after a step, in `trial`, zero instead of tension; its smallest value before, and its forces."""
+        """Set `trial` to the pressure after a step, zero instead of tension; return its minimum before, and forces."""
 
         def step_block(k: int, rows: slice) -> tuple[float, Array]:
             stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.trial[rows])
@@ -228,7 +228,7 @@ class _Iteration:
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Scale `trial` from its present forces to the prescribed ones; False if no positive pressure has them."""
+        """Scale `trial` from the present to the prescribed forces; False if no positive pressure has them."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
             self.trial = self.modes.carry(self.trial, self.problem.forces)
@@ -237,9 +237,10 @@ class _Iteration:
         return True
 
     def release(self, descent: float) -> bool | None:
-        """Step without the cells that would have tension, determined before the displacement of the step is computed.
+        """Take a step without the cells that would have tension, selected before the displacement of the step is known.
 
-        None if none would pull; False if the others cannot carry, or if the energy was far off.
+        Returns None if no cell would have tension, and False if the other cells cannot carry the forces or the energy
+        was inaccurate.
         """
         problem = self.problem
         assert problem.energy is not None
@@ -262,7 +263,7 @@ class _Iteration:
         return True
 
     def hold(self) -> None:
-        """Loaded are the cells under pressure."""
+        """Set the loaded cells to those under pressure."""
         np.greater(self.p, 0, out=self.c)
 
     def run(self, tolerance: float, max_iterations: int, on_iteration: Callable[[float], None]) -> BoxState:
@@ -280,7 +281,7 @@ class _Iteration:
             on_iteration(state.residual)
             if state.residual <= tolerance:
                 short = modes.shortage(self.p, problem.forces)
-                if short > tolerance:  # no pressure on this box carries the moments: its gaps close for other forces
+                if short > tolerance:  # no pressure on this box carries the moments; other forces close its gaps
                     state.residual = short
                 break
             best, since = (state.residual, 0) if state.residual < 0.5 * best else (best, since + 1)
@@ -288,15 +289,16 @@ class _Iteration:
                 break
             if careful and overlap > 10 * inside:
                 self.judge(state.rigid, overlap)
-            # The gaps then carry no force on the loaded cells, so the rigid part of z is not in the products with it.
+            # The gaps then have no resultant on the loaded cells, so the products with them do not contain the rigid
+            # part of z.
             self.level()
-            del self.z  # its memory is needed anew
+            del self.z  # the step reuses its memory
             self.z = problem.precondition(self.r)
             slope, crossed = self.products()
             beta = max(0.0, (slope - crossed) / slope_old) if slope_old > 0 else 0.0
             slope_old = slope
             descent = self.turn(beta)
-            if careful and descent <= 0:  # the loaded cells have changed; the old direction leads uphill on these
+            if careful and descent <= 0:  # on the new set of loaded cells the old direction is no descent
                 descent = self.turn(0.0)
             if releasing and not careful:
                 released = self.release(descent)
@@ -314,13 +316,13 @@ class _Iteration:
                 self.gauge(response, step)
                 del response
                 continue
-            # The cells that pull are released and the gap is computed anew.
+            # Cells with tension are released, and the gap is computed again.
             releasing = problem.energy is not None
             del self.g, response
             if self.carry(forces):
                 self.p, self.trial = self.trial, self.p
                 self.hold()
-            else:  # too few cells are left for the moments: go to the first that would pull, and release that one
+            else:  # too few cells for the moments: step to the first zero pressure, release this cell
                 careful = True
                 pulls = self.p + self.dtype.type(step) * self.direction < 0
                 room = np.where(pulls, self.p / np.where(pulls, -self.direction, 1), np.inf)
@@ -335,9 +337,10 @@ class _Iteration:
 
 
 def relative(worst: float, deflection: float) -> float:
-    """Residual of a box: gaps are measured against the largest deflection of loaded cells.
+    """Residual of a box: gaps relative to the largest deflection of loaded cells.
 
-    `BoxProblem.least_deflection` is in it: a periodic body does not deflect at all under a uniform pressure.
+    `BoxProblem.least_deflection` is a lower bound of the reference: a periodic body has no deflection under a uniform
+    pressure.
     """
     if deflection > 0:
         return max(worst, 0.0) / deflection

@@ -1,4 +1,4 @@
-"""Contact area from the loaded cells, corrected for the cells that the edge of the contact cuts."""
+"""Contact area from the loaded cells, with a correction for the cells cut by the edge of the contact."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from eigencontact.core.grid import Grid
 
 __all__ = ["area_under_pressure", "contact_area", "line_contact_area", "radius_of_area"]
 
-#: Share of a cell by which each boundary between a loaded and an unloaded cell overstates the area.
+#: Overestimate of the area, in cells, per boundary between a loaded and an unloaded cell.
 PER_BOUNDARY = (pi - 1.0 + log(2.0)) / 24.0
-#: Cells of a line, counted from 0 at an end of contact, whose pressure places the end: of few cells, and of many.
+#: Cells of a line, counted from 0 at an end of the contact, for the fit of the end: with few and with many cells.
 _NEAR, _FAR = np.array([2, 3, 4]), np.array([2, 4, 6, 9])
-#: Cells of a contact that the second needs.
+#: Smallest number of cells of a contact for the second fit.
 _MANY = 20
-#: Distance of the two ends up to which the second counts, in cells: on Hertz contacts it is up to 0.055.
+#: Largest difference of the two ends, in cells, for which the second fit is used; on Hertz contacts it is below 0.055.
 _APART = 0.08
 
 
 def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = False) -> float:
     """Area of contact [m^2].
 
-    A cell that the edge of the contact cuts is loaded as a whole, so the count of loaded cells overstates the area
-    by an amount proportional to the length of the edge. For edges that run in all directions alike that amount is
-    known, and taken off.
+    A cell cut by the edge of the contact is loaded as a whole. The number of loaded cells therefore overestimates the
+    area, in proportion to the length of the edge. For edges with uniformly distributed directions the factor is known,
+    and the function subtracts the excess.
 
     Parameters
     ----------
@@ -41,9 +41,9 @@ def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = Fals
     Returns
     -------
     float
-        Measured on Hertz contacts: radius within 0.5 % from 19 cells per radius on, where the count alone is up to
-        0.9 % too large. For contacts that end on cell boundaries (a sharp-edged punch) the count is exact and this is
-        too small by 1/8.5 of a cell for each cell of the edge.
+        Area. Measured on Hertz contacts: radius within 0.5 % from 19 cells per radius on; the number of loaded cells
+        alone gives up to 0.9 % too much. For contacts that end on cell boundaries (a sharp-edged punch) that number is
+        exact, and this area is too small by 1/8.5 of a cell for each cell of the edge.
 
     References
     ----------
@@ -63,23 +63,23 @@ def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = Fals
 
 
 def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:
-    """Area of a line contact by its pressure ``(1, nx)``, of one metre of its length [m^2].
+    """Area of a line contact from its pressure ``(1, nx)``, per metre of its length [m^2].
 
-    The square of the pressure of a smooth contact is a smooth function of the distance t from its end, and zero there.
-    A parabola through the third to fifth loaded cell places the end, in the last one or half a cell beyond. The
-    pressure of cells adds a term that falls as 1/t (measured on Hertz contacts). A parabola and this term through four
-    of the ten outermost cells replace the first parabola where both ends are near each other; elsewhere the pressure is
-    no smooth function over ten cells. Where the pressure rises towards an end, as at a sharp edge, the count of cells
-    is exact.
+    The square of the pressure of a smooth contact is a smooth function of the distance t from the end, and zero at the
+    end. A parabola through the third to fifth loaded cell locates the end, in the last loaded cell or half a cell
+    beyond. The discretization adds a term to the pressure that falls as 1/t (measured on Hertz contacts). If both
+    methods give nearly the same end, a parabola with this term through four of the ten outermost cells replaces the
+    first parabola; otherwise the pressure is not smooth over ten cells. If the pressure rises towards an end, as at a
+    sharp edge, the number of cells is exact.
 
     Returns
     -------
     float
-        Measured on Hertz contacts: half width within 0.01 of a cell from 10 cells per half width on.
+        Area. Measured on Hertz contacts: half width within 0.01 of a cell from 10 cells per half width on.
     """
     loaded, square = pressure[0] > 0, pressure[0] ** 2
     cells = float(np.count_nonzero(loaded))
-    for step in (1, -1):  # towards the inside from the left ends, and from the right ends
+    for step in (1, -1):  # inwards from the left ends, and from the right ends
         ends = loaded & ~np.roll(loaded, step)
         if not periodic:
             ends[[0, -1]] = False
@@ -89,7 +89,7 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
         near = _outward(np.linalg.inv(_powers(_NEAR)[:, :3]) @ inward[_NEAR])
         far = _outward((np.linalg.inv(_powers(_FAR)) @ inward[_FAR])[:3])
         far[~np.all(inward[2:] > 0, axis=0)] = np.nan
-        outward = np.where(abs(far - near) < _APART, far, near)  # False where there is no far one
+        outward = np.where(abs(far - near) < _APART, far, near)  # NaN in `far` selects `near`
         cells -= float(np.nansum(0.5 - np.clip(outward, -0.5, 1.0)))
     return cells * grid.cell_area
 
@@ -97,7 +97,7 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
 def _outward(parabola: FloatArray) -> FloatArray:
     """Distance (ends,) from the middle of the outermost cell outwards to the zero of a parabola, in cells, or NaN.
 
-    `parabola` holds its constant, slope and bend by the distance inwards.
+    `parabola` has its constant, slope and curvature by the distance inwards.
     """
     constant, slope, bend = parabola
     root = slope**2 - 4.0 * bend * constant
@@ -114,12 +114,12 @@ def _powers(cells: NDArray[np.int64]) -> FloatArray:
 
 
 def area_under_pressure(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:
-    """Area of contact under a pressure ``(ny, nx)`` [m^2], of one metre of the length of strips."""
+    """Contact area from a pressure ``(ny, nx)`` [m^2]; of strips, per metre of their length."""
     if grid.line:
         return line_contact_area(pressure, grid, periodic=periodic)
     return contact_area(pressure > 0, grid, periodic=periodic)
 
 
 def radius_of_area(area: float, grid: Grid) -> float:
-    """Radius of the circle with this area [m]; of a line contact half the width, as `area` is that of one metre."""
+    """Radius of the circle with this area [m]; half the width of a line contact with this area per metre."""
     return 0.5 * area / grid.dy if grid.line else sqrt(area / pi)

@@ -9,7 +9,7 @@ __all__ = ["ContactEstimate"]
 
 @dataclass(frozen=True, slots=True)
 class ContactEstimate:
-    """Bounding box of the contact [m], and its largest pressure [Pa]; a line contact has its width as length."""
+    """Bounding box of the contact [m], and its largest pressure [Pa]; the length of a line contact equals its width."""
 
     x0: float
     x1: float
@@ -23,7 +23,7 @@ class ContactEstimate:
         return self.x1 - self.x0, self.y1 - self.y0
 
     def moved(self, by: tuple[float, float]) -> ContactEstimate:
-        """Estimate moved along x and y [m]."""
+        """Estimate shifted along x and y [m]."""
         x, y = by
         return ContactEstimate(self.x0 + x, self.x1 + x, self.y0 + y, self.y1 + y, self.peak)
 

@@ -1,13 +1,14 @@
-"""Growth of the radius of a contact with its load and approach, for increments even in the radius.
+"""Growth of the contact radius with load and approach, for increments of equal size in the radius.
 
-Of a gap h̄(r), the mean over the directions around the middle of the contact, on a homogeneous half-space:
+For a gap with the mean h̄(r) over the directions around the middle of the contact, on a homogeneous half-space:
 
     approach(a) = a ∫_0^{π/2} h̄'(a sin θ) dθ
     load(a)     ∝ a² ∫_0^{π/2} h̄'(a sin θ) sin²θ dθ
 
-which is a² and a³ of a sphere, a and a² of a cone. In a line contact ``load(a) ∝ a ∫_0^{π/2} h̄'(a sin θ) sin θ dθ``,
-a² of a cylinder, and the approach depends on a depth; that of bodies of revolution stands for it. Increments need no
-more: layers, eigenstrain and yielding make them somewhat uneven, not wrong.
+For a sphere these are proportional to a² and a³, for a cone to a and a². In a line contact ``load(a) ∝ a ∫_0^{π/2}
+h̄'(a sin θ) sin θ dθ``, proportional to a² for a cylinder. The approach of a line contact depends on a reference depth;
+the approach of bodies of revolution is used instead. This accuracy suffices for increments: layers, eigenstrain and
+yielding make them somewhat unequal, not wrong.
 
 References
 ----------
@@ -31,13 +32,13 @@ __all__ = ["ContactGrowth", "contact_growth"]
 
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
-#: Radii of the table, the smallest by the largest, and directions along which the gap must rise.
+#: Number of radii in the table, ratio of the smallest to the largest, and number of directions with an increasing gap.
 _RADII, _SMALLEST, _DIRECTIONS = 64, 1e-3, 12
-#: Step of a difference quotient by the radius: exact for parabolas, and of equal relative error for any power.
+#: Relative step of a difference quotient in the radius: exact for parabolas, equal relative error for any power.
 _STEP = 1e-2
-#: Fall of the gap along a ray, by its rise at the largest radius, that is round-off.
+#: Decrease of the gap along a ray, relative to its rise at the largest radius, that counts as round-off.
 _FLAT = 1e-9
-#: The lowest place is looked for in places of a square, each square by this part smaller than the last.
+#: Points per side of each square in the search for the smallest gap; ratio of the sizes of successive squares.
 _PLACES, _SQUARES = 17, 7
 
 
@@ -48,9 +49,9 @@ class ContactGrowth:
     Attributes
     ----------
     radius : (n,)
-        Rising [m].
+        Contact radii, increasing [m].
     normal_load, approach : (n,)
-        At these radii [N], [m].
+        Loads [N] and approaches [m] at these radii.
     """
 
     radius: FloatArray
@@ -60,21 +61,21 @@ class ContactGrowth:
     def parts(
         self, control: Literal["normal_load", "approach"], begin: float, end: float, count: int
     ) -> tuple[float, ...]:
-        """Ends of `count` increments of a ramp of load or approach that are even in the contact radius.
+        """Ends of `count` increments of a ramp of load or approach, equal in the contact radius.
 
         Parameters
         ----------
         control : {"normal_load", "approach"}
-            What the ramp prescribes.
+            Prescribed quantity of the ramp.
         begin, end : float
-            Its values [N] or [m].
+            Values at the start and at the end [N] or [m].
         count : int
             Number of increments.
 
         Returns
         -------
         tuple of float
-            Rising in (0, 1], the last 1; even in the load itself where the radius does not change.
+            Increasing values in (0, 1], the last 1; equal increments of the load itself if the radius is constant.
 
         Examples
         --------
@@ -104,18 +105,18 @@ class ContactGrowth:
 def contact_growth(
     separation: Separation, contact: ContactEstimate, control: Control, grid: Grid | None = None
 ) -> ContactGrowth | None:
-    """Growth of a contact whose gap rises in all directions from one point; else None.
+    """Growth of a contact with a gap that increases in all directions from one point; otherwise None.
 
     Parameters
     ----------
     separation : callable
         Gap [m] at points (x, y) [m].
     contact : ContactEstimate
-        The largest contact of the load history.
+        Largest contact of the load history.
     control : Control
-        Under which it is that large.
+        Control of the largest contact.
     grid : Grid, optional
-        Cells of the window: strips make a line contact, with two directions.
+        Cells of the window; strips make a line contact with two directions.
     """
     line = grid is not None and 1 not in grid.bounded_axes
     wide, high = contact.extent
@@ -124,7 +125,7 @@ def contact_growth(
     angles = np.array([0.0, np.pi]) if line else 2.0 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
 
     def gap(r: FloatArray) -> FloatArray:
-        """Gap above the middle along each direction, ``(directions, *r.shape)``."""
+        """Gap relative to the middle along each direction, ``(directions, *r.shape)``."""
         turns = np.cos(angles), np.sin(angles)
         x, y = (at + np.multiply.outer(turn, r) for at, turn in zip(middle, turns, strict=True))
         return np.asarray(separation(x, y), dtype=float)
@@ -149,7 +150,7 @@ def contact_growth(
 
 
 def _lowest(separation: Separation, contact: ContactEstimate) -> tuple[float, float]:
-    """Position (x, y) [m] of the smallest gap in a contact; of several, the one nearest to its centre."""
+    """Position (x, y) [m] of the smallest gap in a contact; of several, the one nearest to the centre."""
     x, y = 0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1)
     wide, high = (0.5 * extent for extent in contact.extent)
     steps = np.linspace(-1.0, 1.0, _PLACES)

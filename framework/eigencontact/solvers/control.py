@@ -1,4 +1,4 @@
-"""Prescribed values: for each rigid mode of the approaching body either its force or its displacement.
+"""Prescribed values: for each rigid mode of the approaching body, its force or its displacement.
 
 Modes and signs are those of the gap ``g = h + u - δ - φx y + φy x``: the approach δ with the normal load P, the tilt
 φx with the moment Mx = Σ p y dA, the tilt φy with My = -Σ p x dA (thesis eqs 2.71, 2.72).
@@ -28,7 +28,7 @@ class PrescribedModes:
     modes: ClassVar[Sequence[RigidMode]]
 
     def check_pairs(self) -> None:
-        """Refuse both values of a pair, and numbers that are not finite."""
+        """Refuse two values for one mode, and numbers that are not finite."""
         for displacement, force in self.modes:
             names = [name for name in (displacement, force) if getattr(self, name) is not None]
             if len(names) == 2:
@@ -59,14 +59,14 @@ class Control(PrescribedModes):
     Parameters
     ----------
     normal_load, approach : float, optional
-        P [N] or δ [m]: exactly one.
+        P [N] or δ [m]: exactly one of them.
     moment_x, tilt_x, moment_y, tilt_y : float, optional
         Mx, My [N m] or φx, φy [rad], about the middle of the coordinate system.
 
     Raises
     ------
     SceneError
-        Both or neither of a pair, a negative load, a number that is not finite.
+        Both or neither of two alternative values, a negative load, or a number that is not finite.
     """
 
     modes: ClassVar[Sequence[RigidMode]] = MODES

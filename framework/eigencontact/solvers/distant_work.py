@@ -1,10 +1,11 @@
-"""Work of the mean eigenstrain of many inclusions on the functions of the others, by sums over point sources.
+"""Work of the mean eigenstrain of many inclusions on the functions of other inclusions, by sums over point sources.
 
-What is far acts by its mean eigenstrain. It is felt at a few points of each target, by the part up to the second degree
-of each function; what is left out falls faster by a power of the distance per degree. In clusters of 50 balls, ratio 10
-and voids, 4 radii apart at least, the eigenstrain is then wrong by 3e-4 to 6e-4 of the largest at degree 2, by 6e-4 to
-1e-3 at degree 4, below the error that is stated for these degrees (1e-2 to 2e-2, 7e-4 to 1.3e-3). First moments of the
-sources in addition took degree 4 to 5e-4 and 8e-4 only: what higher functions miss of the field decides.
+Distant inclusions act by their mean eigenstrain. The field is evaluated at a few points of each target, with the part
+of each function up to the second degree; the neglected part falls faster with distance by one power per degree. In
+clusters of 50 balls (stiffness ratio 10, and voids), at least 4 radii apart, the error of the eigenstrain is 3e-4 to
+6e-4 of the largest at degree 2 and 6e-4 to 1e-3 at degree 4. It is below the predicted error of these degrees (1e-2 to
+2e-2, 7e-4 to 1.3e-3). First moments of the sources in addition reduced the error of degree 4 only to 5e-4 and 8e-4,
+because the neglected field of higher functions dominates.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ if TYPE_CHECKING:
 
 __all__ = ["DistantWork"]
 
-#: Degree of the part of a function that the points of an inclusion tell: they integrate its products with a field up to
-#: the third degree exactly. Values of higher functions there are not their moments.
+#: Degree of a function up to which the points of an inclusion integrate its products with a field of up to the third
+#: degree exactly. They are not accurate for moments of higher functions.
 _KEPT = 2
 
 
 class DistantWork:
-    """Sums over one arrangement of inclusions, all with point sources."""
+    """Sums for one arrangement of inclusions; all must have point sources."""
 
     def __init__(self, system: PolynomialInclusions) -> None:
         self._system = system
@@ -63,7 +64,7 @@ class DistantWork:
         return out
 
     def shares(self, source: int, targets: Sequence[int]) -> list[FloatArray]:
-        """Share of one source in the work on each of some targets, ``(n, n + 6)`` by its functions."""
+        """Contribution of one source to the work on some targets, ``(n, n + 6)`` by its functions."""
         kinds = self._system.kinds
         points = np.concatenate([self._points[target] for target in targets]).T
         by_unit = np.array([self._summed([self._sources[source]], unit[None], points, 1) for unit in np.eye(6)])
@@ -74,7 +75,7 @@ class DistantWork:
         ]
 
     def _smoothed(self, number: int, points: FloatArray) -> FloatArray:
-        """Low degrees of the eigenstrain of each function at points of an inclusion, ``(n + 6, 6, points)``."""
+        """Low-degree part of the eigenstrain of each function at points of an inclusion, ``(n + 6, 6, points)``."""
         basis, shape = self._system.bases[number], self._system.shapes[number]
         degree = min(basis.degree, _KEPT)
         places, weights = shape.density_rule((basis.degree + 3, basis.degree + 3, 2 * basis.degree + 6))

@@ -1,7 +1,8 @@
-"""Fields of an eigenstrain that is uniform in each cell of a box, at the points of a lattice, by FFT in space.
+"""Fields of an eigenstrain that is uniform in each cell of a box, on a lattice of points, by FFT in space.
 
-The field at target k of the eigenstrain in cell k' is a sum of kernels of the offset k - k' (the cell itself), and of
-kernels that depend on k + k' along z (its mirror image above the surface), times powers 0, 1, 2 of the target's depth.
+The field at target k by the eigenstrain in cell k' is a sum of two kinds of kernels, times powers 0, 1, 2 of the
+target's depth: kernels of the offset k - k' (the cell itself), and kernels that depend on k + k' along z (its mirror
+image above the surface).
 
 References
 ----------
@@ -46,15 +47,15 @@ __all__ = ["VolumeField", "check_request", "local_matrix"]
 
 
 class VolumeField:
-    """Stress, strain or displacement in a box by the eigenstrain in a box of cells, with spectra made once.
+    """Stress, strain or displacement in a box by the eigenstrain in a box of cells; the spectra are computed once.
 
     Parameters
     ----------
     cell : HasCornerPotentials
         Shape of the cells: the cuboid.
     source, target : Cells
-        Cells that carry the eigenstrain, and points of the same pitch, anywhere in z >= 0. Where the points lie off the
-        cell centres along x or y, memory is four times larger.
+        Cells with eigenstrain, and points of the same pitch, anywhere in z >= 0. Memory is four times larger if the
+        points are not on the cell centres along x or y.
     poisson_ratio : float
         In (-1, 0.5].
     quantity : {"stress", "strain", "displacement"}
@@ -64,18 +65,20 @@ class VolumeField:
     shear_modulus : float
         [Pa]; for stress.
     precision : {"double", "single"}
-        Single halves memory; its price is an error that grows with the square of the layers from the surface on:
-        3.4e-6 of the largest value for 8 layers of cubes, 1.6e-5 for 16, 3.2e-4 for 64; below them 1.5e-7.
+        Single precision halves memory; its error grows with the square of the number of layers from the surface on:
+        3.4e-6 of the largest value for 8 layers of cubes, 1.6e-5 for 16, 3.2e-4 for 64; below the surface layers
+        1.5e-7.
     threads : int, optional
-        Cores to use; by default all this process may use.
+        Cores to use; by default all cores available to this process.
     applications : float
-        How often it will be applied: see `eigencontact.convolution.VolumeConvolver`.
+        Expected number of applications: see `eigencontact.convolution.VolumeConvolver`.
 
     Notes
     -----
     Memory: 58 complex kernels for stress in a half-space (15 in full space) on an octant of the padded box, about
     ``58 * 16 * (nx + 1) * (ny + 1) * (nz + 1)`` bytes. One application makes 6 + 17 transforms along z, and 6 + 6 along
-    y and x. On a face between cells stress and strain are the means of both sides, on an edge those around it.
+    y and x. Stress and strain on a face between cells are the means of both sides, on an edge the mean of the cells
+    around it.
     """
 
     def __init__(
@@ -118,7 +121,7 @@ class VolumeField:
         image = nodes_around(lowest + layout.lattice_sum, pitch[2], unit)
         numbers = {kernel: number for number, kernel in enumerate(kernels)}
         far = far_apart(self.source, self.target.first, [float(self.target.centres(axis)[-1]) for axis in range(3)])
-        # Where x and y are alike, half of the kernels are the others with these exchanged.
+        # If x and y are alike, half of the kernels follow from the others by exchange of x and y.
         alike = layout.folded and np.array_equal(x, y)
         twins = {k: _turned(k) for k in kernels if alike and _turned(k) in numbers and _turned(k) < k}
         sampled = [kernel for kernel in kernels if kernel not in twins]
@@ -181,7 +184,7 @@ class VolumeField:
 
 
 def _turned(kernel: Kernel) -> Kernel:
-    """Kernel with x and y exchanged, because the potentials of a cell treat all axes alike."""
+    """Kernel with x and y exchanged; valid because the potentials of a cell treat all axes alike."""
     origin, name, (x, y, z) = kernel
     return origin, name, (y, x, z)
 
@@ -197,7 +200,7 @@ def check_request(source: Cells, target: Cells, quantity: str, space: str) -> No
 
 
 def scale_of(quantity: str, shear_modulus: float, cells: Cells) -> float:
-    """Factor from the kernels' units."""
+    """Factor from the units of the kernels."""
     return {"stress": shear_modulus, "strain": 1.0, "displacement": unit_of_length(cells.pitch)}[quantity]
 
 
@@ -209,7 +212,7 @@ def local_matrix(forms: Forms) -> FloatArray:
 def add_local(
     out: NDArray[np.floating], local: FloatArray, strain: NDArray[np.floating], origin: FloatArray | tuple[float, ...]
 ) -> None:
-    """Add the local contribution of the eigenstrain at the points; on a face half of it from either side."""
+    """Add the local contribution of the eigenstrain at the points; on a face, half from either side."""
     taps = [
         _taps(points, cells, start)
         for points, cells, start in zip(out.shape[1:], strain.shape[1:], origin, strict=True)
@@ -223,7 +226,7 @@ def add_local(
 
 
 def _taps(points: int, cells: int, start: float) -> list[tuple[slice, slice, float]]:
-    """Targets, their cells and weights: one cell, or two halves for targets on faces."""
+    """Targets, the cells that contain them, and weights: one cell, or two with half a weight for targets on faces."""
     fraction = start - np.floor(start)
     lower = int(np.floor(start))
     if fraction == 0.5:  # noqa: SIM108

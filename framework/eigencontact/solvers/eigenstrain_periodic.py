@@ -4,10 +4,10 @@ For one wave ``exp(i k.x)`` in the plane the potentials of a source layer are ex
 
     Phi -> (2 pi/k) e^-t    Chi -> (2 pi/k^3) e^-t    Psi -> -(2 pi/k^3) (1 + t) e^-t,    t = k |z - z'| or k (z + z'),
 
-so a field at depth z needs only four sums over the layers: of e^-t and t e^-t over those above and over those below.
-They are carried from layer to layer and never grow; the image takes the sums over the layers as seen from the surface.
-In axes along and across the wave the coefficients are the same numbers for all waves: the linear forms of the theorem
-at the wave vector (1, 0). Cost N^3 log N for N^3 cells, no padding in depth, layers of any thickness.
+so a field at depth z needs only four sums over the layers: of e^-t and t e^-t over the layers above and over those
+below. They are updated from layer to layer and never grow. The image uses the sums at the surface. In axes along and
+across the wave the coefficients are equal for all waves: the linear forms of the theorem at the wave vector (1, 0). The
+cost is N^3 log N for N^3 cells, without padding in depth, for layers of any thickness.
 
 References
 ----------
@@ -37,7 +37,7 @@ from eigencontact.solvers.wave_layers import ALONG_WAVE, LayerSums, Plane, coeff
 __all__ = ["PeriodicHalfSpace"]
 
 _HERE = "periodic half-space"
-#: Waves finished together: the sums of all layers of a batch stay in the second-level cache.
+#: Waves per batch: the sums of all layers of a batch fit into the second-level cache.
 _BATCH = 2048
 
 
@@ -48,26 +48,26 @@ class PeriodicHalfSpace:
     Parameters
     ----------
     grid : Grid
-        Columns of cells; the window repeats along x and y.
+        Columns of cells; the window is periodic along x and y.
     interfaces : (nz + 1,) [m]
-        Depths of the layers' boundaries, ascending, of 0 or more.
+        Depths of the layers' boundaries, ascending and nonnegative.
     poisson_ratio : float
-        In (-1, 0.5], the end included.
+        In (-1, 0.5], 0.5 included.
     padding : float
-        Period over window, 1 or more. Empty columns keep the copies away where a single window is meant: their
-        influence falls with the third power of the period.
+        Ratio of period to window, at least 1. Empty columns increase the distance of the periodic images if a single
+        window is meant: their influence falls with the third power of the period.
     aliases : int
-        0 takes the eigenstrain as samples of a smooth field (exact where no wave is shorter than two cells). M > 0
-        takes it as uniform in each cell and sums (2M + 1)² waves for each one of the grid, at as many times the cost.
+        0: the eigenstrain is sampled from a smooth field (exact if no wave is shorter than two cells). M > 0: it is
+        uniform in each cell, and (2M + 1)² waves are summed for each wave of the grid, at as many times the cost.
     threads : int, optional
-        Cores to use; by default all this process may use.
+        Cores to use; by default all cores available to this process.
 
     Notes
     -----
-    The mean of the plane (k = 0) is a laterally uniform layer in a body that cannot widen: no mean strain in the plane,
-    ``sigma_xx = -E/(1-nu²) (e_xx + nu e_yy)`` in the layer, nothing outside, and displacement measured from the body at
-    great depth, ``u_z = -∫ (e_zz + nu/(1-nu) (e_xx + e_yy)) dz`` over the layers below. A single inclusion differs from
-    one of many copies by a constant displacement, which does not fade with the padding as the rest does.
+    The mean of the plane (k = 0) is a laterally uniform layer in a body with zero mean strain in the plane: ``sigma_xx
+    = -E/(1-nu²) (e_xx + nu e_yy)`` in the layer, zero outside. Displacement is relative to the body at great depth,
+    ``u_z = -∫ (e_zz + nu/(1-nu) (e_xx + e_yy)) dz`` over the layers below. A single inclusion and one of many periodic
+    images differ by a constant displacement, which does not decrease with the padding, unlike all other differences.
 
     Examples
     --------
@@ -123,12 +123,12 @@ class PeriodicHalfSpace:
         quantity : {"displacement", "strain", "stress"}
             Displacement [m], total strain, or stress in units of the shear modulus; tensors are Mandel vectors.
         depths : (nd,) [m]
-            0 or more, anywhere. Between two layers strain and stress are the mean of both sides, in the surface the
-            limit from inside.
+            Nonnegative, otherwise arbitrary. Strain and stress between two layers are the means of both sides, in the
+            surface the limit from inside.
         target : (int, int), optional
-            Points along (y, x), of the grid's pitch; by default the grid's.
+            Number of points along (y, x), with the pitch of the grid; by default the size of the grid.
         origin : (float, float)
-            First point relative to the grid's first cell, in cells along (y, x); need not be whole.
+            First point relative to the first cell of the grid, in cells along (y, x); any real numbers.
 
         Returns
         -------
@@ -182,9 +182,10 @@ class PeriodicHalfSpace:
     def _axis(
         self, numbers: NDArray[np.intp], shift: int, n: int, pitch: float, fraction: float
     ) -> tuple[NDArray[np.intp], FloatArray, ComplexArray]:
-        """Waves of one axis shifted by whole sampling rates: remaining `numbers`, wavenumbers, weights.
+        """Waves of one axis shifted by multiples of the sampling rate: remaining `numbers`, wavenumbers, weights.
 
-        The set of all is symmetric: of the two shortest waves, which look alike, each gets half.
+        The set of waves is symmetric: the two shortest waves, which are equal at the samples, have half the weight
+        each.
         """
         moved = np.where(numbers > n // 2, numbers - n, numbers) + shift * n
         most = (2 * self.aliases + 1) * n
@@ -234,9 +235,9 @@ def _turned(tensor: ComplexArray, cos: FloatArray, sin: FloatArray) -> ComplexAr
 def _uniform(
     eigenstrain: FloatArray, quantity: str, planes: list[Plane], interfaces: FloatArray, nu: float
 ) -> FloatArray:
-    """Field of laterally uniform layers ``(6, nz)`` in a body that cannot widen, ``(3 or 6, nd)``."""
+    """Field of laterally uniform layers ``(6, nz)`` in a body with zero mean strain in the plane, ``(3 or 6, nd)``."""
     xx, yy, zz, yz, xz, xy = eigenstrain
-    stretch = zz + nu / (1.0 - nu) * (xx + yy)  # free normal and shear tractions
+    stretch = zz + nu / (1.0 - nu) * (xx + yy)  # zero normal and shear tractions
     none = np.zeros_like(xx)
     if quantity == "displacement":
         slopes = np.array([SQRT2 * xz, SQRT2 * yz, stretch])

@@ -1,7 +1,8 @@
 """Fields of an eigenstrain in a box of cells on few planes: FFT in the plane, one kernel for each plane and layer.
 
-The layers are summed in Fourier space, so one plane costs six forward transforms for each layer and one inverse
-transform for each component. Depths are arbitrary. On the surface this is the residual displacement of a contact.
+The layers are summed in Fourier space. One plane therefore needs six forward transforms per layer and one inverse
+transform per component. Depths are arbitrary. On the surface the displacement is the residual displacement of a
+contact.
 
 References
 ----------
@@ -43,14 +44,14 @@ from eigencontact.solvers.potential_tables import (
 
 __all__ = ["PlaneFields"]
 
-# Layers sampled together, which share their corners.
+# Number of layers sampled together; they share their corners.
 _LAYERS = 8
-# Nodes of several planes that are sampled together: calls cost more than few numbers.
+# Nodes of several planes sampled together: for few numbers the calls dominate the time.
 _TOGETHER = 100_000
 
 
 class PlaneFields:
-    """Stress, strain or displacement on planes z = const by the eigenstrain in a box of cells, with spectra made once.
+    """Stress, strain or displacement on planes z = const by the eigenstrain in a box of cells; spectra computed once.
 
     Parameters
     ----------
@@ -59,18 +60,18 @@ class PlaneFields:
     source : Cells
         Cells that carry the eigenstrain.
     target : (int, int)
-        Points along (y, x) of each plane, of the pitch of the cells.
+        Number of points along (y, x) of each plane, with the pitch of the cells.
     origin : (float, float)
-        Position of target (0, 0) relative to the cell (0, 0), in cells along (y, x); need not be whole.
+        Position of target (0, 0) relative to cell (0, 0), in cells along (y, x); any real numbers.
     depths : (n_planes,) [m]
-        Any depths, 0 included; on a face between layers stress and strain are the means of both sides, on the surface
-        the limits from inside.
+        Arbitrary depths, 0 included. Stress and strain on a face between layers are the means of both sides, on the
+        surface the limits from inside.
     poisson_ratio : float
         In (-1, 0.5].
     quantity : {"stress", "strain", "displacement"}
         Stress [Pa] and total strain as Mandel vectors, displacement (x, y, z) [m].
     components : sequence of int, optional
-        Components wanted; by default all.
+        Requested components; by default all.
     space : {"half", "full"}
         With or without the free surface z = 0.
     shear_modulus : float
@@ -125,7 +126,7 @@ class PlaneFields:
         in_parallel(self._threads, tasks)
 
     def _batches(self, first: int) -> Iterator[tuple[list[int], bool]]:
-        """Planes that are sampled together for some layers, and whether all of these are far from them."""
+        """Planes that are sampled together for some layers, and whether all layers are far from these planes."""
         dz, alike = self.source.pitch[2], dict[tuple[bool, bool], list[int]]()
         layers = snapped(self.source.first[2] / dz) + np.arange(first, self._stop(first), dtype=np.float64)
         for plane, depth in enumerate(snapped(float(depth) / dz) for depth in self.depths):
@@ -140,18 +141,18 @@ class PlaneFields:
         return min(first + _LAYERS, self.source.shape[0])
 
     def _fill(self, cell: HasCornerPotentials, forms: Forms, planes: list[int], first: int, *, far: bool) -> None:
-        """Spectra of some layers for some planes, which all lie in the surface or all below it."""
+        """Compute the spectra of some layers for some planes, which are all in the surface or all below it."""
         dx, dy, dz = self.source.pitch
         layers = snapped(self.source.first[2] / dz) + np.arange(first, self._stop(first), dtype=np.float64)
         depths = [snapped(float(self.depths[plane]) / dz) for plane in planes]
         flush = depths[0] == 0 and self.space == "half"
-        if flush and self.quantity == "displacement":  # continuous: half of the kernels
+        if flush and self.quantity == "displacement":  # displacement is continuous: half of the kernels suffice
             forms = tuple(tuple(form.on_surface().replaced(reduced) for form in row) for row in forms)
         x, y = (
             nodes_around(lattice, pitch, self._unit)
             for lattice, pitch in ((self._layout.x.lattice, dx), (self._layout.y.lattice, dy))
         )
-        # Offsets of the real cells descend with the layer: sampled in reverse.
+        # Offsets of the cells (not images) decrease with the layer number: they are sampled in reverse order.
         offsets = {
             "image": [depth + layers for depth in depths],
             "real": [(depth - layers)[::-1] for depth in depths],
@@ -180,7 +181,7 @@ class PlaneFields:
     def _keep(
         self, planes: list[int], first: int, place: tuple[int, int], component: int, tables: FloatArray | None
     ) -> None:
-        """Spectra of one component by one component of the eigenstrain, ``(planes, layers, nx, ny)``."""
+        """Store spectra of one component by one component of the eigenstrain, ``(planes, layers, nx, ny)``."""
         if tables is None:
             return
         (row, strain), count = place, tables.shape[1]
@@ -237,9 +238,9 @@ class PlaneFields:
         return out
 
     def _layers_at(self, depth: float) -> list[tuple[int, float]]:
-        """Layers at a depth, with weights: two halves on a face between two, the first on z = 0."""
+        """Layers at a depth, with weights: two with half a weight on a face, the first layer for z = 0."""
         dz = self.source.pitch[2]
-        # Rounded as for the tables: what they take for a face must be one here too.
+        # Same rounding as for the tables: both must find the same faces.
         place = snapped(depth / dz) - snapped(self.source.first[2] / dz)
         surface = self.space == "half" and snapped(depth / dz) == 0
         distances = np.abs(place - np.arange(self.source.shape[0]))
@@ -261,7 +262,7 @@ def _weights(forms: Forms, kernels: Sequence[Kernel], depth: float) -> FloatArra
 
 
 def _combined(weights: FloatArray, tables: FloatArray) -> FloatArray | None:
-    """Sum of tables ``(kernels, planes, ...)`` with weights ``(planes, kernels)``; None where all are zero."""
+    """Sum of tables ``(kernels, planes, ...)`` with weights ``(planes, kernels)``; None if all weights are zero."""
     used = np.flatnonzero(weights.any(axis=0))
     if not used.size:
         return None

@@ -1,7 +1,7 @@
 """Zone of a body in which the elastic stress under a contact exceeds the limit of a law.
 
-The search samples boxes around the contact, each twice as large and twice as coarse as the one before. All have equally
-many places, so that the work is bounded however far the stress exceeds the limit.
+The search samples boxes around the contact; each box is twice as large and twice as coarse as the previous one. All
+boxes have the same number of points, so that the work is bounded for any load.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from eigencontact.core.tensors import COMPONENTS, SQRT2
 __all__ = ["ACROSS", "ElasticStress", "Exceeds", "Tractions", "Zone", "elastic_zone", "overload"]
 
 BoolArray = NDArray[np.bool_]
-#: Tractions [Pa] on a window, by name; pressure is ``"p"``.
+#: Tractions [Pa] on a window, by name; the pressure is ``"p"``.
 Tractions = tuple[Grid, Mapping[str, FloatArray]]
 #: Whether Mandel stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] exceeds the limit of a law.
 Exceeds = Callable[[FloatArray, FloatArray], BoolArray]
 
-#: Coarse cells across a contact.
+#: Number of coarse cells across a contact.
 ACROSS = 16
-#: Boxes of the search: the first reaches 1.5 contact widths each way, the last 12. Stress falls with the square of the
-#: distance: a zone that leaves the last box has a load several hundred times the elastic limit.
+#: Number of boxes in the search: the first extends 1.5 contact widths in each direction, the last 12. Stress falls with
+#: the square of the distance, so a zone beyond the last box needs a load of several hundred times the elastic limit.
 _BOXES = 4
-#: Points about which a law is asked at once, where a depth does not have more [points].
+#: Approximate number of points per call of a law, if a depth does not have more [points].
 _AT_ONCE = 1 << 15
-#: Elastic stress that is kept at most, of all loads together [bytes].
+#: Largest memory for stored elastic stress, all loads together [bytes].
 _KEPT = 100_000_000
-#: Places of the largest stress, more than the cells under a contact and half as deep, of which the ratio of load to
-#: limit is sought; halvings of the stress, and of the interval after that.
+#: Number of points with the largest stress for which the ratio of load to limit is searched (more than the cells under
+#: a contact at half the depths); number of halvings of the stress, and of the interval after that.
 _LARGEST, _HALVINGS, _BISECTIONS = 2500, 60, 5
 
 
@@ -66,10 +66,10 @@ class ElasticStress:
 
     def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
         self._influences, self._material, self._room = influences, material, _KEPT
-        self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
+        self._contributions: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
 
     def at(self, edges: tuple[float, float], loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
-        """Mandel stress ``(6, count, count)`` [Pa] about loaded cells of edges (dx, dy) [m], at the depth `z` [m].
+        """Mandel stress ``(6, count, count)`` [Pa] around loaded cells of edges (dx, dy) [m], at the depth `z` [m].
 
         Strips have an infinite edge along y and stress ``(6, 1, count)``.
         """
@@ -81,26 +81,26 @@ class ElasticStress:
 
     def _add(self, stress: FloatArray, name: str, edges: tuple[float, float], field: FloatArray, z: float) -> None:
         counts = stress.shape[1:]
-        before = self._known.setdefault((name, *edges, field.shape, counts, z), [])
-        for earlier_field, caused in before:
+        before = self._contributions.setdefault((name, *edges, field.shape, counts, z), [])
+        for earlier_field, contribution in before:
             if np.array_equal(earlier_field, field):
-                stress += caused
+                stress += contribution
                 return
             if np.array_equal(earlier_field, -field):
-                stress -= caused
+                stress -= contribution
                 return
-        # Offsets from loaded cells to the points: all that a sum over the cells needs.
+        # Table of all offsets between loaded cells and points, for the sum over the cells.
         y, x = (
             (np.arange(1 - loads, count) + 0.5 * (loads - count)) * (edge if edge < np.inf else 1.0)
             for loads, count, edge in zip(field.shape, counts, edges[::-1], strict=True)
         )
         half = (0.5 * edges[0], 0.5 * edges[1])
         tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
-        caused = np.stack([_convolved(table, field) for table in tables])
-        stress += caused
-        if caused.nbytes <= self._room:
-            self._room -= caused.nbytes
-            before.append((field, caused))
+        contribution = np.stack([_convolved(table, field) for table in tables])
+        stress += contribution
+        if contribution.nbytes <= self._room:
+            self._room -= contribution.nbytes
+            before.append((field, contribution))
 
 
 def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, factor: float) -> Zone | None:
@@ -128,7 +128,7 @@ def elastic_zone(exceeds: Exceeds, load: Tractions, elastic: ElasticStress, fact
 
 
 def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float:
-    """Ratio of the elastic stress to the largest multiple of it within the elastic range of a law, within a tenth."""
+    """Ratio of the elastic stress to the largest multiple within the elastic range of a law, to 10 %."""
     place = _loaded(load)
     if place is None:
         return 0.0
@@ -142,7 +142,7 @@ def overload(exceeds: Exceeds, load: Tractions, elastic: ElasticStress) -> float
         violations = exceeds(fraction * stress, z)
         if not violations.any():
             break
-        # Places that a smaller part does not take to the limit are not asked again: few remain.
+        # Points below the limit at a smaller factor are left out: few remain.
         stress, z, fraction = stress[:, violations], z[violations], 0.5 * fraction
     low, high = fraction, 2.0 * fraction
     for _ in range(_BISECTIONS):
@@ -163,12 +163,12 @@ def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str,
 
 
 def _rows(edges: tuple[float, float], count: int) -> int:
-    """Places along y of a box of the search; one of strips."""
+    """Number of points along y of a box of the search; one for strips."""
     return count if edges[1] < np.inf else 1
 
 
 def _places(loaded: Mapping[str, FloatArray]) -> int:
-    """Places along one side of a box of the search."""
+    """Number of points along one side of a box of the search."""
     ny, nx = loaded["p"].shape
     return 3 * max(int(ny), int(nx), ACROSS)
 
@@ -176,7 +176,7 @@ def _places(loaded: Mapping[str, FloatArray]) -> int:
 def _coarser(
     middle: FloatArray, edges: tuple[float, float], loaded: Mapping[str, FloatArray]
 ) -> tuple[FloatArray, tuple[float, float], dict[str, FloatArray]]:
-    """Loaded cells merged two by two in each direction with the same forces, which suffices far away."""
+    """Loaded cells merged in pairs in each direction with equal total forces; accurate enough at larger distances."""
     odd_y, odd_x = (size % 2 for size in loaded["p"].shape)
     joined = {}
     if edges[1] == np.inf:
@@ -201,7 +201,7 @@ def _inside(
     """Whether stress exceeds the limit in coarse cells ``(nz, count or 1, count)`` around the loaded ones."""
     depths, rows = (np.arange(count // 2) + 0.5) * edges[0], _rows(edges, count)
     out = np.empty((depths.size, rows, count), dtype=bool)
-    # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
+    # A law is called for several depths together: for single depths the calls would dominate the time.
     for first in range(0, depths.size, together := max(1, _AT_ONCE // (rows * count))):
         block_depths = depths[first : first + together]
         stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in block_depths], axis=1)
@@ -213,7 +213,7 @@ def _inside(
 def _bounds(inside: BoolArray, middle: FloatArray, edges: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Bounds (x, y, z) [m] of the cells inside."""
     count = inside.shape[2]
-    if edges[1] == np.inf:  # the one row counts as a metre
+    if edges[1] == np.inf:  # the single row has a length of one metre
         edges = (edges[0], 1.0)
         middle = np.array([middle[0], 0.5 * (count - 1)])
     spans = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]

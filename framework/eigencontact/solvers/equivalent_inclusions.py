@@ -5,11 +5,12 @@ compliance M_m),
 
     σ = σ_0 + A ε*,    C_i (M_m σ + ε* - ε_p) = σ,
 
-where A ε* is the stress by all eigenstrains, and M_m σ + ε* is the total strain. The unknown is the part x
-that the difference of the constants adds, ε* = ε_p + x. The condition of each cell is multiplied by (C_i + 2 μ_m)^-1,
-so that neither a void (it then says σ = 0) nor a rigid cell (total strain = ε_p) nor C_m, infinite for an
-incompressible matrix, makes an entry large; and then by the inverse of what the cell would answer if it were alone.
-What remains is a strain per strain, and its residual is the error that each cell sees in its own eigenstrain.
+where A ε* is the stress by all eigenstrains, and M_m σ + ε* is the total strain. The unknown is the part x by the
+difference of the constants, ε* = ε_p + x. The condition of each cell is multiplied by (C_i + 2 μ_m)^-1, so that its
+coefficients stay bounded for a void (the condition is then σ = 0), for a rigid cell (total strain = ε_p) and for an
+incompressible matrix with infinite C_m. It is then multiplied by the inverse of the response of a single cell. The
+result is a strain per strain, and its residual is the error of the eigenstrain of each cell under the present
+eigenstrain of the others.
 
 References
 ----------
@@ -42,7 +43,7 @@ __all__ = [
 
 
 class StressOperator(Protocol):
-    """Stress in the cells by their eigenstrain (``MeanVolumeField``)."""
+    """Stress in the cells by their eigenstrain (for example ``MeanVolumeField``)."""
 
     source: Cells
     target: Cells
@@ -60,25 +61,27 @@ class InhomogeneousCells(InclusionSystem):
     Parameters
     ----------
     operator : StressOperator
-        Stress by eigenstrain in the same cells, for the matrix's constants, in the mean over each cell
-        (`eigencontact.solvers.mean_stress.MeanVolumeField`). With values in the centres, cells of less than a fifth of
-        the matrix's stiffness may need a thousand iterations, and voids have no solution.
+        Stress by eigenstrain in the same cells, for the constants of the matrix, as the mean over each cell
+        (`eigencontact.solvers.mean_stress.MeanVolumeField`). With values at the cell centres, cells of less than a
+        fifth of the matrix's stiffness may need a thousand iterations, and voids have no solution.
     matrix : Material
-        The material around; ν up to 0.5.
+        Surrounding material; ν up to 0.5.
     materials : sequence of Elasticity, ElasticityOfCells or (6, 6)
-        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa].
+        Materials 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa].
     material_index : (nz, ny, nx) of int
         Material of each cell, 0 is the matrix.
     fraction : (nz, ny, nx), optional
-        Share of each cell, above 0 and up to 1, that its material fills; not read where the index is 0. By default 1.
+        Fraction of each cell filled by its material, above 0 and up to 1; ignored for index 0. By default 1.
     beside : (nz, ny, nx) of int, optional
         Material of the rest of cells with a fraction below 1; by default 0, the matrix.
     normal : (3, nz, ny, nx), optional
         Normal of the boundary in cells with a fraction below 1, of any length and sign; zero if unknown.
 
-    Notes ----- Six applications of the operator to the middle cell determine the response of a cell alone. Where cells
-    are more than about a hundred times stiffer than the matrix, their mean stress is as good as elsewhere, but not its
-    distribution among them: it barely strains them, and the steps of a boundary made of cells spoil it.
+    Notes
+    -----
+    Six applications of the operator to the middle cell determine the response of a single cell. In cells more than
+    about a hundred times stiffer than the matrix, the mean stress of the region is as accurate as elsewhere, but its
+    distribution among the cells is not: it causes very small strains, and the steps of the cell boundary disturb it.
     """
 
     tolerance, max_iterations, restart = 1e-6, 500, 60
@@ -99,7 +102,7 @@ class InhomogeneousCells(InclusionSystem):
         self.operator, self.matrix, self.shape = operator, matrix, operator.source.shape
         shares = Shares.of(index, fraction, beside, normal, len(materials))
         flat = index.ravel()
-        # Whole cells first, by material, then those with a boundary in them.
+        # Whole cells first, by material, then cut cells.
         order = np.lexsort((flat, shares.mixed))
         self._cells = order[flat[order] > 0]
         self._parts: list[tuple[slice, FloatArray]] = []
@@ -125,16 +128,16 @@ class InhomogeneousCells(InclusionSystem):
 
     @property
     def cells(self) -> NDArray[np.intp]:
-        """Cells of other constants, by flat index."""
+        """Flat indices of the cells with other constants."""
         return self._cells
 
     def answer(self, eigenstrain: FloatArray, stress: FloatArray, prestrain: FloatArray) -> FloatArray:
-        """Eigenstrain of each cell for the present eigenstrain of the others: ``(6, n)`` of the `cells`.
+        """Eigenstrain of each cell under the present eigenstrain of the others: ``(6, n)`` of the `cells`.
 
         Parameters
         ----------
         eigenstrain, stress, prestrain : (6, nz, ny, nx)
-            The eigenstrain as it is, the total stress [Pa] under it, and the cells' own.
+            Present eigenstrain, the total stress [Pa] under it, and the prestrain of the cells.
         """
         flat = [self._unknowns(values) for values in (eigenstrain, stress, prestrain)]
         equivalent = flat[0] - flat[2]

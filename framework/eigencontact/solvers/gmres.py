@@ -1,7 +1,7 @@
-"""Generalised minimal residuals (GMRES), the linear solver for operators much more expensive than vectors.
+"""Generalised minimal residuals (GMRES), for operators much more expensive than operations on vectors.
 
-Written here because the stop is absolute, the count of applications is part of the answer, and the orthogonalisation
-is two products with a block of vectors in place of a loop over them.
+This implementation differs from library versions in three points: the stopping criterion is absolute, it returns the
+number of applications, and the orthogonalisation is two products with a block of vectors instead of a loop.
 
 References
 ----------
@@ -19,8 +19,8 @@ from eigencontact.core.products import norm_of
 
 __all__ = ["gmres"]
 
-# Part of the largest pivot, below which a pivot is rounding that a singular operator leaves: 3e-16 to 3e-13 were met
-# with random singular matrices of 20 to 200 rows.
+# Ratio to the largest pivot below which a pivot is round-off of a singular operator: random singular matrices of 20 to
+# 200 rows had 3e-16 to 3e-13.
 _SINGULAR = 1e-12
 
 
@@ -40,20 +40,20 @@ def gmres(
     operator : callable
         ``(n,)`` to ``(n,)``, linear.
     residual : (n,)
-        What the operator applied to the answer should give.
+        Residual of the start; the operator applied to the correction should equal it.
     bound : float
-        Absolute, in the Euclidean norm.
+        Bound of the Euclidean norm of the residual, absolute.
     max_iterations : int
-        Applications of the operator in cycles; every restart costs one more, for the true residual.
+        Largest number of applications within cycles; every restart needs one more for the true residual.
     restart : int
-        Vectors kept; memory is ``8 n (restart + 1)`` bytes at most.
+        Number of stored vectors; memory is at most ``8 n (restart + 1)`` bytes.
     watch : callable, optional
         Called after each iteration with the norm of the residual.
 
     Returns
     -------
     (n,) array
-        The best found. Whether it meets the bound is for the caller to check: rounding may have stopped it short.
+        Best correction found. The caller must check the bound, because round-off may have stopped the iteration early.
     """
     total = np.zeros_like(residual)
     left, remainder = max_iterations, residual
@@ -68,7 +68,7 @@ def gmres(
         if after < before:
             total += step
         if not after < 0.999 * before:
-            break  # stagnant: at the limit of rounding, or a load that no eigenstrain answers
+            break  # stagnation: round-off, or a load without a solution
     return total
 
 
@@ -81,7 +81,7 @@ def _cycle(
 ) -> tuple[FloatArray, int]:
     """One cycle without restart: correction and iterations."""
     norm = norm_of(residual)
-    block = np.empty((size + 1, residual.size))  # rows not reached are never touched, and cost no memory
+    block = np.empty((size + 1, residual.size))  # rows that are not used are not touched, and take no memory
     block[0] = residual / norm
     upper, turns, right = np.zeros((size, size)), np.zeros((size, 2)), np.zeros(size + 1)
     right[0] = norm
@@ -98,7 +98,7 @@ def _cycle(
             column[:-1] += projection
             height = norm_of(vector)
             if height > 0.5 * before:
-                break  # little was taken away: once more only where rounding may have left some of it
+                break  # small reduction: a second pass is only necessary after cancellation
         column[-1] = height
         for k, (cosine, sine) in enumerate(turns[:count]):
             column[k], column[k + 1] = (
@@ -123,6 +123,6 @@ def _cycle(
     pivots = np.abs(np.diag(upper)[:count])
     if pivots.min() > _SINGULAR * pivots.max():
         weights = np.linalg.solve(upper[:count, :count], right[:count])
-    else:  # the shortest of the answers that differ by rounding only
+    else:  # shortest of the solutions that differ by round-off
         weights = np.linalg.lstsq(upper[:count, :count], right[:count], rcond=_SINGULAR)[0]
     return weights @ block[:count], count

@@ -1,9 +1,9 @@
 """Approximate half-space: full space, plus the mirror image, minus their pressure on the surface.
 
-In an infinite body the eigenstrain and its image ``s_i s_j e_ij``, s = (1, 1, -1), leave no shear on the plane z = 0
-but twice the normal traction of the eigenstrain alone. That traction is sampled at the middles of the cells and
-taken off with the exact field of uniformly loaded cells. The scheme is a reference to compare the half-space theorem
-with: its error is that of the sampling near the surface, and that of the cut-off pressure outside the window.
+In an infinite body the eigenstrain and its image ``s_i s_j e_ij``, s = (1, 1, -1), cause no shear on the plane z = 0,
+but twice the normal traction of the eigenstrain alone. That traction is sampled at the cell centres and removed by the
+exact field of uniformly loaded cells. The method is a reference for comparison with the half-space theorem. Its errors
+are the sampling near the surface and the missing pressure outside the window.
 
 The field of the image is the mirrored field of the source, ``u_i(x, y, z) -> s_i u_i(x, y, -z)``, so only fields of the
 source in full space are needed.
@@ -50,7 +50,7 @@ _SIGNS = {
 
 
 class PressureKernel(Protocol):
-    """Field of a uniform pressure on a rectangle of the surface: the installed surface influence of ``"p"``."""
+    """Field of a uniform pressure on a rectangle of the surface: surface influence of ``"p"``."""
 
     def sample(
         self,
@@ -66,24 +66,24 @@ class PressureKernel(Protocol):
 
 
 def reflected(quantity: str, field: FloatArray) -> FloatArray:
-    """Components ``(3 or 6, ...)`` reflected in z = 0; the caller reflects the points."""
+    """Components ``(3 or 6, ...)`` after reflection in z = 0; the caller reflects the points."""
     return np.asarray(_SIGNS[quantity].reshape(-1, *(1,) * (field.ndim - 1)) * field)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ImagePressure:
-    """Field of the pressure in place of the doubled normal traction of source and image.
+    """Field of the pressure that removes the doubled normal traction of source and image.
 
     Parameters
     ----------
     grid : Grid
-        Cells of the surface that carry the pressure; beyond it the traction is not removed.
+        Cells of the surface that carry the pressure; the traction outside them is not removed.
     kernel : PressureKernel
         Field of one loaded cell.
     material : Material
         The body.
     threads : int, optional
-        Cores to use; by default all this process may use.
+        Cores to use; by default all cores available to this process.
     """
 
     grid: Grid
@@ -106,7 +106,7 @@ class ImagePressure:
 
         def superpose(numbers: range) -> None:
             for n in numbers:
-                # Offsets (point minus cell) ascend when the cells are taken in descending order.
+                # Offsets (point minus cell) ascend for cells in descending order.
                 dx, dy, depth = x[n] - grid.x[::-1], y[n] - grid.y[::-1], abs(float(z[n]))
                 table = self.kernel.sample(_kernel_of(quantity), names, dx, dy, depth, widths, self.material)
                 out[:, n] += self._as(quantity, np.einsum("kij,ij->k", table, turned))
@@ -134,7 +134,7 @@ class ImagePressure:
             out[:, k] += self._as(quantity, unit * convolver.apply(load[None], spectra))
 
     def _as(self, quantity: str, values: FloatArray) -> FloatArray:
-        """Strain from stress by Hooke's law if strain is requested: the contribution of the pressure is elastic."""
+        """Strain from stress by Hooke's law if strain is requested: the part of the pressure is elastic."""
         if quantity != "strain":
             return values
         nu, mu = self.material.poisson_ratio, self.material.shear_modulus
@@ -157,13 +157,14 @@ class ImagePressureVolume:
     cell : HasCornerPotentials
         Shape of the cells: the cuboid.
     source, target : Cells
-        Cells that carry the eigenstrain, and points in z >= 0; columns of the scheme's grid, or points between them.
+        Cells with eigenstrain, and points in z >= 0; the points are columns of the scheme's grid, or points between
+        them.
     quantity : {"displacement", "strain", "stress"}
-        What `apply` returns.
+        Result of `apply`.
 
     Notes
     -----
-    Three operators in full space: for the points, for their mirror images and for the traction on the surface.
+    It has three operators in full space: for the points, for their mirror images, and for the traction on the surface.
     """
 
     def __init__(

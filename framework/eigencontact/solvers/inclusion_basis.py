@@ -1,4 +1,4 @@
-"""Functions that the eigenstrain of one whole inclusion is sought in, and its integrals with itself.
+"""Basis functions for the eigenstrain of one whole inclusion, and their integrals over it.
 
 An inclusion of stiffness C' in a matrix of compliance M, with stress τ and strain e, has the eigenstrain x = e - M τ.
 Fields of `eigencontact.solvers.navier_polynomials` give the pairs (e, τ), bounded from a void to a rigid inclusion.
@@ -23,32 +23,32 @@ from eigencontact.solvers.navier_polynomials import all_polynomials, equilibrate
 
 __all__ = ["InclusionBasis", "basis_of"]
 
-#: Size of an eigenstrain, over the largest, that is rounding of those that it depends on.
+#: Size of an eigenstrain, relative to the largest, below which it is round-off of a linear combination of others.
 _DEPENDENT = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class InclusionBasis:
-    """Basis of one kind of inclusion.
+    """Basis for one kind of inclusion.
 
     Attributes
     ----------
     degree : int
     degrees : (n,) of int
-        Degree of each function; they ascend.
+        Degree of each function, in ascending order.
     eigenstrain : (n + 6, 6, densities)
-        x of each function per density of the shape; then the six uniform eigenstrains, for a prestrain.
+        Eigenstrain x of each function per density of the shape; then the six uniform eigenstrains, for a prestrain.
     span : (r, 6, densities)
-        Independent eigenstrains of which all these are made, as the uniform ones are among the functions as a rule:
-        what costs a field is computed of these.
+        Linearly independent eigenstrains that span all of these; most functions contain the uniform ones. Expensive
+        fields are computed only for these.
     mix : (n + 6, r)
-        The eigenstrains by those of `span`.
+        Coefficients of the eigenstrains in terms of `span`.
     work : (n, n + 6)
         Integral of τ of one function with x of another [m^3, in units of the matrix's shear modulus].
     overlap : (n, n)
         Mean over the inclusion of x : x.
     volume : float
-        Of the inclusion [m^3].
+        Volume of the inclusion [m^3].
     """
 
     degree: int
@@ -84,7 +84,7 @@ def basis_of(
     Raises
     ------
     SceneError
-        Densities of the shape that do not span the polynomials.
+        The densities of the shape do not span the polynomials.
     """
     G = matrix.shear_modulus
     soft, stiff = material.factors(G) if isinstance(material, Elasticity) else factors_of_stiffness(material, G)
@@ -100,7 +100,7 @@ def basis_of(
     size = float(np.sqrt((weights @ offsets**2).max() / volume))
     polynomials = equilibrated_polynomials(soft, stiff, around, degree, offsets / size)
     values, degrees = all_polynomials(densities, degree) if polynomials is None else polynomials
-    # Coefficients per density of an orthonormal set, if the shape's densities span what is asked for.
+    # Coefficients per density of an orthonormal set, if the densities of the shape span the requested polynomials.
     orthonormal = np.linalg.solve(root, densities)
     inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
     missed = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()

@@ -1,4 +1,4 @@
-"""Interactions of whole inclusions: self-interaction, near pairs by all functions, distant pairs by means."""
+"""Interactions of whole inclusions: self, near pairs by all functions, distant pairs by mean eigenstrains."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ALIKE", "InclusionPairs"]
 
-#: Offsets in radii that are alike.
+#: Tolerance for equal offsets, in radii.
 ALIKE = 1e-9
-#: Inclusions from which on distant ones act by their mean eigenstrain; how far that is, in radii of the largest.
+#: Smallest number of inclusions for which distant ones act by their mean eigenstrain; distance in radii of the largest.
 _MANY, _NEAR = 40, 5.0
 
 
@@ -37,18 +37,18 @@ class _Blocks:
 
 
 class InclusionPairs:
-    """Left side of the system of one arrangement of inclusions, ``∫ x_b : (τ_a - A x_a) dV``.
+    """Left side of the system for one arrangement of inclusions, ``∫ x_b : (τ_a - A x_a) dV``.
 
     Attributes
     ----------
-    own : dict
-        By the key of an inclusion, its matrix with itself ``(n, n + 6)``, the image included; the last six columns are
+    self_interaction : dict
+        Self-interaction matrix ``(n, n + 6)`` by the key of an inclusion, with its image; the last six columns are
         those of uniform eigenstrains.
     """
 
     def __init__(self, system: PolynomialInclusions) -> None:
         self._system = system
-        self.own: dict[Hashable, FloatArray] = {}
+        self.self_interaction: dict[Hashable, FloatArray] = {}
         self._distant = None
         if len(system.regions) > _MANY and all(cloud_sources(shape) is not None for shape in system.regions):
             self._distant = DistantWork(system)
@@ -68,15 +68,15 @@ class InclusionPairs:
         return out
 
     def _interactions(self) -> dict[Hashable, _Blocks]:
-        """Matrices of near pairs, each inclusion with itself first; equal pairs are computed once."""
+        """Matrices of near pairs, the self-interactions first; equal pairs are computed once."""
         blocks: dict[Hashable, _Blocks] = {}
         for number, basis in enumerate(self._system.bases):
             key = self._system.key_of(number)
-            if key not in self.own:
-                caused = self._stress_work(number, number)[: basis.size]
-                self.own[key] = -caused
-                self.own[key][:, : basis.size] += basis.work[:, : basis.size]
-                blocks[key] = _Blocks(self.own[key])
+            if key not in self.self_interaction:
+                work = self._stress_work(number, number)[: basis.size]
+                self.self_interaction[key] = -work
+                self.self_interaction[key][:, : basis.size] += basis.work[:, : basis.size]
+                blocks[key] = _Blocks(self.self_interaction[key])
             blocks[key].targets.append(number)
             blocks[key].sources.append(number)
         for target, source in self._near_pairs():
@@ -110,35 +110,36 @@ class InclusionPairs:
                 block.matrix = block.matrix + share
 
     def _add_pair(self, blocks: dict[Hashable, _Blocks], target: int, source: int) -> None:
-        """Both directions of a pair: one matrix is the other's transpose."""
+        """Add both directions of a pair: one matrix is the transpose of the other."""
         scale = ALIKE * max(self._system.radii[target], self._system.radii[source])
         offset = np.round((self._system.centers[source] - self._system.centers[target]) / scale)
         depth = round(self._system.centers[target, 2] / scale) if self._system.space == "half" else 0
         key = (self._system.kinds[target], self._system.kinds[source], offset.tobytes(), depth)
         there, back = (*key, "there"), (*key, "back")
         if there not in blocks:
-            caused = -self._stress_work(target, source)
-            blocks[there] = _Blocks(caused[: self._system.bases[target].size])
-            blocks[back] = _Blocks(np.ascontiguousarray(caused[:, : self._system.bases[source].size].T))
+            work = -self._stress_work(target, source)
+            blocks[there] = _Blocks(work[: self._system.bases[target].size])
+            blocks[back] = _Blocks(np.ascontiguousarray(work[:, : self._system.bases[source].size].T))
         blocks[there].targets.append(target)
         blocks[there].sources.append(source)
         blocks[back].targets.append(source)
         blocks[back].sources.append(target)
 
     def _stress_work(self, target: int, source: int) -> FloatArray:
-        """Integrals over the target of its functions with the stress of the source's, ``(n + 6, n + 6)``."""
+        """Integrals over the target of its functions with the stress of the source's functions, ``(n + 6, n + 6)``."""
         system = self._system
         first, second = system.bases[target], system.bases[source]
         distance = 2.0 * system.centers[source, 2] if target == source else self._distance(target, source)
         reach = system.halves[source] if target == source else system.radii[source]
         within = system.halves[target] if target == source else system.radii[target]
         degree = max(first.degree, second.degree)
-        counts = counts_between(distance, within, reach, degree, alone=target == source and system.space == "full")
+        counts = counts_between(distance, within, reach, degree, own_field=target == source and system.space == "full")
         if is_ball(system.regions[target]):
-            # Stress from outside is r^l and r^(l+2) times a harmonic of degree l, and no l above the density's counts.
+            # External stress has terms r^l and r^(l+2) times harmonics of degree l; only l up to the degree of the
+            # density contribute.
             counts = (degree + 3, *counts[1:])
             if target == source:
-                counts = (*counts[:2], 2 * degree + 8)  # turned about z the image of a ball stays as it is
+                counts = (*counts[:2], 2 * degree + 8)  # the image of a ball is axisymmetric about z
         points, weights = system.shapes[target].density_rule(counts)
         x, y, z = points.T
         densities = system.shapes[target].densities(first.degree, x, y, z)
@@ -150,7 +151,7 @@ class InclusionPairs:
         return np.asarray(first.mix @ work @ second.mix.T)
 
     def _distance(self, target: int, source: int) -> float:
-        """Distance of the centres of two inclusions, or of one and the other's image if that is smaller."""
+        """Distance between the centres of two inclusions, or to the other's image if that is smaller."""
         offset = self._system.centers[source] - self._system.centers[target]
         gap = float(np.linalg.norm(offset))
         if self._system.space == "half":

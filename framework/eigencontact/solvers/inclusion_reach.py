@@ -1,16 +1,17 @@
-"""Strength of the interaction of two inclusions, or of an inclusion and the surface, and the necessary degree.
+"""Strength of the interaction of two inclusions, or of an inclusion and the surface, and the required degree.
 
-Fields of two balls are multipoles that reflect between them, so the error of polynomial eigenstrain falls per degree by
-``q = exp(-α)``: for a ball of radius r at the depth d of its centre, cosh α = d/r; for two equal balls at distance D,
-cosh α = D/(2r); for unequal ones α = asinh(c/r) of the larger, ``c² = [(D²-r1²-r2²)² - 4 r1² r2²]/(4 D²)``. The nearest
-reflection in a neighbour lies at c + (c² + r²)^½ from the middle: the larger ball converges more slowly, and its error
-reaches the smaller one.
+Fields of two balls are multipoles that reflect between them. The error of polynomial eigenstrain therefore falls per
+degree by ``q = exp(-α)``. For a ball of radius r with its centre at depth d, cosh α = d/r. For two equal balls at
+distance D, cosh α = D/(2r). For unequal balls, α = asinh(c/r) of the larger, ``c² = [(D²-r1²-r2²)² - 4 r1² r2²]/(4
+D²)``. The nearest reflection in a neighbour lies at c + (c² + r²)^½ from the middle. The series of the larger ball
+therefore converges more slowly, and its error also affects the smaller ball.
 
 References
 ----------
-G. B. Jeffery 1912, Proc. R. Soc. Lond. A 87, 109 (bispherical coordinates). That strain converges as the potentials of
-charges do was measured: equal rigid balls a tenth of a radius apart fall by .71 to .73 per degree, q = .730; balls of 1
-and 3.6 radii at a distance of 5.03 by .78 and .84 from degree 8 to 9, q = .787 (.455 by the smaller).
+G. B. Jeffery 1912, Proc. R. Soc. Lond. A 87, 109 (bispherical coordinates). Measurements show that strain converges at
+the rate of the potentials of charges: for equal rigid balls a tenth of a radius apart the error falls by .71 to .73 per
+degree, q = .730; for balls of 1 and 3.6 radii at a distance of 5.03 by .78 and .84 from degree 8 to 9, q = .787 (.455
+by the smaller).
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from eigencontact.solvers.cell_conditions import compliance
 
 __all__ = ["contrast_of", "counts_between", "degree_for", "reflection", "stated_error"]
 
-#: Largest reflection that is told apart from touching.
+#: Largest reflection factor; larger ones count as contact of the balls.
 _TOUCHING = 0.999
-#: Error of an integral over an inclusion, in parts of the field.
+#: Error of an integral over an inclusion, relative to the field.
 _QUADRATURE = 1e-8
-#: Error of degree 0 in parts of the load, for a void or a rigid inclusion. Balls under contacts, 0.2 to 2 radii deep,
-#: of half and twice the stiffness and voids, showed 0.1 to 0.5 times the contrast.
+#: Error of degree 0 relative to the load, for a void or a rigid inclusion. Balls below contacts, at depths of 0.2 to 2
+#: radii, with half and twice the stiffness and voids, had 0.1 to 0.5 times the contrast.
 _WORST = 1.0
 
 
@@ -53,25 +54,25 @@ def reflection(distance: float, first: float, second: float) -> float:
 
 
 def counts_between(
-    distance: float, within: float, reach: float, degree: int, *, alone: bool = False
+    distance: float, within: float, reach: float, degree: int, *, own_field: bool = False
 ) -> tuple[int, int, int]:
-    """Points of a rule over an inclusion for the field of another, outwards, from pole to pole, and around.
+    """Numbers of points of a quadrature over an inclusion for the field of another: radial, polar and azimuthal.
 
     Parameters
     ----------
     distance : float
-        Of their middles, or of an inclusion and its image [m].
+        Distance of their centres, or of an inclusion and its image [m].
     within, reach : float
-        Radii of the inclusion that is integrated over and of the other [m].
+        Radii of the inclusion of integration and of the other inclusion [m].
     degree : int
-        Largest of both.
-    alone : bool
-        The inclusion's own field in full space, a polynomial: exact.
+        Largest degree of both.
+    own_field : bool
+        Whether the field is the inclusion's own field in full space, a polynomial; the quadrature is then exact.
     """
     more = 0
-    if not alone:
-        # An expansion about the middle converges as (within / distance)^l. The factors were fitted to balls 1.02 to 1.5
-        # radii deep, whose eigenstrain is then right to 1e-9.
+    if not own_field:
+        # An expansion about the centre converges as (within / distance)^l. The factors were fitted to balls at depths
+        # of 1.02 to 1.5 radii, so that their eigenstrain has an error of 1e-9.
         near = max(distance - 0.5 * reach, 1.02 * within)
         more = ceil(0.45 * log(1.0 / _QUADRATURE) / log(max(near / within, 1.15)))
     polar = degree + 2 + more
@@ -102,14 +103,14 @@ def stated_error(contrast: float, quality: float, degree: int) -> float:
     Parameters
     ----------
     contrast : float
-        Largest ``|k - 1| / (k + 1)`` of the ratios k of stiffness: 1 for a void or a rigid inclusion.
+        Largest ``|k - 1| / (k + 1)`` of the stiffness ratios k: 1 for a void or a rigid inclusion.
     quality : float
-        Factor q per degree.
+        Reduction factor q of the error per degree.
     """
     return _WORST * contrast * quality**degree
 
 
 def degree_for(contrast: float, quality: float, error: float) -> int:
-    """Least degree whose foretold error is within `error`."""
+    """Smallest degree with a predicted error of at most `error`."""
     factor = _WORST * contrast
     return 0 if factor <= error or quality == 0.0 else ceil(log(factor / error) / -log(quality))

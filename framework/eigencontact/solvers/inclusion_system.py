@@ -1,4 +1,4 @@
-"""Solve for the equivalent eigenstrain of inhomogeneities, in cells or uniform in each: GMRES with a certificate."""
+"""Equivalent eigenstrain of inhomogeneities, in cells or uniform in each: GMRES with a certificate."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ class InclusionReport:
     Attributes
     ----------
     residual : float
-        Certificate, from a fresh application of the operator: root mean square, over the inhomogeneous cells or the
-        inclusions, of the eigenstrain that each would still add by itself, relative to that of the load's strain
-        σ / 2 μ_m.
+        Certificate from a new application of the operator: root mean square over the inhomogeneous cells or the
+        inclusions. The values are the corrections of the eigenstrain that each would need by itself, relative to the
+        strain σ / 2 μ_m of the load.
     tolerance : float
-        Its bound.
+        Bound of the residual.
     history : list of float
         Relative residual after each iteration.
     applications : int
-        Of the operator, all of them.
+        Number of applications of the operator.
     seconds, operator_seconds : float
-        Wall time of the solve, and of the operator within it.
+        Wall time of the solve, and the part of the operator.
     """
 
     residual: float = np.inf
@@ -65,12 +65,12 @@ class EquivalentInclusions:
     Attributes
     ----------
     eigenstrain : (6, ...)
-        ε* [-], prestrain included; it causes, in a body of the matrix alone, everything the inhomogeneities cause.
+        ε* [-], prestrain included. In a body of the matrix alone it causes the same fields as the inhomogeneities.
         `eigencontact.halfspace.cloud.field_of_cloud` computes the fields of inclusions.
     stress : (6, ...)
-        σ_0 + A ε* [Pa]: the total, in the mean over each inclusion.
+        Total stress σ_0 + A ε* [Pa], as the mean over each inclusion.
     report : InclusionReport
-        Certificate and course.
+        Certificate and history.
     """
 
     eigenstrain: FloatArray
@@ -81,14 +81,14 @@ class EquivalentInclusions:
 class InclusionSystem(ABC):
     """Linear system of one arrangement of inhomogeneities, for any number of loads.
 
-    Fields have the shape ``(6, ...)``, unknowns ``(6, n)``: the eigenstrain that the difference of the constants
-    adds to the prestrain.
+    Fields have the shape ``(6, ...)``. Unknowns ``(6, n)`` are the eigenstrain in addition to the prestrain, by the
+    difference of the constants.
     """
 
     #: Defaults of `solve`.
     tolerance: ClassVar[float]
     max_iterations: ClassVar[int]
-    #: Vectors of unknowns that are kept.
+    #: Number of stored vectors of unknowns.
     restart: ClassVar[int]
 
     matrix: Material
@@ -130,22 +130,22 @@ class InclusionSystem(ABC):
         Parameters
         ----------
         applied_stress : (6, ...)
-            Stress σ_0 [Pa] that the load would cause in the matrix alone; of inclusions the mean over each.
+            Stress σ_0 [Pa] by the load in the matrix without inhomogeneities; for inclusions the mean over each.
         prestrain : (6, ...), optional
-            Prescribed eigenstrain ε_p, in the matrix too where it is not zero there.
+            Prescribed eigenstrain ε_p, also in the matrix.
         start : (6, ...), optional
-            Eigenstrain ε* to start from, that of a similar load.
+            Start for the eigenstrain ε*, for example the solution of a similar load.
         tolerance : float, optional
             Bound of ``InclusionReport.residual``.
         max_iterations : int, optional
-            Iterations allowed.
+            Largest number of iterations.
         progress : callable, optional
             Called after each iteration.
 
         Raises
         ------
         NotConverged
-            With the report.
+            The exception has the report.
         """
         began = perf_counter()
         bound = self.tolerance if tolerance is None else tolerance
@@ -164,8 +164,8 @@ class InclusionSystem(ABC):
 
         if size > 0.0:
             equivalent = equivalent + gmres(
-                lambda x: -self._residual(x.reshape(6, -1), self._caused(x.reshape(6, -1))).ravel(),
-                (self._residual(equivalent, load + self._caused(equivalent)) + shift).ravel(),
+                lambda x: -self._residual(x.reshape(6, -1), self._stress_by(x.reshape(6, -1))).ravel(),
+                (self._residual(equivalent, load + self._stress_by(equivalent)) + shift).ravel(),
                 bound=0.9 * bound * size,
                 max_iterations=self.max_iterations if max_iterations is None else max_iterations,
                 restart=self.restart,
@@ -184,8 +184,8 @@ class InclusionSystem(ABC):
             )
         return EquivalentInclusions(eigenstrain, stress, report)
 
-    def _caused(self, x: FloatArray) -> FloatArray:
-        """Stress [Pa] in the inhomogeneities, ``(6, n)``, by unknowns."""
+    def _stress_by(self, x: FloatArray) -> FloatArray:
+        """Stress [Pa] in the inhomogeneities, ``(6, n)``, by the unknowns."""
         return self._unknowns(self._apply(self._spread(x)))
 
     def _apply(self, eigenstrain: FloatArray) -> FloatArray:

@@ -1,13 +1,14 @@
 r"""Law of a cell cut by a boundary: two materials, each with its own strain, stress and internal variables.
 
-Of the cell a share f is of the first material, the rest of the second. With the jump d of their strains,
+Material 1 fills a fraction f of the cell, material 2 the rest. With the jump d of their strains,
 
     ε_1 = ε + (1-f) d,    ε_2 = ε - f d,    σ_1 - σ_2 + K d = 0,    σ = f σ_1 + (1-f) σ_2,
 
-and K = T (I - M T)^-1, M the compliance of the matrix, T as in `eigencontact.solvers.cell_conditions`: for linear laws
-the conditions there follow, and for flat layers, where K is infinite but for ``d = sym(a n)``, equal tractions on the
-boundary of the normal n and equal strains in its plane. The six equations for d are found by Newton's method. They are
-those of a least energy with ``f (1-f) d K d / 2``, so that materials with definite tangents make one that has one too.
+and K = T (I - M T)^-1, with the compliance M of the matrix and T as in `eigencontact.solvers.cell_conditions`. For
+linear laws these equations give the conditions there. For flat layers K is infinite except for ``d = sym(a n)``; this
+means equal tractions on the boundary of normal n and equal strains in its plane. Newton's method solves the six
+equations for d. They are the conditions of a minimum of the energy with ``f (1-f) d K d / 2``, so that two materials
+with positive definite tangents give a positive definite tangent of the cell.
 
 References
 ----------
@@ -30,27 +31,27 @@ from eigencontact.solvers.law_answers import Answer, Law, answer_of, place_of, r
 
 __all__ = ["BESIDE", "Cut", "Laminate", "resistance"]
 
-#: What follows the name of a variable of the second material where the first has one of that name.
+#: Suffix for a variable of the second material, if the first has a variable of the same name.
 BESIDE = "_beside"
-#: Most Newton steps for the jump, and most halvings of one.
+#: Largest number of Newton steps for the jump, and of halvings of one step.
 _STEPS, _HALVINGS = 40, 12
-#: Residual that is round-off, in parts of stiffness times strain.
+#: Residual that counts as round-off, relative to stiffness times strain.
 _ROUND_OFF = 1e-14
 
 
 class Cut(Protocol):
-    """Points, as in `eigencontact.plugin.LawStep`, and the boundary in their cells."""
+    """Points as in `eigencontact.plugin.LawStep`, with the boundary in their cells."""
 
     x: FloatArray
     y: FloatArray
     z: FloatArray
-    #: Share of the first material, ``(n,)``.
+    #: Fraction of the first material, ``(n,)``.
     fraction: FloatArray
     #: K [Pa], ``(6, 6, n)``.
     resistance: FloatArray
-    #: Prestrain of the first material less that of the second, ``(6, n)`` [-].
+    #: Prestrain of the first material minus that of the second, ``(6, n)`` [-].
     difference: FloatArray
-    #: Written to: strain, jump and its derivative, as they were found last. Begins empty.
+    #: Last strain, jump and derivative of the jump, written by the law; empty at first.
     found: dict[str, FloatArray]
 
 
@@ -64,12 +65,12 @@ class _Response(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Laminate:
-    """Two laws as one.
+    """Two laws combined to one.
 
     Attributes
     ----------
     first, second : Law
-        Linear laws whose constants depend on the place included.
+        Laws of the materials; linear laws with constants that depend on position are allowed.
     """
 
     first: Law
@@ -82,12 +83,12 @@ class Laminate:
 
     @property
     def advice(self) -> str:
-        """Advice where the materials soften."""
+        """Advice for materials that soften."""
         return str((self.first if self.first.variables else self.second).advice)
 
     @property
     def averaged(self) -> Mapping[str, float]:
-        """No neighbourhoods."""
+        """No variables with neighbourhood means."""
         return {}
 
     @property
@@ -107,12 +108,12 @@ class Laminate:
         return first, {law_name: variables[name] for law_name, name in self.stored.items()}
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Cut) -> _Response:
-        """Stress, tangent and variables for the mean strain less the mean prestrain, ``(6, n)``.
+        """Stress, tangent and variables for the mean strain minus the mean prestrain, ``(6, n)``.
 
         Raises
         ------
         NotConverged
-            No jump is found.
+            The iteration for the jump does not converge.
         """
         question = _Question(self, strain, self.parts(before), step)
         state = question.at(question.start())
@@ -161,14 +162,14 @@ class _Question:
         self._share, self._resistance = step.fraction, np.moveaxis(step.resistance, 2, 0)
 
     def start(self) -> FloatArray:
-        """Jump that the last one lets expect: within an increment the strain changes less and less."""
+        """Start for the jump, extrapolated from the last one; within an increment the strain changes less and less."""
         if not self._step.found:
             return np.zeros_like(self._strain)
         strain, jump, moved = (self._step.found[name] for name in ("strain", "jump", "moved"))
         return np.asarray(jump - np.einsum("nij,jn->in", moved, self._strain - strain))
 
     def at(self, jump: FloatArray) -> _State:
-        """Both laws under a jump ``(6, n)``."""
+        """Response of both laws for a jump ``(6, n)``."""
         relative = jump - self._step.difference
         strains = self._strain + (1.0 - self._share) * relative, self._strain - self._share * relative
         first, second = (
@@ -182,7 +183,7 @@ class _Question:
         return _State(jump, strains, (first, second), residual, error, np.finfo(float).tiny + _ROUND_OFF * scale)
 
     def nearer(self, state: _State) -> _State:
-        """Newton's step, halved in the cells where it does not reduce the residual, except within round-off."""
+        """Newton step, halved in the cells where it does not reduce the residual, except within round-off."""
         try:
             change = -np.linalg.solve(self._jacobian(state), state.residual.T[..., None])[..., 0].T
         except np.linalg.LinAlgError:
@@ -204,7 +205,7 @@ class _Question:
         return np.asarray((1.0 - f) * first.tangent + f * second.tangent + self._resistance)
 
     def response(self, state: _State) -> _Response:
-        """Of the cells as a whole."""
+        """Response of the cells as a whole."""
         f, (first, second) = self._share[:, None, None], state.answers
         unlike = first.tangent - second.tangent
         moved = np.asarray(np.linalg.solve(self._jacobian(state), unlike), dtype=float)

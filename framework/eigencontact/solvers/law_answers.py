@@ -1,4 +1,4 @@
-"""Results of constitutive laws for the solvers; invalid results are refused with the name of the law."""
+"""Responses of constitutive laws for the solvers; invalid responses are refused with the name of the law."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from eigencontact.errors import NotConverged, PluginError
 
 __all__ = ["Answer", "AnsweringLaw", "Law", "answer_of", "cell_answer_of", "place_of", "refuse"]
 
-#: A strain beyond which numbers that are not finite are blamed on the iteration, not on the law.
+#: Strain beyond which the program attributes non-finite numbers to the iteration, not to the law.
 _FAR = 1.0
 
 
@@ -33,20 +33,20 @@ class Law(Protocol):
 
     @property
     def variables(self) -> Any:
-        """Mapping of the names of the internal variables, with ``components`` each."""
+        """Mapping of the names of the internal variables to objects with ``components``."""
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
-        """Stress, tangent and variables after."""
+        """Stress, tangent and new variables."""
 
 
 @runtime_checkable
 class AnsweringLaw(Protocol):
-    """Law with a response of cells; see `eigencontact.plugin.HasCellAnswer`."""
+    """Law with a response for whole cells; see `eigencontact.plugin.HasCellAnswer`."""
 
     def cell_answer(
         self, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
     ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
-        """Eigenstrain of the cells, and variables after."""
+        """Eigenstrain of the cells, and new variables."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,9 +60,9 @@ class Answer:
     tangent : (n, 6, 6)
         [Pa].
     variables : mapping of str to (components, n)
-        What the points would remember.
+        New variables of the points.
     finite : (n,) of bool
-        Whether all of it is.
+        Whether all numbers of a point are finite.
     """
 
     stress: FloatArray
@@ -77,7 +77,7 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
     Raises
     ------
     PluginError
-        The law fails, or answers with other shapes, other variables or no numbers.
+        The law fails, or returns other shapes, other variables or no numbers.
     """
     where, count = _name_of(law), strain.shape[1]
     response = law.update(strain, before, step)
@@ -102,7 +102,7 @@ def cell_answer_of(
     Raises
     ------
     PluginError
-        The law fails, or answers with other shapes, other variables or no finite numbers.
+        The law fails, or returns other shapes, other variables or non-finite numbers.
     """
     where, count = _name_of(law), foreign.shape[1]
     response = law.cell_answer(foreign, prestrain, around, before, step)
@@ -114,7 +114,7 @@ def cell_answer_of(
     fresh = [eigenstrain, *(values for name, values in variables.items() if values is not before[name])]
     with np.errstate(invalid="ignore", over="ignore"):
         total = sum(float(values.sum()) for values in fresh)
-    # A sum says enough as long as it is finite.
+    # A finite sum shows that all terms are finite.
     if not np.isfinite(total) and not (finite := np.isfinite(np.concatenate(fresh)).all(axis=0)).all():
         first = int(np.argmin(finite))
         raise PluginError(f"{where} must answer with finite numbers (got others {place_of(first, step)})")
@@ -127,9 +127,9 @@ def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
     Raises
     ------
     PluginError
-        The strain is one that a law must answer.
+        The strain is in the range in which a law must respond.
     NotConverged
-        It is not: whoever asks has lost the way.
+        The strain is outside this range: the caller's iteration has diverged.
     """
     if answer.finite.all():
         return
@@ -146,7 +146,7 @@ def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
 
 
 def place_of(point: int, step: Any) -> str:
-    """Words for the place of a point."""
+    """Description of the position of a point."""
     x, y, z = (float(axis[point]) for axis in (step.x, step.y, step.z))
     return f"at x = {x:.6g} m, y = {y:.6g} m, z = {z:.6g} m"
 

@@ -1,9 +1,10 @@
 """Cells with a constitutive law: each eigenstrain satisfies the law of its cell under the stress of the others.
 
-The stress of a cell is ``σ = σ_f + A e``: that by the other cells, and that by its own eigenstrain e. Its strain is
-``M σ + e``, M the compliance of the matrix. The law must return σ for the strain less the prestrain: six equations for
-e in each cell, solved by Newton's method with the tangent of the law. An `AnsweringLaw` computes e itself, with the
-response of a ball in place of A: the local step need not be exact, and the ball serves cells of any shape.
+The stress of a cell is ``σ = σ_f + A e``: the part by the other cells, and the part by its own eigenstrain e. Its
+strain is ``M σ + e``, with the compliance M of the matrix. The law must return σ for the strain minus the prestrain:
+six equations for e in each cell, solved by Newton's method with the tangent of the law. An `AnsweringLaw` computes e
+itself, with the response of a ball instead of A. This suffices for cells of any shape, because the local update need
+not be exact.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from eigencontact.errors import NotConverged, NotUnique
 from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_of, cell_answer_of, place_of, refuse
 
-__all__ = ["Around", "LawCells", "Remembered"]
+__all__ = ["Around", "LawCells", "Variables"]
 
-Remembered = dict[str, FloatArray]
+Variables = dict[str, FloatArray]
 
 
 class Around(Protocol):
@@ -35,24 +36,24 @@ class Around(Protocol):
 
     @property
     def shear_stiffness(self) -> float:
-        """Deviatoric stress reduction of a ball per unit of its own eigenstrain [Pa]."""
+        """Reduction of deviatoric stress in a ball per unit of its own eigenstrain [Pa]."""
 
     @property
     def bulk_stiffness(self) -> float:
-        """The same of the means."""
+        """Reduction of mean stress in a ball per unit of its own mean eigenstrain [Pa]."""
 
 
-#: Most Newton steps of one sweep.
+#: Largest number of Newton steps per sweep.
 _STEPS = 40
-#: Most halvings of one Newton step.
+#: Largest number of halvings of a Newton step.
 _HALVINGS = 12
-#: Residual that is round-off, in parts of the stress.
+#: Residual that counts as round-off, relative to the stress.
 _ROUND_OFF = 1e-11
-#: Cells of which a law is asked at once where nothing but its stress is kept.
+#: Cells per call of a law if only its stress is stored.
 _CHUNK = 16384
-#: Cells that answer as cells do at a time: with 274 000 of them fewer cost more calls, more no longer fit a cache.
+#: Cells per call of a law with `cell_answer`: for 274 000 cells, fewer cost more calls, and more exceed a cache.
 _ASKED = 16384
-#: Roundings of the strain that the law may make stress of: a law much stiffer than the matrix strains by differences.
+#: Allowed round-off of the strain in stress: a law much stiffer than the matrix computes strains by small differences.
 _ROUNDINGS = 16.0 * np.finfo(float).eps
 
 
@@ -62,17 +63,17 @@ class LawCells:
     Parameters
     ----------
     matrix : Material
-        The material around.
+        Surrounding material.
     self_stress : (6, 6)
         Stress in a cell by its own eigenstrain [Pa].
     groups : sequence of (law, cells)
         Flat indices of the cells of each law.
     around : Around, optional
-        The matrix, for laws that answer as cells (`AnsweringLaw`); without it no law is asked so.
+        Matrix for laws with `cell_answer` (`AnsweringLaw`); without it this method is not used.
     shape : (int, int, int), optional
-        Of the box, for messages.
+        Shape of the box, for messages.
     threads : int, optional
-        For laws that answer as cells; by default all cores that this process may use.
+        For laws with `cell_answer`; by default all cores available to this process.
     """
 
     def __init__(
@@ -99,22 +100,22 @@ class LawCells:
         prestrain: FloatArray,
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
-    ) -> tuple[FloatArray, list[Remembered]]:
-        """Eigenstrain of each cell for the present eigenstrain of the others, and its history variables.
+    ) -> tuple[FloatArray, list[Variables]]:
+        """Eigenstrain of each cell under the present eigenstrain of the others, and its history variables.
 
         Parameters
         ----------
         eigenstrain, stress, prestrain : (6, n)
-            Of the cells as they are: eigenstrain [-], total stress [Pa], and eigenstrain of the cells' own.
+            Present values of the cells: eigenstrain [-], total stress [Pa], and prestrain.
         before, steps
-            For each law: variables before the increment, and where and when it is asked.
+            For each law: variables before the increment, and positions and time of the evaluation.
 
         Raises
         ------
         NotConverged
-            A cell without answer; its place and law are named.
+            A cell has no solution; the message has its position and law.
         PluginError
-            A law that answers what it must not; see `eigencontact.solvers.law_answers`.
+            A law returns an invalid response; see `eigencontact.solvers.law_answers`.
         """
         out, remembered = np.empty_like(eigenstrain), []
         for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
@@ -124,7 +125,7 @@ class LawCells:
                     remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
                 foreign = s - product(self.self_stress, e)
-                solution = _solved(_Question(self, law, foreign, fixed, records, step), e)
+                solution = _newton(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
                 remembered.append(solution.answer.variables)
         return out, remembered
@@ -138,7 +139,7 @@ class LawCells:
         prestrain: FloatArray,
         records: Mapping[str, FloatArray],
         step: Any,
-    ) -> Remembered:
+    ) -> Variables:
         """Write the responses of a law for its cells to `out`, chunk by chunk; returns their history variables."""
         count = out.shape[1]
         after = {name: np.empty((variable.components, count)) for name, variable in law.variables.items()}
@@ -165,7 +166,7 @@ class LawCells:
         return after
 
     def words(self, law: Law, cell: int, step: Any) -> str:
-        """Text for a cell: its number among the cells of the law, its index in the box and its position."""
+        """Description of a cell: number among the cells of the law, index in the box, and position."""
         cells = next(cells for candidate, cells in self.groups if candidate is law)
         index = int(self.cells[cells][cell])
         where = index if self._shape is None else tuple(int(n) for n in np.unravel_index(index, self._shape))
@@ -173,7 +174,7 @@ class LawCells:
 
     @contextmanager
     def _naming_cells(self, law: Law, cells: slice, step: Any) -> Iterator[None]:
-        """Add the cells without a unique solution, and remedies, to the error."""
+        """Add the cells without a unique solution, and remedies, to the error message."""
         try:
             yield
         except NotUnique as problem:
@@ -196,8 +197,8 @@ class LawCells:
     ) -> float:
         """Largest difference between the stress of the cells and the stress of their laws at their strain [Pa].
 
-        A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
-        the parameters.
+        A stress outside the yield surface is such a difference, so the result includes the yield condition. See
+        `answer` for the parameters.
         """
         strain = product(self.compliance, stress) + eigenstrain - prestrain
         worst = 0.0
@@ -232,7 +233,7 @@ class _Question:
     step: Any
 
     def at(self, eigenstrain: FloatArray) -> _State:
-        """The law at the strain under an eigenstrain."""
+        """Response of the law at the strain under an eigenstrain."""
         stress = self.foreign + product(self.body.self_stress, eigenstrain)
         strain = product(self.body.compliance, stress) + eigenstrain - self.prestrain
         answer = answer_of(self.law, strain, self.before, self.step)
@@ -241,7 +242,7 @@ class _Question:
         return _State(eigenstrain, strain, answer, residual, error)
 
     def limit(self, state: _State) -> FloatArray:
-        """Residual of the size of round-off."""
+        """Residual that counts as round-off."""
         sizes = [np.linalg.norm(tensor, axis=0) for tensor in (state.eigenstrain, self.prestrain, self.foreign)]
         strain = sizes[0] + sizes[1] + sizes[2] / self.body.modulus
         stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
@@ -264,14 +265,14 @@ def _pieces(count: int, size: int) -> list[slice]:
     return [slice(first, min(first + size, count)) for first in range(0, count, size)]
 
 
-def _solved(question: _Question, start: FloatArray) -> _State:
-    """Newton's method in all cells of a law."""
+def _newton(question: _Question, start: FloatArray) -> _State:
+    """Solve all cells of a law by Newton's method."""
     body, state = question.body, question.at(start.copy())
     for _ in range(_STEPS):
         refuse(question.law, state.strain, state.answer, question.step)
         jacobian = state.answer.tangent @ (body.compliance @ body.self_stress + np.eye(6)) - body.self_stress
         if np.all(state.error <= question.limit(state)):
-            # A determinant that has changed its sign has been zero on the way: there another answer branches off.
+            # If the sign of the determinant has changed, it was zero in between: another solution branches off there.
             several = np.flatnonzero(np.linalg.slogdet(jacobian)[0] <= 0.0)
             if several.size:
                 raise NotUnique(f"{several.size} points have more than one answer", several.tolist())
@@ -292,7 +293,7 @@ def _solved(question: _Question, start: FloatArray) -> _State:
 
 
 def _nearer(question: _Question, state: _State, change: FloatArray) -> _State:
-    """Newton's step, halved in the cells where it does not reduce the residual, except within round-off."""
+    """Newton step, halved in the cells where it does not reduce the residual, except within round-off."""
     fraction, enough = np.ones(change.shape[1]), np.maximum(state.error, question.limit(state))
     for _ in range(_HALVINGS):
         trial = question.at(state.eigenstrain + fraction * change)

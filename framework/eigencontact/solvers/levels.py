@@ -1,4 +1,4 @@
-"""From coarse to fine: merged cells for the start, and the pressure carried down to the next grid."""
+"""Grids from coarse to fine: merged cells for the start, and interpolation of the pressure to the next finer grid."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from eigencontact.core.grid import Box, Grid
 
 __all__ = ["coarse_factors", "prolong", "restrict", "restrict_springs"]
 
-#: An axis is not coarsened below this many cells.
+#: Smallest number of cells along a coarsened axis.
 COARSEST = 16
 
 
@@ -25,7 +25,7 @@ def coarse_factors(grid: Grid) -> tuple[int, int] | None:
 
 
 def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
-    """Mean of each pair or square of merged cells; drops a remaining row or column."""
+    """Mean of each pair or square of merged cells; a remaining row or column is left out."""
     if factors[0] == 2:
         rows = field.shape[0] // 2 * 2
         field = field[0:rows:2] + field[1:rows:2]
@@ -38,16 +38,16 @@ def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
 def restrict_springs(springs: FloatArray, factors: tuple[int, int], compliance: float) -> FloatArray:
     """Springs of merged cells: springs of cells in parallel, each on the `compliance` of a single cell.
 
-    Beside a cell without a spring, one that gives way to any pressure carries nothing, and the other carries all.
+    A spring without stiffness beside a cell without a spring carries nothing; the cell carries all pressure.
     """
     return np.maximum(1.0 / restrict(1.0 / (compliance + springs), factors) - compliance, 0.0)
 
 
 def prolong(pressure: FloatArray, factors: tuple[int, int], shape: tuple[int, int]) -> FloatArray:
-    """Pressure on the next finer grid, interpolated linearly in its square.
+    """Pressure on the next finer grid, from linear interpolation of its square.
 
-    Near the edge of a smooth contact the pressure falls like the square root of the distance; its square is smooth
-    there, so interpolating the square puts the edge nearly right.
+    Near the edge of a smooth contact the pressure is proportional to the square root of the distance. Its square is
+    smooth, so that interpolation of the square places the edge nearly correctly.
     """
     out = np.zeros(shape)
     box = Box.around(pressure > 0)
@@ -64,7 +64,7 @@ def prolong(pressure: FloatArray, factors: tuple[int, int], shape: tuple[int, in
 
 
 def _refine(field: FloatArray, axis: int) -> FloatArray:
-    """Two cells for one along an axis, a quarter of a coarse cell to either side of its centre."""
+    """Two cells for each cell along an axis, with centres a quarter of a coarse cell to both sides."""
     coarse = np.moveaxis(field, axis, 0)
     fine = np.repeat(0.75 * coarse, 2, axis=0)
     fine[2::2] += 0.25 * coarse[:-1]

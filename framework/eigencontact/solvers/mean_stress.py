@@ -1,9 +1,9 @@
-"""Means of a field over the cells around the points, by the same sums as its values at the points.
+"""Means of a field over the cells around the points, by the same sums as values at the points.
 
-Values in the centres of cells hardly see an eigenstrain that alternates from cell to cell. An equation for the
-eigenstrain needs the means: the exact operator from eigenstrain to mean stress in the same cells is symmetric and never
-releases energy. That to values in the centres does (its eigenvalues of the wrong sign reach 10 % of the largest in a
-box of 5 x 5 x 5 cubes), so that an equation for soft cells may have no good solution.
+Values at the cell centres are nearly insensitive to an eigenstrain that alternates from cell to cell. An equation for
+the eigenstrain therefore needs means. The exact operator from eigenstrain to mean stress in the same cells is symmetric
+and never releases energy. The operator to values at the centres releases energy (its eigenvalues of the wrong sign
+reach 10 % of the largest in a box of 5 x 5 x 5 cubes), so that an equation for soft cells may have no useful solution.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class MeanVolumeField(VolumeField):
     """A `VolumeField` whose values are means over cells around the target points.
 
     The field of the cells themselves is averaged over Gauss points (2 x 2 x 2 in a cube, up to 5 along the long edges
-    of flat cells) when the kernels are sampled: set-up takes longer, an application does not. The field of their mirror
-    images, which is multiplied with powers of the depth, is averaged along x and y only; along z it is smooth but for
-    cells that touch the surface.
+    of flat cells) when the kernels are sampled. Set-up takes longer, an application does not. The field of the mirror
+    images, which is multiplied by powers of the depth, is averaged along x and y only; along z it is smooth, except for
+    cells at the surface.
     """
 
     def _tables(
@@ -61,7 +61,7 @@ class MeanVolumeField(VolumeField):
 
 
 def _rule(slenderness: float) -> list[tuple[float, float]]:
-    """Points and weights on (-1/2, 1/2) along an edge by its ratio to the shortest edge."""
+    """Points and weights on (-1/2, 1/2) along an edge, by the ratio of its length to the shortest edge."""
     count = min(_MOST, max(_FEWEST, int(np.ceil(slenderness - 1e-9)) + 1))
     points, weights = np.polynomial.legendre.leggauss(count)
     return [(0.5 * float(point), 0.5 * float(weight)) for point, weight in zip(points, weights, strict=True)]

@@ -1,13 +1,13 @@
-r"""Mean stress in cells by tractions on the surface, and mean displacement of the surface by eigenstrain in the cells.
+r"""Mean stress in cells by tractions on the surface, and mean surface displacement by eigenstrain in the cells.
 
-Betti's theorem relates the two: the mean displacement of a surface cell of area A by an eigenstrain ε* in a cell of
-volume V, and the mean stress in that cell by a unit traction t on that of the surface, obey
+Betti's theorem relates both. The mean displacement ū_t of a surface cell of area A by an eigenstrain ε* in a cell of
+volume V, and the mean stress σ̄_t in that cell by a unit traction t on the surface cell, satisfy
 
     A ū_t = V σ̄_t : ε*.
 
-With one table of coefficients for both, the response of the cells to the contact is a symmetric operator, and so is the
-compliance of the surface: positive for any inhomogeneity if the means are exact. With values in the centres it is not,
-and a stiff coating at the surface lets the pressure alternate from cell to cell.
+Both use one table of coefficients. The response of the cells to the contact is therefore a symmetric operator, and so
+is the compliance of the surface; with exact means the compliance is positive for any inhomogeneity. With values at the
+centres it is not, and a stiff coating at the surface then lets the pressure alternate from cell to cell.
 
 References
 ----------
@@ -49,23 +49,23 @@ class MeanStressKernel:
     kernel : StressKernel
         Coefficients at points.
     height : float
-        Of the cells [m]; along x and y they are as wide as the loaded rectangle.
+        Height of the cells [m]; their widths along x and y equal those of the loaded rectangle.
     """
 
     def __init__(self, kernel: StressKernel, height: float) -> None:
         self._kernel, self._height, self.components = kernel, height, kernel.components
-        self.parity, self.response = kernel.parity, kernel.response  # waves have no cells to average over
+        self.parity, self.response = kernel.parity, kernel.response  # waves have no cells for a mean
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
-        """Means over the cells around a lattice of offsets, at one depth of their middles, ``(n, ny, nx)``."""
+        """Means over the cells around a lattice of offsets, with their centres at one depth, ``(n, ny, nx)``."""
         count = _FLUSH if z < 0.75 * self._height else _POINTS
         points, weights = np.polynomial.legendre.leggauss(count)
         rule = list(zip(0.5 * points, 0.5 * weights, strict=True))
         dx, dy = (2.0 * half if half < np.inf else 0.0 for half in half_widths)
         out = np.zeros((len(components), y.size, x.size))
-        # The stress under strips is the same all along them.
+        # The stress under strips is constant along them.
         for (k, of_z), (j, of_y), (i, of_x) in product(rule, rule if dy else [(0.0, 1.0)], rule):
             at = x + i * dx, y + j * dy, z + k * self._height
             out += of_z * of_y * of_x * self._kernel.table(components, *at, half_widths)
@@ -73,18 +73,18 @@ class MeanStressKernel:
 
 
 class SurfaceAndCells:
-    """The cells of the surface and a box of cells below, on its columns: either in the mean by the other.
+    """Cells of the surface and a box of cells below them: means in each by loads in the other.
 
-    Both ways share one table of coefficients, and one set of spectra where the box lies near the middle of the grid.
+    Both directions share one table of coefficients, and one set of spectra if the box is near the middle of the grid.
 
     Parameters
     ----------
     grid : Grid
         Cells of the surface.
     kernels : sequence of MeanStressKernel
-        One for each traction, whose direction is that of the displacement.
+        One kernel for each traction; the displacement has the same direction.
     directions : str
-        Direction of each, of ``"xyz"``.
+        Direction of each kernel, out of ``"xyz"``.
     cells : Cells
         Cells of the box.
     precision, threads, applications
@@ -119,13 +119,13 @@ class SurfaceAndCells:
         self._convolvers = [
             Convolver(layout, precision=precision, threads=threads, applications=applications) for layout in ways
         ]
-        #: Spectra ``[layer][strain component][traction]`` of either way.
+        #: Spectra ``[layer][strain component][traction]`` for each of the two directions.
         self._spectra: tuple[list[Any], list[Any]] = tuple(  # type: ignore[assignment]
             [[[None] * len(kernels) for _ in COMPONENTS] for _ in range(cells.shape[0])] for _ in "du"
         )
         tasks = [partial(self._fill, t, k, kernel) for t, kernel in enumerate(kernels) for k in range(cells.shape[0])]
         in_parallel(threads or available_threads(), tasks)
-        #: Components of each layer ``(6, nz)`` that move the surface.
+        #: Components ``(6, nz)`` of each layer that displace the surface.
         self._acting = np.array([[any(s is not None for s in row) for row in layer] for layer in self._spectra[1]]).T
 
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
@@ -133,13 +133,14 @@ class SurfaceAndCells:
         x, y = self._down.x.lattice * dx, self._down.y.lattice * dy
         tables = kernel.table(list(COMPONENTS), x, y, z, self.grid.half_widths)
         for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
-            if not table.any():  # what a line has no part in
+            if not table.any():  # components without effect in a line contact
                 continue
             parity = kernel.parity(name)
             down = self._down.spectrum(table, parity, precision=self._precision)
             self._spectra[0][layer][row][traction] = self._spectra[1][layer][row][traction] = down
             if not self._shared:
-                # Seen from the cell the surface lies the other way: offsets are reversed, or mirrored by parity.
+                # From the cell to the surface the offsets have the opposite sign: they are reversed, or mirrored by
+                # parity.
                 turned = table if self._up.y.symmetric else parity[0] * table[::-1]
                 turned = turned if self._up.x.symmetric else parity[1] * turned[:, ::-1]
                 self._spectra[1][layer][row][traction] = self._up.spectrum(turned, parity, precision=self._precision)
@@ -162,7 +163,7 @@ class SurfaceAndCells:
         strain = np.asarray(eigenstrain, dtype=float)
         expected = (6, *self.cells.shape)
         require(strain.shape == expected, "surface", "eigenstrain", strain.shape, f"of shape {expected}")
-        # Layers of components that are zero everywhere, as those below a plastic zone, are not transformed.
+        # Layers with zero components, for example below a plastic zone, are not transformed.
         present = np.argwhere(strain.any(axis=(2, 3)) & self._acting)
         planes = np.array([_mirrored(COMPONENTS[row]) * strain[row, layer] for row, layer in present])
         directions = range(len(self._directions))

@@ -1,9 +1,9 @@
-"""Worn depth of a surface over many cycles under its own pressure: implicit sub-steps, doubled and extrapolated.
+"""Worn depth of a surface over many cycles, with its pressure: implicit sub-steps, doubled and extrapolated.
 
-A sub-step of n cycles that ends with the pressure p wears ``n rate p``. As long as p is unknown that is a layer of
-springs n rate on the surface, so that each sub-step is one solve of the contact (backward Euler): stable for any n, and
-no pressure goes below zero. The whole interval is done with 1, 2, 4, 8, … sub-steps until two answers agree; one is
-enough where the pressure hardly changes.
+A sub-step of n cycles with the final pressure p wears ``n rate p``. For the unknown p this is a layer of springs n rate
+on the surface, so that each sub-step is one solve of the contact (backward Euler). It is stable for any n, and the
+pressure stays nonnegative. The interval is repeated with 1, 2, 4, 8, … sub-steps until two results agree; a single
+sub-step is enough if the pressure hardly changes.
 
 References
 ----------
@@ -23,19 +23,19 @@ from eigencontact.errors import NotConverged, require
 
 __all__ = ["Moved", "Pressed", "moved"]
 
-#: Contact pressure [Pa] from the worn depth [m], springs on the surface [m/Pa] and a pressure near by.
+#: Contact pressure [Pa] from the worn depth [m], springs on the surface [m/Pa] and a similar pressure.
 Pressed = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 # Depth added and pressure.
 _State = tuple[FloatArray, FloatArray]
 
-# Sub-steps of the finest try.
+# Largest number of sub-steps.
 _FINEST = 512
-# Ends of sub-steps at ``1 - (1 - s)^q``, s uniform in 0..1. The surface forgets how it came to its shape, but not the
-# last sub-step: over decades of worn depth q = 1.5 takes half the solves of q = 1, over a fraction of one as many.
+# Sub-steps end at ``1 - (1 - s)^q``, s uniform in 0..1. The final surface depends little on earlier sub-steps, but on
+# the last one. If the worn depth grows by decades, q = 1.5 takes half the solves of q = 1; otherwise as many.
 _GRADING = 1.5
-# Error of the pressure at the end that goes with an error of one of the depth: smaller ones cost many solves over
-# decades of depth, larger ones leave the edge of contact on a surface that has not come to rest.
+# Ratio of the allowed errors of pressure and depth. Smaller ones cost many solves over decades of depth; larger ones
+# leave the edge of the contact on a surface that has not converged.
 _OF_PRESSURE = 5.0
 
 
@@ -46,13 +46,13 @@ class Moved:
     Attributes
     ----------
     depth : (ny, nx) float64
-        Worn depth added [m], nowhere below zero.
+        Added worn depth [m], nonnegative.
     pressure : (ny, nx) float64
-        At the end [Pa]; where it is extrapolated it is that of a contact to the error alone.
+        Pressure at the end [Pa]; if extrapolated, it is a contact pressure only within the error.
     error, pressure_error : float
-        Estimated errors of the two, sums of magnitudes over all cells, relative to the sum of each [-].
+        Estimated errors of depth and pressure: sums of magnitudes over all cells, relative to the sum of each [-].
     solves : int
-        Contacts solved.
+        Number of contact solves.
     """
 
     depth: FloatArray
@@ -73,7 +73,7 @@ def moved(
     tolerance: float,
     least: float = 0.0,
 ) -> Moved:
-    """Integrate ``d depth / d cycles = rate p(depth) + steady``, rate and steady frozen.
+    """Integrate ``d depth / d cycles = rate p(depth) + steady`` with constant rate and steady.
 
     Parameters
     ----------
@@ -83,33 +83,35 @@ def moved(
     depth, pressure : (ny, nx) float64
         Worn depth [m] and contact pressure [Pa] at the start.
     rate : (ny, nx) float64
-        Depth per pressure and cycle [m/(Pa cycle)], zero or positive.
+        Depth per pressure and cycle [m/(Pa cycle)], nonnegative.
     cycles : float
-        Number of cycles; need not be whole.
+        Number of cycles; any positive number.
     steady : (ny, nx) float64, optional
-        Depth per cycle whatever the pressure [m/cycle], zero or positive; none by default.
+        Depth per cycle independent of the pressure [m/cycle], nonnegative; zero by default.
     tolerance : float
-        Bound on the estimated relative error of the depth added [-]; the pressure at the end may be off by five times
-        as much.
+        Bound of the estimated relative error of the added depth [-]; the error of the final pressure may be five times
+        as large.
     least : float
-        The error is relative to this sum of the depth over all cells [m] where less is added.
+        Smallest reference of the error: sum of a depth over all cells [m].
 
     Raises
     ------
     NotConverged
-        The tolerance is not met with the finest sub-steps: it is below that of the contact solves, or nearly.
+        The finest sub-steps do not meet the tolerance, because it is close to that of the contact solves.
     SceneError
-        A rate below zero, no tolerance.
+        The rate is negative, or the tolerance is not positive.
 
-    Notes ----- T(m) from m sub-steps has an error of first order, ``2 T(2m) - T(m)`` of second order. A cell is
-    extrapolated only so far that its pressure stays at zero or more; on a bed of springs the depth then stays below its
-    limit. Depth does not decrease: where it would, it is clipped. Errors are differences between the last two tries,
-    too large by a factor of two to four. Where the pressure changes many times over and edges of contact cross many
-    cells, extrapolation does harm: T(2m) is the result where its estimate is the smaller.
+    Notes
+    -----
+    T(m) from m sub-steps has an error of first order, ``2 T(2m) - T(m)`` of second order. The extrapolation of a cell
+    stops at pressure zero; on a bed of springs the depth then stays below its limit. Depth does not decrease: negative
+    changes are set to zero. Error estimates are differences between the last two results, too large by a factor of two
+    to four. If the pressure changes many times over and the edge of the contact crosses many cells, extrapolation
+    increases the error; T(2m) is the result if its estimate is smaller.
 
-    Steps with small local errors cost far more: a local error counts as if the surface kept it, but wear levels it. A
-    sphere worn to 100 times the volume of its first contact takes 15 solves here at 1e-2 (depth off by .1 %, pressure
-    by 2 %), and there 277 for an estimate that is too large by a factor of 700.
+    Steps with small local errors cost far more, because a local error is counted as permanent, although wear levels it.
+    A sphere worn to 100 times the volume of its first contact takes 15 solves here at 1e-2 (error of depth .1 %, of
+    pressure 2 %), and 277 solves with local errors, for an estimate that is too large by a factor of 700.
 
     Examples
     --------
@@ -131,7 +133,7 @@ def moved(
         return _stepped(pressed, depth, pressure, (rate, steady), cycles * _lengths(count))
 
     coarse, before, solves, count = stepped(1), None, 1, 1
-    # The error of one sub-step: the trapezoidal rule would take the mean of the first and the last pressure.
+    # Error of a single sub-step: the trapezoidal rule would use the mean of the first and the last pressure.
     trapezoidal = coarse[0] - 0.5 * cycles * rate * (coarse[1] - pressure), 0.5 * (coarse[1] + pressure)
     state, errors = coarse, _difference(trapezoidal, coarse, least)
     while _worst(errors) > tolerance and count < _FINEST:
@@ -139,7 +141,7 @@ def moved(
         fine = stepped(count)
         solves += count
         errors, plain = _difference(coarse, fine, least), _extrapolated(coarse, fine, count, bounded=False)
-        # Of the first extrapolation nothing is known but that it is better than what it is made of.
+        # For the first extrapolation only the difference from its inputs is known as an error bound.
         finer = errors if before is None else _difference(before, plain, least)
         if _worst(finer) <= _worst(errors):
             state, errors = _extrapolated(coarse, fine, count, bounded=True), finer
@@ -158,7 +160,7 @@ def moved(
 def _stepped(
     pressed: Pressed, depth: FloatArray, pressure: FloatArray, rates: tuple[FloatArray, FloatArray], lengths: FloatArray
 ) -> _State:
-    """Depth added and pressure after implicit sub-steps."""
+    """Added depth and pressure after implicit sub-steps."""
     rate, steady = rates
     growth = np.zeros_like(depth)
     for length in lengths:
@@ -175,10 +177,10 @@ def _lengths(count: int) -> FloatArray:
 
 
 def _extrapolated(coarse: _State, fine: _State, count: int, *, bounded: bool) -> _State:
-    """Extrapolation to zero sub-step size; if bounded, at each cell only until its pressure is zero.
+    """Extrapolation to zero sub-step size; if bounded, in each cell only to zero pressure.
 
-    The error is as the sum of the squares of the sub-steps, hence the factor; near one for equal or many of them. What
-    is bounded twice agrees with itself too well to tell an error.
+    The error is proportional to the sum of squares of the sub-steps, hence the factor; it is near one for equal or many
+    sub-steps. Two bounded results agree too well for an error estimate.
     """
     squares = [float(np.sum(_lengths(number) ** 2)) for number in (count // 2, count)]
     factor = squares[1] / (squares[0] - squares[1])
@@ -192,7 +194,7 @@ def _extrapolated(coarse: _State, fine: _State, count: int, *, bounded: bool) ->
 
 
 def _difference(state: _State, reference: _State, least: float) -> tuple[float, float]:
-    """Differences of depth and of pressure, relative to the second; sums over cells."""
+    """Differences of depth and of pressure, relative to the second state; sums over cells."""
 
     def relative(a: FloatArray, b: FloatArray, least: float = 0.0) -> float:
         size, off = max(float(np.sum(np.abs(b))), least), float(np.sum(np.abs(a - b)))
@@ -202,5 +204,5 @@ def _difference(state: _State, reference: _State, least: float) -> tuple[float, 
 
 
 def _worst(errors: tuple[float, float]) -> float:
-    """Errors of depth and of pressure as one."""
+    """Largest of the errors of depth and pressure, with their allowed ratio."""
     return max(errors[0], errors[1] / _OF_PRESSURE)

@@ -1,16 +1,16 @@
 """Polynomial strains of an elastic inclusion, from displacements in equilibrium.
 
-A homogeneous inclusion without body forces is strained by a displacement u with div C' grad u = 0. Polynomials of that
-kind are 6, 21, 42, 69, 102, 141, 186 in number up to strain degree 0 ... 6, where all polynomials are 6, 24, 60, ...:
-the same answer at each degree with fewer unknowns, and without the null space that all polynomials have in a void or
-a rigid inclusion. With the bounded factors of a stiffness (`eigencontact.core.elasticity`) a field g stands for strain
-``e = 2G soft g`` and stress ``τ = 2G stiff g`` at once; both are finite for a void, where τ = 0, for a rigid inclusion,
-where e = 0, and for an incompressible one.
+In a homogeneous inclusion without body forces the displacement u satisfies div C' grad u = 0. Up to strain degree 0 ...
+6 there are 6, 21, 42, 69, 102, 141, 186 polynomials of this kind, and 6, 24, 60, ... polynomials in total. Each degree
+therefore gives the same solution with fewer unknowns, and without the null space that general polynomials have in a
+void or a rigid inclusion. With the bounded factors of a stiffness (`eigencontact.core.elasticity`), a field g
+represents both strain ``e = 2G soft g`` and stress ``τ = 2G stiff g``. Both are finite for a void (τ = 0), for a rigid
+inclusion (e = 0), and for an incompressible inclusion.
 
 References
 ----------
-T. Mura 1987, Micromechanics of Defects in Solids, section 13 (polynomial eigenstrain in an inclusion). Null spaces of
-the equations of equilibrium by degree were counted for this project.
+T. Mura 1987, Micromechanics of Defects in Solids, section 13 (polynomial eigenstrain in an inclusion). The dimensions
+of the null spaces of the equilibrium equations by degree were computed for this project.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ def equilibrated_polynomials(
     soft, stiff : (6, 6)
         Factors of the inclusion's stiffness.
     around : two of (6, 6)
-        Factors of the material around: they choose among the fields of a void or a rigid inclusion.
+        Factors of the surrounding material: they select among the fields of a void or a rigid inclusion.
     degree : int
-        Of the strain.
+        Degree of the strain.
     points : (m, 3)
-        In units of the inclusion's size, from its middle.
+        Relative to the centre, in units of the inclusion's size.
 
     Returns
     -------
     (n, 6, m), (n,) or None
-        None where a degree has more than 6 degree + 9 fields (6 of degree 0): a stiffness of lower rank.
+        None if a degree has more than 6 degree + 9 fields (6 for degree 0), for a stiffness of lower rank.
     """
     empty, rigid = not stiff.any(), not soft.any()
     first, second = around if empty or rigid else (soft, stiff)
@@ -105,7 +105,7 @@ def _fields(soft: FloatArray, stiff: FloatArray, degree: int) -> FloatArray | No
     _, sizes, basis = np.linalg.svd(np.array(rows))
     rank = int((sizes > _ROUNDING * sizes[0]).sum())
     g = basis[rank:, 3 * len(of_u) :]
-    # Rigid turns have no g, and mix with the rest of the null space.
+    # Rigid rotations have g = 0, and mix with the rest of the null space.
     _, sizes, turned = np.linalg.svd(g, full_matrices=False)
     independent = turned[sizes > _ROUNDING]
     expected = 6 if degree == 0 else 6 * (degree + 1) + 3

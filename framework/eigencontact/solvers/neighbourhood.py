@@ -9,27 +9,27 @@ from eigencontact.core.array_types import FloatArray
 
 __all__ = ["Neighbourhood", "reach_of"]
 
-#: Means below this part of the largest are rounding of the transforms, and zero.
+#: Means below this fraction of the largest are round-off of the transforms, and set to zero.
 _ROUNDING = 1e-12
 
 
 def reach_of(radius: float, edges: tuple[float, float, float]) -> tuple[int, int, int]:
-    """Cells along z, y, x, beyond its own, in a neighbourhood [cells]; the weight is zero at its radius."""
+    """Number of neighbouring cells on each side along z, y, x; the weight is zero at the radius."""
     k, j, i = (max(int(np.ceil(radius / edge)) - 1, 0) for edge in edges)
     return k, j, i
 
 
 class Neighbourhood:
-    """Means over a radius R with the weight ``(1 - r²/R²)²``, r the distance of the middles of two cells.
+    """Means over a radius R with the weight ``(1 - r²/R²)²``, with the distance r of two cell centres.
 
-    Only the cells that are given count, with weights that sum to one: a constant stays a constant at their edges.
+    Only the given cells contribute, with weights that sum to one: a constant field keeps its value at their boundary.
 
     Parameters
     ----------
     cells : (nz, ny, nx) of bool
-        Those that count.
+        Cells that contribute.
     edges : (float, float, float)
-        Of a cell along z, y, x [m].
+        Edges of a cell along z, y, x [m].
     radius : float
         R [m].
 
@@ -49,7 +49,7 @@ class Neighbourhood:
         self._whole = self._summed(np.ones((1, int(cells.sum()))))
 
     def means(self, values: FloatArray) -> FloatArray:
-        """Means ``(k, n)`` of k numbers in each of the n cells that count, in their order in the box."""
+        """Means ``(k, n)`` of k variables in each of the n contributing cells, in their order in the box."""
         out = self._summed(values) / self._whole
         out[np.abs(out) <= _ROUNDING * np.abs(values).max(initial=0.0)] = 0.0
         return np.asarray(out)
@@ -57,7 +57,7 @@ class Neighbourhood:
     def _summed(self, values: FloatArray) -> FloatArray:
         if self._weight.size == 1:
             return np.array(values)
-        from scipy.signal import fftconvolve  # half a second to import, and few scenes have a length
+        from scipy.signal import fftconvolve  # the import takes half a second, and few scenes need it
 
         box = np.zeros((len(values), *self._cells.shape))
         box[:, self._cells] = values

@@ -29,7 +29,7 @@ class NormalSolver:
     coefficients : Coefficients
         Normal displacement of a uniformly loaded rectangle, both bodies summed [m/Pa].
     options : NormalOptions, optional
-        Tolerance, precision, periodicity and so on.
+        Tolerance, precision, periodicity and other options.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class NormalSolver:
     ) -> NormalSolution:
         """Solve p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x``.
 
-        Thesis eqs 2.67-2.72, there without k.
+        Thesis eqs 2.67-2.72, which have no springs k.
 
         Parameters
         ----------
@@ -69,27 +69,27 @@ class NormalSolver:
         control : Control
             Load or approach, moments or tilts.
         springs : (ny, nx) float64, optional
-            Layer of independent springs k [m/Pa], zero or positive; none by default.
+            Layer of independent springs k [m/Pa], nonnegative; none by default.
         start : (ny, nx) float64, optional
-            A pressure near the solution; the coarse grids are then skipped.
+            Pressure near the solution; the solver then omits the coarse grids.
         tolerance : float, optional
-            Replaces that of the options, for outer iterations.
+            Replaces the tolerance of the options, for outer iterations.
         progress : callable, optional
             Called with the residual of each iteration.
 
         Returns
         -------
         NormalSolution
-            Its certificate holds.
+            Solution with a valid certificate.
 
         Raises
         ------
         NotConverged
-            With the report; no half result is returned.
+            The exception has the report; a partial result is never returned.
         DomainTooSmall
             Contact at the edge of the window, unless allowed or periodic.
         SceneError
-            A separation or springs not finite, springs below zero, a moment that the window cannot carry.
+            Separation or springs are not finite, springs are negative, or the window cannot carry a moment.
         """
         began = perf_counter()
         _check(self.grid, separation, control, start)
@@ -108,10 +108,10 @@ class NormalSolver:
         return sum(compliance.convolutions for compliance in self._compliances.values())
 
     def compliance(self, grid: Grid) -> Compliance:
-        """Compliance on the finest or a coarser grid, made once.
+        """Compliance on the finest or a coarser grid, built once.
 
-        Coarser grids and the preconditioner keep the full precision: in single they saved 8 % of the time, but let
-        round-off of the input grow to 1e-9 of the pressure, and scaled scenes must agree to 1e-10.
+        Coarser grids and the preconditioner use double precision. Single precision saved 8 % of the time, but amplified
+        round-off of the input to 1e-9 of the pressure, and scaled scenes must agree to 1e-10.
         """
         if grid not in self._compliances:
             self._compliances[grid] = Compliance(grid, self.coefficients, self.options)
@@ -128,7 +128,8 @@ class NormalSolver:
     def box(self, compliance: Compliance, pressure: FloatArray | None) -> Box:
         """Box of possible contact: the box of the start with a margin, or the whole window.
 
-        It depends on the start alone, not on earlier solves: a resumed history repeats an uninterrupted one exactly.
+        It depends on the start alone, not on earlier solves, so that a resumed history repeats an uninterrupted one
+        exactly.
         """
         grid = compliance.grid
         window = Box(0, grid.ny, 0, grid.nx)

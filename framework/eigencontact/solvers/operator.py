@@ -1,4 +1,4 @@
-"""Normal displacement of a pressure as an operator between boxes of one grid."""
+"""Normal displacement of a pressure, as an operator between boxes of one grid."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from eigencontact.solvers.solution import SolverOptions
 
 __all__ = ["BoxOperator", "Coefficients", "Compliance", "layout_between", "offsets", "sampled"]
 
-# Operators kept for each grid: the box of the iteration and the check on the whole window, now and one box ago.
+# Stored operators for each grid: the present and the previous box, each for the iteration and for the whole window.
 _KEPT = 4
-# Points of a transform from which threads repay their start where there is one source and one target.
+# Points of a transform from which on threads save time, for one source and one target.
 _WORTH_THREADS = 200_000
 
 
 class Coefficients(Protocol):
-    """Influence coefficients of one response to one traction; of the normal problem even in x and y."""
+    """Influence coefficients of one response to one traction; those of the normal problem are even in x and y."""
 
     def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
         """Response at offsets x, y [m] of a rectangle with half-widths under unit traction, ``(ny, nx)``."""
@@ -68,21 +68,21 @@ class BoxOperator:
 
 
 class Compliance:
-    """Normal compliance of a surface on one grid: a table of coefficients, and operators made from it on demand.
+    """Normal compliance of a surface on one grid: a table of coefficients, and operators built from it on demand.
 
     Parameters
     ----------
     grid : Grid
         Cells.
     coefficients : Coefficients
-        Where the numbers come from.
+        Source of the coefficients.
     options : SolverOptions
         Periodic window, precision and threads.
 
     Notes
     -----
-    Coefficients are divided by ``unit`` (their largest value), so that single precision neither over- nor
-    underflows for cells of a nanometre or a metre.
+    Coefficients are divided by ``unit`` (their largest value), so that single precision does not overflow or underflow
+    for cells of a nanometre or a metre.
     """
 
     def __init__(self, grid: Grid, coefficients: Coefficients, options: SolverOptions) -> None:
@@ -135,13 +135,13 @@ class Compliance:
         return BoxOperator(self.convolver(layout), layout.spectrum(table, (1, 1), precision=self.options.precision))
 
     def reserve(self, source: Box, target: Box) -> None:
-        """Sample the coefficients of this pair of boxes and of smaller ones at once."""
+        """Sample the coefficients of this pair of boxes and of smaller ones together."""
         if not self.options.periodic:
             y, x = offsets(layout_between(source, target))
             self.table(int(y.max()) + 1, int(x.max()) + 1)
 
     def convolver(self, layout: Layout) -> Convolver:
-        """Convolver of one spectrum, with threads if they save time."""
+        """Convolver for one spectrum, with threads if they save time."""
         threads = self.options.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
         return Convolver(layout, precision=self.options.precision, threads=threads)
 

@@ -1,19 +1,20 @@
 """Whole inhomogeneities with polynomial eigenstrain: one small symmetric system for all of them.
 
-With the eigenstrain ``Σ y_a x_a`` of an inclusion and the stress τ that its own stiffness gives it (`inclusion_basis`),
-the stress of the body, σ_0 + A x, must be τ in the mean weighted by each x_b over the inclusion::
+The eigenstrain of an inclusion is ``Σ y_a x_a``; it has the stress τ by the stiffness of the inclusion
+(`inclusion_basis`). The stress of the body, σ_0 + A x, must equal τ in the mean over the inclusion, weighted by each
+x_b::
 
     Σ_a y_a ∫ x_b : (τ_a - A x_a) dV = ∫ x_b : σ_0 dV
 
-The matrix is symmetric, by the reciprocity of A. The right-hand side by tractions is their work on the displacement
-that x_b causes at the surface (Betti), so a load close to an inclusion needs no quadrature within it. What a degree
-gives is exact if the load's field is of that degree; otherwise the error falls by a constant factor per degree, set by
+The matrix is symmetric, because A is reciprocal. The right-hand side for tractions is their work on the surface
+displacement of x_b (Betti), so a load close to an inclusion needs no integration over it. The solution of a degree is
+exact if the load's field has that degree. Otherwise the error falls by a constant factor per degree, which depends on
 the distance to the surface and to other inclusions.
 
 References
 ----------
 J. D. Eshelby 1961, Progress in Solid Mechanics 2, 89; Z. A. Moschovidis and T. Mura 1975, J. Appl. Mech. 42, 847
-(polynomial eigenstrain in interacting ellipsoids). Weak form and the reduced basis were derived for this project.
+(polynomial eigenstrain in interacting ellipsoids). The weak form and the reduced basis were derived for this project.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ from eigencontact.solvers.report import Progress
 
 __all__ = ["PolynomialAnswer", "PolynomialInclusions"]
 
-#: Eigenvalue of an inclusion's own matrix, over its volume, that is rounding: functions without eigenstrain, as a
-#: change of volume where both materials resist it alike.
+#: Eigenvalue of an inclusion's own matrix, relative to its volume, that counts as round-off. Functions without
+#: eigenstrain have it, for example a change of volume if both materials have equal bulk moduli.
 _ROUNDING = 1e-12
 
 
@@ -56,12 +57,12 @@ class PolynomialAnswer:
     Attributes
     ----------
     eigenstrain : (6, densities, n)
-        Mandel eigenstrain per density of each shape, prestrain included; of the highest degree of all, zero above an
-        inclusion's own.
+        Mandel eigenstrain per density of each shape, prestrain included. The array has the highest degree of all
+        inclusions, with zeros above the degree of an inclusion.
     amplitudes : (unknowns,)
-        Of the functions of all inclusions.
+        Amplitudes of the functions of all inclusions.
     report : InclusionReport
-        Certificate and course.
+        Certificate and history.
     """
 
     eigenstrain: FloatArray
@@ -75,11 +76,11 @@ class PolynomialInclusions:
     Parameters
     ----------
     shapes : sequence of HasMomentPotentials
-        Inclusions that do not overlap; of degree 0 also shapes with potentials and point sources (`HasFarField`).
+        Inclusions without overlap; for degree 0 also shapes with potentials and point sources (`HasFarField`).
     matrix : Material
-        The material around; ν up to 0.5.
+        Surrounding material; ν up to 0.5.
     materials : sequence of Elasticity or of (6, 6)
-        Elastic constants of each, or Mandel stiffness [Pa]; equal ones as one object are looked at once.
+        Elastic constants of each, or Mandel stiffness [Pa]; one object for equal materials is evaluated once.
     degrees : sequence of int
         Degree of the eigenstrain of each.
     space : {"half", "full"}
@@ -90,7 +91,7 @@ class PolynomialInclusions:
     Raises
     ------
     SceneError
-        Materials that vary in an inclusion; numbers that do not match.
+        The stiffness varies within an inclusion, or the numbers of items do not match.
     """
 
     tolerance, max_iterations, restart = 1e-8, 200, 50
@@ -155,7 +156,7 @@ class PolynomialInclusions:
 
     @property
     def points(self) -> FloatArray:
-        """Points ``(3, m)`` [m] of the stress of a load for `moments`."""
+        """Points ``(3, m)`` [m] for the stress of a load in `moments`."""
         return np.concatenate([points for points, _ in self.rules]).T
 
     def moments(self, stress: FloatArray) -> FloatArray:
@@ -190,19 +191,20 @@ class PolynomialInclusions:
         start : (unknowns,), optional
             Amplitudes to start from.
         lower : int
-            Degrees by which every inclusion stays below its own; without eigenstrain below degree 0.
+            Number of degrees by which every inclusion stays below its own degree; below degree 0 there is no
+            eigenstrain.
         tolerance : float, optional
-            Bound of ``InclusionReport.residual``: root mean square of the eigenstrain that each inclusion would still
-            add by itself, relative to what it would have alone under the load.
+            Bound of ``InclusionReport.residual``: root mean square of the correction of the eigenstrain that each
+            inclusion would need by itself, relative to its solution without other inclusions.
         max_iterations : int, optional
-            Iterations allowed.
+            Largest number of iterations.
         progress : callable, optional
             Called after each iteration.
 
         Raises
         ------
         NotConverged
-            With the report.
+            The exception has the report.
         """
         began = perf_counter()
         bound = self.tolerance if tolerance is None else tolerance
@@ -256,7 +258,7 @@ class PolynomialInclusions:
         return out
 
     def amplitudes_of(self, eigenstrain: FloatArray, prestrain: FloatArray) -> FloatArray:
-        """Amplitudes of an eigenstrain ``(6, densities, n)`` of these inclusions, less the prestrain."""
+        """Amplitudes of an eigenstrain ``(6, densities, n)`` of these inclusions, minus the prestrain."""
         out = np.zeros(self.size)
         for number, basis in enumerate(self.bases):
             count = basis.eigenstrain.shape[2]
@@ -289,7 +291,7 @@ class PolynomialInclusions:
         for number, basis in enumerate(self.bases):
             key = self.key_of(number), lower
             if key not in self._inverses:
-                matrix = self._pairs.own[key[0]][:, : basis.size]
+                matrix = self._pairs.self_interaction[key[0]][:, : basis.size]
                 count = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
                 self._inverses[key][:count, :count] = _inverse(matrix[:count, :count], basis.volume)
@@ -302,13 +304,13 @@ class PolynomialInclusions:
         return self._pairs.apply(amplitudes, np.zeros((6, len(self.shapes))) if prestrain is None else prestrain)
 
     def key_of(self, number: int) -> Hashable:
-        """Key that inclusions share whose shape, constants, degree and depth are alike."""
+        """Key of inclusions with equal shape, constants, degree and depth."""
         depth = round(self.centers[number, 2] / (ALIKE * self.radii[number])) if self.space == "half" else 0
         return self.kinds[number], depth
 
 
 def _constants(material: Any, shear_modulus: float) -> Hashable:
-    """Key that equal stiffnesses share."""
+    """Key of equal stiffnesses."""
     pair = (
         material.factors(shear_modulus)
         if isinstance(material, Elasticity)
@@ -320,7 +322,7 @@ def _constants(material: Any, shear_modulus: float) -> Hashable:
 
 
 def _inverse(matrix: FloatArray, volume: float) -> FloatArray:
-    """Inverse of a symmetric matrix without its null space."""
+    """Inverse of a symmetric matrix on the complement of its null space."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
     regular = np.abs(values) > _ROUNDING * volume
     return np.asarray((vectors[:, regular] / values[regular]) @ vectors[:, regular].T)

@@ -36,17 +36,17 @@ __all__ = [
 
 Forms = tuple[tuple[Form, ...], ...]
 
-# Distance from an edge of the points around it, in shortest edges of a cell.
+# Distance of the four points around an edge from the edge, in the shortest edge of a cell.
 _AROUND = 0.25
-# Nodes evaluated at a time.
+# Number of nodes evaluated together.
 _CHUNK_NODES = 12_000
-# Bytes of tables held at a time.
+# Memory for tables held together [bytes].
 _GROUP_BYTES = 300_000_000
 # Distance in cells from which corner functions are evaluated in extended precision.
 _FAR = 2.5
-#: Distance in cells below which a point is on a face.
+#: Distance in cells below which a point counts as being on a face.
 ON_FACE = 1e-9
-# A node in the surface is seen from inside the body.
+# Depth of a node in the surface: the limit from inside the body.
 _BELOW_SURFACE = 1e-30
 
 
@@ -55,9 +55,9 @@ def unit_of_length(pitch: Sequence[float]) -> float:
     return float(2.0 ** np.round(np.log2(max(pitch))))
 
 
-@lru_cache(maxsize=64)  # a run asks for the same few in every plane, cell and estimate
+@lru_cache(maxsize=64)  # a run needs the same few responses in every plane, cell and estimate
 def reduced_response(quantity: str, nu: float, space: str, *, in_plane: bool = False) -> Forms:
-    """Forms of `eigencontact.halfspace.theorem.response` in the fewest kernels, in a plane for cells without end."""
+    """Forms of `eigencontact.halfspace.theorem.response` with the fewest kernels; `in_plane` for infinite cells."""
     forms = tuple(tuple(form.replaced(reduced) for form in row) for row in response(quantity, nu, space))
     return tuple(tuple(form.replaced(reduced_in_plane) for form in row) for row in forms) if in_plane else forms
 
@@ -68,7 +68,7 @@ def response_of(cell: HasCornerPotentials, quantity: str, nu: float, space: str)
 
 
 def cell_kernels(forms: Forms) -> list[Kernel]:
-    """Kernels that forms need, without the indicator of the source."""
+    """Kernels needed for forms, without the indicator of the source."""
     return sorted({kernel for row in forms for form in row for _, kernel, _ in form if kernel != INSIDE})
 
 
@@ -112,27 +112,27 @@ def sample_tables(
     Parameters
     ----------
     cell : HasCornerPotentials
-        Whose corner function is used.
+        Shape with the corner function.
     group : sequence of Kernel
         Kernels of one potential.
     nodes : three arrays
-        Offsets of field point from corner along x, y, z, each a pitch above the last, in a unit of the order of the
-        cell; one more than the tables have along each axis. Along z several such rows may follow each other: what lies
-        between two of them means nothing.
+        Offsets of field point from corner along x, y, z, with one pitch between neighbours, in a unit of the order of
+        the cell; one more than the tables have along each axis. Along z several such rows may follow each other; values
+        between two rows are meaningless.
     threads : int
         Slabs are sampled in parallel.
     extended : bool
-        Corner functions in `numpy.longdouble`, some three times slower: sums over the corners lose digits with the
-        third power of the distance in cells.
+        Evaluate corner functions in `numpy.longdouble`, about three times slower: sums over the corners lose accuracy
+        with the third power of the distance in cells.
     singular : bool
-        Whether kernels are infinite on edges of cells, as those of stress and strain are: at nodes on an edge the mean
-        of four points around it is taken instead. What is infinite there is a logarithm, which is left by every edge
-        that four cells share where their eigenstrain is not linear, and stands for nothing.
+        Whether kernels are infinite on edges of cells, as those of stress and strain: nodes on an edge then have the
+        mean of four points around it. The singularity is a logarithm. It remains at edges shared by four cells if the
+        eigenstrain is not linear there, and it has no physical meaning.
 
     Returns
     -------
     (len(group), nx, ny, nz)
-        Offsets as between the nodes.
+        Values at the offsets between the nodes.
     """
     x, y, z = (np.asarray(axis, np.longdouble if extended else np.float64) for axis in nodes)
     name, orders = group[0][1], [kernel[2] for kernel in group]
@@ -141,7 +141,7 @@ def sample_tables(
     around = _AROUND * min(float(axis[1] - axis[0]) for axis in (x, y, z))
 
     def slab(first: int, stop: int) -> None:
-        """Tables between the nodes `first` and `stop` along x; a few planes at a time, to fit into the cache."""
+        """Tables between the nodes `first` and `stop` along x, a few planes at a time, which fit into the cache."""
         last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
@@ -172,7 +172,7 @@ def _around_edges(
     axes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
     distance: float,
 ) -> None:
-    """Replace values at nodes on an edge, with two zero coordinates, by the mean of four points around it."""
+    """Replace values at nodes on an edge (two zero coordinates) by the mean of four points around it."""
     zeros = [np.flatnonzero(axis == 0.0) for axis in axes]
     for first, second in ((0, 1), (0, 2), (1, 2)):
         if not (zeros[first].size and zeros[second].size):
@@ -191,21 +191,21 @@ def _around_edges(
 
 
 def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> NDArray[np.longdouble]:
-    """Nodes between and around ascending offsets in cells, in units of length; a zero is exact."""
+    """Nodes between and around ascending offsets in cells, in units of length; zero stays exact."""
     cells = np.append(offsets - 0.5, offsets[-1] + 0.5)
     cells[np.abs(cells) < ON_FACE] = 0.0
     return cells * np.longdouble(pitch / unit)
 
 
 def seen_from_inside(nodes: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
-    """Nodes along z with a zero replaced by the smallest depth."""
+    """Nodes along z with zero replaced by the smallest depth."""
     return np.where(nodes == 0.0, np.longdouble(_BELOW_SURFACE), nodes)
 
 
 def far_apart(source: Cells, low: Sequence[float], high: Sequence[float]) -> bool:
-    """Whether all cells are so far from the box of points (x, y, z) that sums over corners lose digits.
+    """Whether all cells are so far from the box of points (x, y, z) that sums over corners lose accuracy.
 
-    Where some cell is near some point, its field is so much larger that nothing is lost.
+    If some cell is near some point, its field is so large that the loss in the other terms does not matter.
     """
     gaps = []
     for axis in range(3):

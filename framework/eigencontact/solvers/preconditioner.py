@@ -1,8 +1,8 @@
 """Approximate inverse of a compliance on a box: the inverse of its optimal circulant, by one small unpadded FFT.
 
-T. Chan's optimal circulant keeps the positive definiteness of the Toeplitz compliance, and needs nothing but the
-coefficients: layered and coated bodies get the same preconditioner as the homogeneous half-space. The use of a
-circulant (there: of the half-space response) for contact is due to E. A. H. Vollebregt, J. Tribol. 136 (2014).
+T. Chan's optimal circulant preserves the positive definiteness of the Toeplitz compliance, and requires only the
+coefficients. Layered and coated bodies therefore have the same preconditioner as the homogeneous half-space. E. A. H.
+Vollebregt, J. Tribol. 136 (2014), introduced a circulant (of the half-space response) for contact.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from eigencontact.solvers.operator import BoxOperator, Compliance
 
 __all__ = ["Circulant", "SpringPreconditioner"]
 
-# Largest ratio of the stiffest to the most compliant cell, springs included, for which one inverse serves all cells.
+# Largest ratio of the stiffest to the most compliant cell, springs included, for which one inverse is used for all
+# cells.
 _ALIKE = 10.0
-# Largest ratio of neighbouring inverses where there are several.
+# Largest ratio of neighbouring inverses if there are several.
 _APART = 100.0
 
 
@@ -32,7 +33,7 @@ class Circulant:
     Attributes
     ----------
     spectrum : (ny // 2 + 1, nx // 2 + 1) float64
-        Its eigenvalues in units of the compliance, positive.
+        Eigenvalues in units of the compliance, positive.
     """
 
     def __init__(self, compliance: Compliance, box: Box) -> None:
@@ -47,8 +48,8 @@ class Circulant:
         for axis, length in enumerate(lengths):
             if length > 1:
                 spectrum = parity_transform(spectrum, axis, 1, 1)
-        # Positive in exact arithmetic; the floor guards round-off. A periodic compliance has no mean response: its
-        # uniform wave is treated like the longest one, the most compliant.
+        # Positive in exact arithmetic; the lower limit guards against round-off. A periodic compliance has no mean
+        # response: its uniform wave has the value of the longest, most compliant wave.
         top = float(spectrum.max())
         if spectrum[0, 0] <= 1e-6 * top or top <= 0:
             spectrum[0, 0] = top if top > 0 else 1.0
@@ -60,7 +61,7 @@ class Circulant:
 
     @cached_property
     def inverse(self) -> BoxOperator:
-        """Inverse of the circulant: a gap residual on the box to a pressure correction."""
+        """Inverse of the circulant: gap residual on the box to a pressure correction."""
         return self.shifted(0.0)
 
     def shifted(self, spring: float) -> BoxOperator:
@@ -69,7 +70,7 @@ class Circulant:
 
     @cached_property
     def forward(self) -> BoxOperator:
-        """The circulant itself: a pressure to its displacement, and its energy, up to the error of the circulant."""
+        """The circulant itself: pressure to displacement, and energy, with the error of the circulant."""
         return self._operator(self.spectrum)
 
     def _operator(self, spectrum: FloatArray) -> BoxOperator:
@@ -83,23 +84,24 @@ class Circulant:
 
 
 class SpringPreconditioner:
-    """Inverse of a circulant plus springs that vary from cell to cell: a few uniform ones, interpolated.
+    """Inverse of a circulant plus springs that vary from cell to cell: interpolation between a few uniform springs.
 
-    ``z = Σ √θj (C + kj)⁻¹ √θj r`` with weights θj(k) that interpolate ``1/(s + k)`` linearly in ``1/(s0 + k)``, s0 the
-    smallest eigenvalue: exact at s = s0 and nearly so for s far above k, hence for every wave where k varies slowly.
-    Springs far above the largest eigenvalue leave a diagonal, which is exact too. Symmetric and positive definite.
+    ``z = Σ √θj (C + kj)⁻¹ √θj r`` with weights θj(k) that interpolate ``1/(s + k)`` linearly in ``1/(s0 + k)``, with
+    the smallest eigenvalue s0. This is exact for s = s0 and nearly exact for s far above k, hence for every wave if k
+    varies slowly. For springs far above the largest eigenvalue a diagonal remains, which is exact as well. The operator
+    is symmetric and positive definite.
 
     Parameters
     ----------
     circulant : Circulant
-        That of the compliance.
+        Circulant of the compliance.
     springs : (ny, nx) float64
-        On the box, in units of the compliance, zero or positive.
+        Springs on the box, in units of the compliance, nonnegative.
 
     Notes
     -----
-    Waves over cells of different θ lose their coherence: for springs that jump between neighbouring cells a single
-    mean spring is better up to a ratio of about ten; beyond that such springs take up to three times the iterations.
+    Waves over cells of different θ lose their coherence. For springs that jump between neighbouring cells, a single
+    mean spring is better up to a ratio of about ten; beyond that, such springs take up to three times the iterations.
     """
 
     def __init__(self, circulant: Circulant, springs: FloatArray) -> None:

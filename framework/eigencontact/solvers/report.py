@@ -1,4 +1,4 @@
-"""Reports of solvers: a certificate of the solution, and the history of the iterations."""
+"""Reports of solvers: certificate of the solution, and history of the iterations."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import Generic, TypeVar
 
 __all__ = ["Certificate", "FrictionCertificate", "Progress", "SolveReport"]
 
-#: Called during a solve with (text, residual, tolerance); must be quick.
+#: Called during a solve with (text, residual, tolerance); must be fast.
 Progress = Callable[[str, float, float], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Residuals:
-    """Residuals of the conditions of a solution, checked on the whole window with a fresh convolution.
+    """Residuals of the conditions of a solution, computed on the whole window with a new convolution.
 
     Attributes
     ----------
     tolerance : float
-        Bound that all residuals meet when the solve is converged.
+        Bound of all residuals of a converged solve.
     """
 
     tolerance: float
@@ -49,12 +49,13 @@ class Certificate(Residuals):
     Attributes
     ----------
     gap : float
-        Largest gap, open or overlapping, at a loaded cell, relative to the largest deflection in contact, springs
-        included (in uniform periodic contact, where that is zero, to what the prescribed load does to one cell).
+        Largest gap, open or overlapping, in a loaded cell, relative to the largest deflection in contact, springs
+        included. In uniform periodic contact, where that deflection is zero, the reference is the deflection of one
+        cell by the prescribed load.
     penetration : float
-        Largest overlap at an unloaded cell, relative to the same.
+        Largest overlap in an unloaded cell, relative to the same deflection.
     load : float
-        Largest error of a prescribed force or moment, relative to it (a moment: to the load times the half window).
+        Largest relative error of a prescribed force or moment (moments: relative to the load times the half window).
     """
 
     gap: float
@@ -71,11 +72,12 @@ class FrictionCertificate(Residuals):
     bound : float
         Largest excess of a shear traction over its bound, relative to the largest bound.
     stick : float
-        Largest slip of a sticking cell in the increment, relative to the largest tangential displacement in contact.
+        Largest slip in a sticking cell in the increment, relative to the largest tangential displacement in contact.
     alignment : float
-        Largest part of the slip of a slipping cell across its traction, or along it, relative to the same.
+        Largest part of the slip of a slipping cell across its traction, or in its direction, relative to the same
+        displacement.
     load : float
-        Largest error of a prescribed force or moment, relative to what friction could carry of it.
+        Largest error of a prescribed force or moment, relative to the friction limit for it.
     """
 
     bound: float
@@ -94,11 +96,11 @@ class SolveReport(Generic[AnyResiduals]):
     Attributes
     ----------
     certificate : Residuals or None
-        Of the last iterate; None if it never got that far.
+        Certificate of the last iterate; None if the solve ended before.
     history : list of (cells, residual)
-        One entry per iteration: cells of the grid it ran on, and its relative residual.
+        One entry per iteration: number of cells of its grid, and its relative residual.
     convolutions : int
-        Applications of the compliance on all grids; of friction, of shear tractions to tangential displacements.
+        Applications of the compliance on all grids; for friction, of shear tractions to tangential displacements.
     seconds : float
         Wall time.
     """
@@ -110,5 +112,5 @@ class SolveReport(Generic[AnyResiduals]):
 
     @property
     def iterations(self) -> int:
-        """Iterations on all grids; of friction, Newton steps."""
+        """Number of iterations on all grids; for friction, Newton steps."""
         return len(self.history)

@@ -1,4 +1,4 @@
-"""Rigid modes of one box that a prescribed force leaves free, stored as rows and columns."""
+"""Rigid modes of one box with prescribed forces, stored as rows and columns."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = ["RigidModes", "dot"]
 def dot(a: Array, b: Array) -> float:
     """Sum of products of two fields.
 
-    Not through BLAS: its idle threads keep spinning for a while after each call and take cores from the transforms.
+    Without BLAS: its idle threads stay active for a while after each call, and take cores from the transforms.
     """
     return float(np.einsum("ij,ij->", a, b))
 
 
 class RigidModes:
-    """Free modes among 1, y, -x, scaled to order one.
+    """Rigid modes with prescribed forces among 1, y, -x, scaled to order one.
 
     Parameters
     ----------
     fields : sequence of arrays of shape (1, 1), (ny, 1) or (1, nx)
-        One per free mode, broadcastable to the box.
+        One field per mode, broadcastable to the box.
     """
 
     def __init__(self, fields: Sequence[Array]) -> None:
@@ -49,7 +49,7 @@ class RigidModes:
         return np.array([_sum(mode, rows, columns) for mode in self.fields])
 
     def gram(self, weight: Array) -> Array:
-        """Matrix of the sums ``mode_i mode_j weight``, (m, m); one pass over the weight for the product of y and x."""
+        """Matrix of the sums ``mode_i mode_j weight``, (m, m); all from a single pass over the weight."""
         if self._only_uniform:
             return np.array([[float(np.sum(weight, dtype=float)) * float(self.fields[0][0, 0]) ** 2]])
         rows, columns = _margins(weight)
@@ -98,14 +98,14 @@ class RigidModes:
     def level(self, residual: Array, loaded: Array, share: Array) -> None:
         """Subtract the rigid part from a gap residual, in place, by a fit weighted with the load share of each cell.
 
-        What is left does no work on a pressure ``share * mode``: the counterpart of `unload`.
+        The result does no work on a pressure ``share * mode``: the counterpart of `unload`.
         """
         if len(self):
             residual -= self.combine(self.fit(residual * share, share), residual.dtype)
             residual *= loaded
 
     def unload(self, pressure: Array, share: Array) -> None:
-        """Subtract the forces from a pressure, in place, in proportion to the share of each cell (zero if unloaded)."""
+        """Subtract the forces from a pressure, in place, in proportion to the load share of each cell."""
         if len(self):
             amounts = np.linalg.lstsq(self.gram(share), self.project(pressure), rcond=1e-13)[0]
             pressure -= self.combine(amounts, pressure.dtype) * share
@@ -126,7 +126,7 @@ class RigidModes:
     def shortage(self, pressure: Array, forces: Array) -> float:
         """Largest missing part of the forces of a pressure; 0 for a normal load without moments.
 
-        Relative to a force, or to what the pressure would exert if all of it pushed one way.
+        The reference is the force, or the resultant of the same pressure with all parts in one direction.
         """
         if self._only_uniform or not self.fields:
             return 0.0

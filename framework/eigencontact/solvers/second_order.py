@@ -1,8 +1,9 @@
 """Values at the centres of cells from means over cells, by a stencil that is exact for quadratic fields.
 
 The stress of tractions is a mean over each cell, and the displacement of the surface follows from means of the
-eigenstrain. A law acts at a point. Where a field is smooth, its mean over a cell exceeds its value at the centre by
-``h²/24`` times the second derivative along each edge h. Second differences of the means approximate these derivatives.
+eigenstrain. A law, however, acts at a point. If a field is smooth, its mean over a cell exceeds the value at the centre
+by ``h²/24`` times the second derivative along each edge h. Second differences of the means approximate these
+derivatives.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ __all__ = ["Faces", "centre_values", "linked_faces"]
 
 Faces = tuple[BoolArray, BoolArray, BoolArray]
 
-#: A parabola exceeds its mean over an interval h by h²/24 times its second derivative.
+#: The mean of a parabola over an interval h exceeds its value at the centre by h²/24 times its second derivative.
 _SHARE = 1.0 / 24.0
 
 
@@ -31,7 +32,7 @@ def linked_faces(groups: Sequence[IntArray], shape: tuple[int, int, int]) -> Fac
     groups : sequence of (n,) int
         Flat indices of the cells of each group.
     shape : (nz, ny, nx)
-        Of the box of cells.
+        Shape of the box of cells.
 
     Returns
     -------
@@ -51,9 +52,9 @@ def linked_faces(groups: Sequence[IntArray], shape: tuple[int, int, int]) -> Fac
 def centre_values(means: FloatArray, faces: Faces, threads: int = 1) -> FloatArray:
     """Values at the centres of cells, from means ``(..., nz, ny, nx)``: ``f_i - (1/24) Σ_j (f_j - f_i)``.
 
-    The sum is over the neighbours j across `faces`. The map is symmetric, keeps uniform fields and the sum over all
-    cells, and has eigenvalues from 1 to 1.5. Its transpose is therefore the map itself: stress of tractions at centres
-    and displacement by eigenstrain at centres stay reciprocal. Fields along the first axes are shared among threads.
+    The sum is over the neighbours j across `faces`. The map is symmetric, preserves uniform fields and the sum over all
+    cells, and has eigenvalues from 1 to 1.5. Its transpose is the map itself. Stress of tractions at centres and
+    displacement by eigenstrain at centres are therefore reciprocal. Threads share the fields along the first axes.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """Stress or displacement on a section along x or y: one row of target points at each depth.
 
-Transforms run along the row alone; across it the rows of the source are summed as they are. Against transforms in both
-directions (`eigencontact.solvers.subsurface`) that is exact in the same sense, keeps half of the numbers, or a quarter
-where the row lies midway between cells, and transforms each table in one direction only.
+Transforms run along the row only; across it the rows of the source are summed directly. Compared with transforms in
+both directions (`eigencontact.solvers.subsurface`), the result is equally exact. The method stores half of the numbers,
+or a quarter for a row midway between cells, and transforms each table in one direction only.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ __all__ = ["SectionStress"]
 
 
 class SectionStress:
-    """Stress, or displacement, on one row of points at several depths, from kernels sampled and transformed once.
+    """Stress or displacement on one row of points at several depths; kernels are sampled and transformed once.
 
     Parameters
     ----------
     grid, kernels, source, origin, depths, precision, threads
-        As of `eigencontact.solvers.subsurface.SubsurfaceStress`; the window is not periodic.
+        See `eigencontact.solvers.subsurface.SubsurfaceStress`; the window is not periodic.
     target : (int, int)
         Target points along (y, x); one of the two is 1.
     """
@@ -90,7 +90,7 @@ class SectionStress:
         return sum(kernel.nbytes for kernel in self._kernels)
 
     def covers(self, box: Box) -> bool:
-        """Whether tractions on `box` can be handed to `apply`."""
+        """Whether `apply` accepts tractions on `box`."""
         return self.source.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:

@@ -1,10 +1,10 @@
-"""Contact conditions on one box where `constrained_cg` stalls: the loaded cells change only when their gaps are closed.
+"""Contact conditions on one box if `constrained_cg` stalls: loaded cells change only after their gaps are closed.
 
-Where a body bends like a plate, as under a thin stiff layer on a soft ground, a cell that is loaded or released moves
-the gaps far away, and no search direction of `constrained_cg` lasts long enough to bend the plate. Here the conjugate
-gradients of one set of cells run until its gaps are closed; pressures may be negative until then. Then every cell that
-pulls is released and every one that overlaps is loaded, which is a Newton iteration of the contact conditions: some ten
-sets of thirty to fifty iterations each, whatever the size of the grid.
+If a body bends like a plate, as below a thin stiff layer on a soft ground, each loaded or released cell changes gaps
+far away. No search direction of `constrained_cg` then lasts long enough to bend the plate. Here the conjugate gradients
+for one set of loaded cells run until its gaps are closed; pressures may be negative until then. Then every cell with
+tension is released, and every overlapping cell is loaded. This is a Newton iteration of the contact conditions. It
+takes about ten sets of thirty to fifty iterations each, independent of the grid size.
 
 References
 ----------
@@ -24,8 +24,9 @@ from eigencontact.solvers.rigid import dot
 
 __all__ = ["solve_settled"]
 
-# A set is settled when its gaps have fallen by this factor. On a layer of .1 a at a contrast of 1e4, 31² to 256² cells,
-# 1e-3 took 9 to 12 sets and 264 to 467 iterations, 1e-2 up to 27 sets and as many iterations; 3e-2 did not always end.
+# Reduction of the gaps after which the set of loaded cells changes. On a layer of .1 a with a contrast of 1e4, 31² to
+# 256² cells, 1e-3 took 9 to 12 sets and 264 to 467 iterations, 1e-2 up to 27 sets and as many iterations; 3e-2 did not
+# always converge.
 _SETTLED = 1e-3
 
 
@@ -38,9 +39,9 @@ def solve_settled(
     max_iterations: int,
     on_iteration: Callable[[float], None],
 ) -> BoxState:
-    """Iterate until the relative residual is within the tolerance; parameters and result as of `solve_box`.
+    """Iterate until the relative residual meets the tolerance; see `solve_box` for parameters and result.
 
-    `pressure` carries the prescribed forces, as every answer of `solve_box` does.
+    `pressure` has the prescribed forces, as every result of `solve_box`.
     """
     modes, dtype, share = problem.modes, pressure.dtype, problem.share
     p, c = pressure, loaded.astype(dtype)
@@ -87,7 +88,7 @@ def solve_settled(
         if len(modes):
             p = modes.carry(p, problem.forces)
         state.pressure = p
-        if not modes.carries(p, problem.forces):  # these cells cannot; `solve_box` has said by how much
+        if not modes.carries(p, problem.forces):  # `solve_box` has reported the missing part of the moments
             state.residual = max(state.residual, modes.shortage(p, problem.forces))
             break
     return state

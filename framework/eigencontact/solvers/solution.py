@@ -19,13 +19,13 @@ class SolverOptions:
     tolerance : float
         Bound on each residual of the certificate [-].
     max_iterations : int
-        Iterations allowed on the finest grid.
+        Largest number of iterations on the finest grid.
     precision : {"double", "single"}
-        Arithmetic of the iteration. Single reaches tolerances down to about 1e-5.
+        Arithmetic of the iteration. Single precision reaches tolerances down to about 1e-5.
     threads : int, optional
-        Cores; all by default.
+        Cores to use; all by default.
     periodic : bool
-        The window repeats in x and y.
+        Whether the window repeats in x and y.
     """
 
     tolerance: float = 1e-6
@@ -44,19 +44,19 @@ class NormalOptions(SolverOptions):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NormalSolution:
-    """A converged normal contact.
+    """Converged normal contact.
 
     Attributes
     ----------
     pressure, gap, displacement : (ny, nx) float64
-        p [Pa], g [m] (zero to tolerance at loaded cells; springs are in it) and u_z [m], both bodies summed, without
-        springs.
+        p [Pa], g [m] (zero within the tolerance in loaded cells, springs included) and u_z [m], sum of both bodies,
+        without springs.
     approach, tilt_x, tilt_y : float
         δ [m], φx, φy [rad].
     normal_load, moment_x, moment_y : float
-        P [N], Mx, My [N m], of the pressure.
+        P [N], Mx, My [N m] of the pressure.
     report : SolveReport
-        Certificate, history, counts, time.
+        Certificate, history, numbers and time.
     """
 
     pressure: FloatArray

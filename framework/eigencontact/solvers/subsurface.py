@@ -1,4 +1,4 @@
-"""Stress or displacement below the surface by tractions, at selected depths or points."""
+"""Stress or displacement below the surface by tractions, at given depths or points."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ __all__ = [
     "tables_at",
 ]
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
 TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 #: Sum of a load over such a lattice, ``(n,)``.
 SumAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 
-# Points that are prepared together: enough that they share work, few enough to be small.
+# Number of points prepared together: large enough to share work, small enough for the cache.
 _POINTS = 128
-# Depths of waves that are prepared together. Waves at 8 depths of one coating take a sixth of the time of 8 times one
-# depth, and more depths save little.
+# Number of depths for waves prepared together. Waves at 8 depths of one coating take a sixth of the time of 8 single
+# depths, and more depths save little.
 _WAVES = 8
 
 
@@ -61,7 +61,7 @@ class StressKernel(Protocol):
 
 @runtime_checkable
 class HasDepths(Protocol):
-    """Optional ability of a kernel whose depths share work: tables and amplitudes at several depths."""
+    """Optional ability of a kernel with shared work between depths: tables and amplitudes at several depths."""
 
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
@@ -120,13 +120,13 @@ def _sums_at(
 def all_tables(
     kernels: Sequence[StressKernel], depths: FloatArray, half_widths: tuple[float, float], reach: float, threads: int
 ) -> list[TableAt]:
-    """Tables of each kernel, prepared side by side."""
+    """Tables of each kernel; the kernels are prepared in parallel."""
     return _side_by_side(threads, [partial(tables_at, kernel, depths, half_widths, reach) for kernel in kernels])
 
 
-def _side_by_side(threads: int, makers: Sequence[Callable[[], Made]]) -> list[Made]:
+def _side_by_side(threads: int, makers: Sequence[Callable[[], Result]]) -> list[Result]:
     """Results of some functions, computed in parallel, in their order."""
-    results: dict[int, Made] = {}
+    results: dict[int, Result] = {}
 
     def make(number: int) -> None:
         results[number] = makers[number]()
@@ -146,7 +146,7 @@ def _responses(
 
 
 def mirrored(offsets: FloatArray) -> int:
-    """Number of ascending offsets that are mirror images of others: half of them if symmetric about 0."""
+    """Number of ascending offsets that are mirror images of others: half if symmetric about 0, otherwise none."""
     symmetric = offsets.size > 1 and np.abs(offsets + offsets[::-1]).max() <= 1e-12 * offsets[-1]
     return offsets.size // 2 if symmetric else 0
 
@@ -159,7 +159,7 @@ def _with_images(table: FloatArray, images: int, axis: int, sign: int) -> FloatA
 
 
 def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[Any]:
-    """Values at the remaining offsets after adding the mirror images, by their parity."""
+    """Values at the remaining offsets after addition of the mirror images, by their parity."""
     if not images:
         return values
     along = np.moveaxis(values, axis, 0)
@@ -169,7 +169,7 @@ def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[A
 
 
 class SubsurfaceStress:
-    """Stress or displacement on a lattice of points at several depths: a convolution with spectra made once.
+    """Stress or displacement on a lattice of points at several depths: a convolution with spectra computed once.
 
     Parameters
     ----------
@@ -180,9 +180,9 @@ class SubsurfaceStress:
     source : Box
         Cells that may be loaded.
     target : (int, int)
-        Target points along (y, x), of the pitch of the grid.
+        Number of target points along (y, x), with the pitch of the grid.
     origin : (float, float)
-        Position of target (0, 0) relative to the grid's cell (0, 0), in cells along (y, x); need not be whole.
+        Position of target (0, 0) relative to the grid's cell (0, 0), in cells along (y, x); any real numbers.
     depths : (nz,) [m]
         Depths of the target planes.
     periodic, precision, threads
@@ -190,7 +190,7 @@ class SubsurfaceStress:
 
     Notes
     -----
-    Memory of the spectra: six components, nz depths, a quarter of the padded box where targets lie on cell centres.
+    Memory of the spectra: six components, nz depths, and a quarter of the padded box if targets are at cell centres.
     """
 
     def __init__(
@@ -227,7 +227,7 @@ class SubsurfaceStress:
         in_parallel(self._threads, self._waves(list(kernels)) if periodic else self._coefficients(list(kernels)))
 
     def _waves(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
-        """Tasks that fill in the spectra of some depths each from the response to waves."""
+        """Tasks that compute the spectra of some depths each, from the response to waves."""
         ky, kx = self._layout.wavenumbers(self.grid.dy, self.grid.dx)
         count = self.depths.size
         block = max(1, min(_WAVES, -(-count // self._threads)))
@@ -244,12 +244,12 @@ class SubsurfaceStress:
         return [partial(fill, begin) for begin in range(0, count, block)]
 
     def _coefficients(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
-        """Tasks that fill in the spectra of one depth each from tables of coefficients."""
+        """Tasks that compute the spectra of one depth each, from tables of coefficients."""
         dx, dy = self.grid.dx, self.grid.dy
         x, y = self._layout.x.lattice * dx, self._layout.y.lattice * dy
         below, left = mirrored(y), mirrored(x)
         if 1 not in self.grid.bounded_axes:
-            y = np.zeros_like(y)  # the field of strips is the same at all y
+            y = np.zeros_like(y)  # the field of strips is equal at all y
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
         prepared = all_tables(kernels, self.depths, self.grid.half_widths, reach, self._threads)
 
@@ -274,7 +274,7 @@ class SubsurfaceStress:
         return sum(len(row) for depth in self._spectra for row in depth)
 
     def covers(self, box: Box) -> bool:
-        """Whether tractions on `box` can be handed to `apply`."""
+        """Whether `apply` accepts tractions on `box`."""
         return self._box.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
@@ -310,7 +310,7 @@ def stress_at_points(
 ) -> FloatArray:
     """Mandel stress, or displacement, at scattered points by direct superposition of the loaded cells.
 
-    Seen from a point the cells are a lattice, so neighbouring cells share their corners here too.
+    The cells form a lattice as seen from a point, so neighbouring cells share their corners here as well.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def stress_at_points(
     box = Box.around(np.any([traction != 0 for traction in tractions], axis=0))
     if box is None:
         return out
-    # Offsets (point minus cell) ascend when the cells are taken in descending order.
+    # Offsets (point minus cell) ascend for cells in descending order.
     y, x = grid.y[box.slices[0]][::-1], grid.x[box.slices[1]][::-1]
     half_widths = grid.half_widths
     loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]

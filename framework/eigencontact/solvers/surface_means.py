@@ -1,11 +1,11 @@
-"""Mean stress of cells next to the surface: a uniform shear on cells has infinite stress at their edges.
+"""Mean stress of cells next to the surface, because uniform shear on cells has infinite stress at their edges.
 
-A step of a shear between two cells makes the stress along their edge infinite at z = 0, logarithmically, however small
-the step. The stress of the smooth shear that the cells stand for is near its mean over each cell. The mean of four
-points, a third of a cell from the centre along x and y, serves: for a step in every cell, as a slope has, the
-logarithms cancel there. Under a Hertz pressure and 0.5 of it as shear these means are second order (1e-4 of p0 inside
-0.8 of the contact radius with 32 cells to it; the values at the centres are first order, 9e-3). Between the centres the
-means are joined linearly.
+A step of the shear between two cells causes infinite stress along their edge at z = 0; the singularity is logarithmic
+for any size of the step. The stress of the smooth shear that the cells approximate is close to the mean over each cell.
+The program takes the mean of four points, a third of a cell from the centre along x and y: for equal steps in all
+cells, as for a constant slope, the logarithms cancel. Under a Hertz pressure and 0.5 of it as shear these means
+converge with second order (1e-4 of p0 inside 0.8 of the contact radius with 32 cells per radius; the values at the
+centres have first order, 9e-3). Between the centres the means are interpolated linearly.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from eigencontact.solvers.subsurface import StressKernel, SubsurfaceStress, Tabl
 
 __all__ = ["CellMeans", "MeansOnLattice", "depth_of_means", "means_at_points"]
 
-#: Depth down to which means are taken, in shorter edges of a cell. There the logarithm is a tenth of its size at a
-#: distance of 1 % of a cell from the edge, and what the steps add falls by exp(-2 pi) with each cell further down.
+#: Depth down to which means are used, in shorter edges of a cell. At this depth the logarithmic part is a tenth of its
+#: value at a distance of 1 % of a cell from the edge; below it the effect of the steps falls by exp(-2 pi) per cell.
 _SHALLOW = 0.25
-#: Places of the four points along an edge, from the centre, in half edges.
+#: Positions of the four points along an edge, from the centre, in half edges.
 _PLACES = (-2.0 / 3.0, 2.0 / 3.0)
 
 
@@ -40,7 +40,7 @@ class CellMeans:
     def __init__(self, kernel: StressKernel) -> None:
         self._kernel = kernel
         self.components = kernel.components
-        self.parity, self.response = kernel.parity, kernel.response  # waves are smooth: no cell has edges there
+        self.parity, self.response = kernel.parity, kernel.response  # waves are smooth: no means are necessary
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
@@ -53,7 +53,7 @@ class CellMeans:
         self, _components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> TableAt:
         """Tables at several depths; see `HasDepths`."""
-        # The field of strips is the same all along them.
+        # The field of strips is constant along them.
         across, along = ([place * half for place in _PLACES] if half < np.inf else [0.0] for half in half_widths)
         points = list(product(across, along))
         inner = tables_at(self._kernel, depths, half_widths, reach + max(*across, *along))
@@ -67,7 +67,7 @@ class CellMeans:
 
 
 def _neighbours(places: FloatArray, first: float, pitch: float) -> tuple[NDArray[np.int64], FloatArray]:
-    """Number of the last cell centre before each place, and the share of the next one."""
+    """Number of the last cell centre before each position, and the weight of the next one."""
     number = (places - first) / pitch
     nearest = np.round(number)
     number = np.where(np.abs(number - nearest) < 1e-9, nearest, number)
@@ -85,7 +85,7 @@ class MeansOnLattice:
     source : Box
         Cells that may be loaded.
     x, y : (tx,), (ty,) [m]
-        Points, ascending, of any pitch, in the window or beside it.
+        Ascending points of any pitch, inside or outside the window.
     depths : (nz,) [m]
     """
 
@@ -121,7 +121,7 @@ class MeansOnLattice:
         return self._operator.nbytes
 
     def covers(self, box: Box) -> bool:
-        """Whether tractions on `box` can be handed to `apply`."""
+        """Whether `apply` accepts tractions on `box`."""
         return self._operator.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:

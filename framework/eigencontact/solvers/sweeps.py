@@ -15,19 +15,19 @@ __all__ = ["Sweeps"]
 
 T = TypeVar("T")
 
-# Cells of a block: some six fields of it stay in a second-level cache.
+# Cells per block: about six fields of it stay in a second-level cache.
 _CELLS = 32_768
-# Cells of a block where threads share the work: they wait for the interpreter between any two operations.
+# Cells per block with several threads: they wait for the interpreter between any two operations.
 _CELLS_IN_THREADS = 131_072
-# Cells of a field from which on threads save more time than they wait.
+# Cells of a field from which on threads save time.
 _WORTH_THREADS = 1_000_000
 
 
 class Sweeps:
     """Blocks of rows of fields of one shape.
 
-    The blocks do not depend on the number of threads, and what they return keeps their order: sums do not depend on it
-    either.
+    The blocks do not depend on the number of threads, and their results keep the order of the blocks, so that sums do
+    not depend on the number of threads either.
     """
 
     def __init__(self, shape: tuple[int, ...], threads: int, dtype: Any) -> None:
@@ -35,7 +35,7 @@ class Sweeps:
         step = min(max(1, (_CELLS_IN_THREADS if large else _CELLS) // shape[1]), shape[0])
         self.blocks = [slice(first, min(first + step, shape[0])) for first in range(0, shape[0], step)]
         self._threads = min(threads, len(self.blocks)) if large else 1
-        # Threads that allocate pay for fresh pages each time.
+        # Memory allocated inside threads needs new pages each time, which costs time.
         self._scratch = [np.empty((2, step, shape[1]), dtype) for _ in range(self._threads)]
 
     def scratch(self, number: int) -> NDArray[Any]:

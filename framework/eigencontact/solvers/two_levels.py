@@ -1,17 +1,17 @@
 """Stress in a box of cells, a part of which (the patch) is divided into finer cells.
 
-Outside the patch every cell has an eigenstrain. So has every fine cell inside it, but for a rim one coarse cell wide,
-in which fine cells carry the eigenstrain of their coarse cell. The field of the coarse box is exact far from its
-sources. The fine box adds what the coarse cells of the patch miss of their own field:
+Outside the patch every cell has an eigenstrain, and inside it every fine cell. In a rim of the patch, one coarse cell
+wide, fine cells carry the eigenstrain of their coarse cell. The field of the coarse box is accurate far from its
+sources. The fine box adds the difference in the field of the patch:
 
     σ_fine = A_f e_f + I (A_c e_c - A_p e_p),    σ_rim = mean of σ_fine over each coarse cell.
 
 A_c, A_f and A_p give the mean stress in cells of the coarse box, of the fine patch and of the coarse patch. The
-difference in brackets is the field of all that lies outside the patch, and smooth within its rim. I interpolates means
-over coarse cells to means over fine ones, and its transpose W, times the ratio of volumes, spreads eigenstrain of fine
-cells over coarse ones: e_p = W e_f. Means of interpolated values over each coarse cell are the values that they are
-interpolated from. So uniform eigenstrain in a coarse cell stays what it is, and all eigenstrain keeps its total, and
-its moments up to the fourth. The operator of both levels is symmetric because each of its parts is.
+difference in brackets is the field of the eigenstrain outside the patch, which is smooth inside the rim. I interpolates
+means over coarse cells to means over fine cells. Its transpose W, times the ratio of volumes, distributes eigenstrain
+of fine cells to coarse ones: e_p = W e_f. The interpolation preserves the means over coarse cells. A uniform
+eigenstrain in a coarse cell therefore stays unchanged, and eigenstrain keeps its total and its moments up to the
+fourth. The operator of both levels is symmetric because each of its parts is symmetric.
 
 References
 ----------
@@ -32,15 +32,15 @@ __all__ = ["TwoLevels", "interpolation"]
 
 Place = tuple[slice, slice, slice]
 
-#: Coarse intervals along each axis that a value is interpolated from.
+#: Number of coarse intervals along each axis for the interpolation of a value.
 _WIDTH = 5
 
 
 def interpolation(count: int, ratio: int) -> FloatArray:
     """Means over fine intervals from means over `count` coarse ones, ``(count * ratio, count)``, by polynomials.
 
-    The polynomial of an interval has the means of the interval and of the nearest ones, five in all where there are as
-    many.
+    The polynomial of an interval has the means of the interval and of its nearest neighbours, five in all if there are
+    as many.
 
     Examples
     --------
@@ -74,16 +74,16 @@ class TwoLevels:
         Operators from cells to the same cells: of the whole coarse box, of the coarse cells of the patch, and of its
         fine cells.
     inner : (slice, slice, slice)
-        Coarse cells of the patch within its rim, along z, y, x.
+        Coarse cells of the patch inside the rim, along z, y, x.
 
     Attributes
     ----------
     place : (slice, slice, slice)
-        Patch in the coarse box.
+        Position of the patch in the coarse box.
     ratio : int
-        Fine cells along an edge of a coarse one.
+        Number of fine cells along an edge of a coarse cell.
     applications : int
-        How often stress was computed anew.
+        Number of computations of the stress.
     """
 
     def __init__(self, coarse: VolumeField, patch: VolumeField, fine: VolumeField, inner: Place) -> None:
@@ -115,13 +115,14 @@ class TwoLevels:
         return np.asarray(split.mean(axis=(-5, -3, -1)))
 
     def put_means(self, values: FloatArray, fine: FloatArray) -> None:
-        """Write means over the fine cells within the rim to values of all coarse cells."""
+        """Write means over the fine cells inside the rim to an array of all coarse cells."""
         values[..., *self.place][..., *self._inner] = self.means(fine)[..., *self._inner]
 
     def stress(self, coarse: FloatArray, fine: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean stress [Pa] in coarse and in fine cells by their eigenstrain, each ``(6, nz, ny, nx)``.
 
-        Coarse cells within the rim, and fine cells of the rim, must have none. What is returned there is of no use.
+        Coarse cells inside the rim and fine cells of the rim must have zero eigenstrain. Their stress in the result is
+        meaningless.
         """
         last = self._last
         if last is None or not (np.array_equal(last[0], coarse) and np.array_equal(last[1], fine)):

@@ -1,8 +1,8 @@
 """Sums over layers of eigenstrain for a batch of plane waves, and the fields from these sums.
 
 A field at a depth needs four sums: of e^-t and t e^-t, t = k |z - z'|, over the layers above and over those below. They
-are carried from interface to interface and never grow. In axes along and across a wave, and in lengths of 1/k, the
-coefficients are the same numbers for all waves: the linear forms of the half-space theorem at the wave vector (1, 0).
+are updated from interface to interface and never grow. In axes along and across a wave, and in lengths of 1/k, the
+coefficients are equal for all waves: the linear forms of the half-space theorem at the wave vector (1, 0).
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from eigencontact.halfspace.theorem import response
 
 __all__ = ["ALONG_WAVE", "Coefficients", "LayerSums", "Plane", "coefficients", "plane_at"]
 
-#: Whether an odd number of a component's indices lies along the wave: such are carried times 1j, and all is real.
+#: Whether an odd number of indices of a component lies along the wave: such components are stored times 1j, so that all
+#: numbers are real.
 ALONG_WAVE = {"displacement": (1, 0, 0), "strain": (0, 0, 0, 0, 1, 1), "stress": (0, 0, 0, 0, 1, 1)}
 
 
@@ -26,8 +27,8 @@ ALONG_WAVE = {"displacement": (1, 0, 0), "strain": (0, 0, 0, 0, 1, 1), "stress":
 class Plane:
     """Position of a depth among the interfaces.
 
-    ``above`` is the last interface at or above it, ``below`` the first at or below it, with the distances; None where
-    there is none. ``inside`` are the layers at this depth and their shares.
+    ``above`` is the last interface at or above it, ``below`` the first at or below it, with the distances; None without
+    such an interface. ``inside`` are the layers at this depth and their weights.
     """
 
     depth: float
@@ -143,7 +144,7 @@ class LayerSums:
         self._out[:, number] += _product(matrix, sums.reshape(12, -1))
 
     def _stepped(self, sums: ComplexArray, distance: float, layer: int) -> ComplexArray:
-        """Sums of k e^-t and k t e^-t (times dz) a distance further, through one layer or (-1, nz) through none."""
+        """Sums of k e^-t and k t e^-t (times dz) after a further distance, across one layer or (-1, nz) across none."""
         if distance == 0.0:
             return sums
         path = self._k * distance

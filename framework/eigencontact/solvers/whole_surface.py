@@ -1,8 +1,8 @@
-"""Displacement of surface cells by polynomial eigenstrain of whole inclusions, and the work of tractions on it.
+"""Displacement of surface cells by polynomial eigenstrain of whole inclusions, and work of tractions on it.
 
-The mean displacement of a cell by each function of an inclusion is kept as a table. By Betti's theorem the same table
-gives the work of tractions in the inclusion, however close they are: no stress is integrated within it. Inclusions
-that differ by whole cells along x and y share a table.
+A table stores the mean displacement of each cell by each function of an inclusion. By Betti's theorem it also gives the
+work of tractions in the inclusion at any distance, without integration of a stress over it. Inclusions that differ by
+whole cells along x and y share a table.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
 
 __all__ = ["WholeSurface", "table_key"]
 
-#: Offsets in cells that are alike.
+#: Tolerance for equal offsets, in cells.
 _ALIKE = 1e-7
-#: Gauss points along an edge of a cell far from the inclusion, and the most close to it.
+#: Gauss points along an edge of a cell far from the inclusion, and largest number close to it.
 _FEW, _MOST = 2, 6
 
 
@@ -37,15 +37,15 @@ class _Group:
 
 
 class WholeSurface:
-    """Tables of one arrangement of inclusions below a grid.
+    """Tables for one arrangement of inclusions below a grid.
 
     Parameters
     ----------
     system : PolynomialInclusions
     grid : Grid
-        Of the surface.
+        Grid of the surface.
     directions : str
-        Directions, of ``"xyz"``, of the displacement and of the tractions.
+        Directions of the displacement and of the tractions, out of ``"xyz"``.
     threads : int, optional
         Cores to use; by default all.
     """
@@ -90,7 +90,7 @@ class WholeSurface:
         return out
 
     def _parts(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
-        """Part of the table in the window, of each member."""
+        """Part of the table inside the window, for each member."""
         ny, nx = self._grid.shape
         right, high = (max(cell[axis] for cell in group.cells) for axis in (0, 1))
         return [
@@ -128,7 +128,7 @@ def table_key(bounds: Bounds, grid: Grid) -> Hashable:
 
 
 def _place(bounds: Bounds, grid: Grid) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Cell (column, row) below which the centre of an inclusion lies, and the position in it."""
+    """Cell (column, row) above the centre of an inclusion, and the position in this cell."""
     low, high = bounds
     column, row = (
         (0.5 * (low[axis] + high[axis]) - first) / edge

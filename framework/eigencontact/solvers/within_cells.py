@@ -1,13 +1,13 @@
 """Stress and strain between the centres of cells, for an eigenstrain that varies smoothly from cell to cell.
 
-An eigenstrain that is uniform in each cell steps at their faces, and so do the fields at points between the middles.
-What it has too much there is a sawtooth along each axis n, with every cell another tooth. Its field hardly leaves the
-cell, and is that of layers whose eigenstrain δ varies across them alone,
+An eigenstrain that is uniform in each cell has steps at the faces, and so have the fields between the centres. The
+difference from a continuous eigenstrain is a sawtooth along each axis n, with one tooth per cell. Its field decays
+within a cell, and equals that of layers with an eigenstrain δ that varies only across them,
 
     σ = -Q δ,    ε = δ - M Q δ,    Q = C - C n (n C n)^-1 n C,
 
-with the stiffness C and the compliance M of the material around: Q is plane stress in the layer. Here δ is the
-eigenstrain of the cell less that on the straight line through its middle and the next.
+with the stiffness C and the compliance M of the surrounding material; Q is plane stress in the layer. δ is the
+eigenstrain of the cell minus a linear interpolation between its centre and the next.
 
 References
 ----------
@@ -32,7 +32,7 @@ __all__ = ["WithinCells"]
 
 Cell = list[IntArray]
 
-# Part of a cell: a point so near to a face lies on it, and counts half to either side.
+# Distance in cells below which a point lies on a face; such a point takes half from either side.
 _ON_FACE = 1e-9
 
 
@@ -42,14 +42,14 @@ class WithinCells:
     Parameters
     ----------
     cells : Cells
-        That carry the eigenstrain.
+        Cells with eigenstrain.
     region : (nz, ny, nx) of int
-        Number of the region that a cell belongs to; the eigenstrain goes on between cells of the same. 0 is a cell in
-        which nothing is taken off.
+        Number of the region that contains a cell; the interpolation joins cells of equal number. Cells with number 0
+        have no correction.
     points : three of (n,)
         x, y, z [m].
     poisson_ratio, shear_modulus : float
-        Of the material around; ν up to 0.5, G [Pa].
+        Constants of the surrounding material; ν up to 0.5, G [Pa].
     """
 
     def __init__(
@@ -95,9 +95,9 @@ class WithinCells:
         return out
 
     def inside(self, eigenstrain: FloatArray) -> tuple[IntArray, NDArray[np.int_], FloatArray]:
-        """Points in a region, its number at each, and their eigenstrain ``(6, n)`` without the cell-wise steps.
+        """Points in a region, its number at each, and their eigenstrain ``(6, n)`` without steps between cells.
 
-        A point on a face counts where both sides are of the region.
+        A point on a face is included if both sides belong to the region.
         """
         smooth, padded = self.difference("eigenstrain", eigenstrain), np.pad(eigenstrain, ((0, 0), *[(1, 1)] * 3))
         number, mean = np.zeros(self._count, dtype=int), np.zeros(self._count)
@@ -110,7 +110,7 @@ class WithinCells:
         return points, number[points], smooth[:, points]
 
     def _sides(self) -> Iterator[tuple[IntArray, FloatArray, Cell]]:
-        """Points, weights, and the cell (x, y, z) of a region that contains them: on a face once for each side."""
+        """Points, weights, and the cell (x, y, z) of a region that contains them; on a face, one for each side."""
         lower = [np.ceil(at - 0.5 - _ON_FACE).astype(int) for at in self._places]
         upper = [np.floor(at + 0.5 + _ON_FACE).astype(int) for at in self._places]
         on_face = [low != high for low, high in zip(lower, upper, strict=True)]
@@ -123,7 +123,7 @@ class WithinCells:
             yield where[within_region], weights[where[within_region]], [index[within_region] for index in cell]
 
     def _slope(self, padded: FloatArray, cell: Cell, axis: int, ahead: IntArray) -> FloatArray:
-        """Change of the eigenstrain ``(6, n)`` by a cell along an axis: to the next, or from the last of the region."""
+        """Change of the eigenstrain ``(6, n)`` per cell along an axis: to the next cell, or from the last one."""
         number, values = _at(self._region, cell), _at(padded, cell)
         slope = np.zeros_like(values)
         for way in (-ahead, ahead):
@@ -134,7 +134,7 @@ class WithinCells:
 
 
 def _at(padded: NDArray[Any], cell: Cell) -> NDArray[Any]:
-    """Values in cells (x, y, z) of a box that was padded by one cell."""
+    """Values in cells (x, y, z) of a box with one cell of padding."""
     x, y, z = (index + 1 for index in cell)
     return padded[..., z, y, x]
 

@@ -101,7 +101,7 @@ def _run(
     engine = cluster_of(*cluster, say=say)
     with _progress(enabled=not as_json) as tell:
         result = run_sweep(
-            loaded, description.pop("vary"), folder, cluster=engine, told=tell, say=None if as_json else say,
+            loaded, description.pop("vary"), folder, cluster=engine, report_progress=tell, say=None if as_json else say,
             **{**description, **options},
         )  # fmt: skip
     if as_json:

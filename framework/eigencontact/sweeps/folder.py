@@ -69,7 +69,7 @@ def open_folder(
         "vary": {axis.key: list(axis.values) for axis in axes},
         "variants": [{"folder": variant.label, "values": variant.values} for variant in variants],
     }
-    with replacing(folder / DESCRIPTION, "the description of the sweep", kept=AGAIN) as sink:
+    with replacing(folder / DESCRIPTION, "the description of the sweep", consequence=AGAIN) as sink:
         sink.write((json.dumps(content, indent=2, default=str) + "\n").encode())
 
 

@@ -18,7 +18,7 @@ from eigencontact.results.cycles import last_cycle
 from eigencontact.sweeps.axes import Axis, axes_of
 from eigencontact.sweeps.gather import gathered
 from eigencontact.sweeps.runner import outcomes
-from eigencontact.sweeps.sweep import Told
+from eigencontact.sweeps.sweep import ProgressReport
 from eigencontact.sweeps.variants import Variant
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def fretting_map(
     region: str | None = None,
     workers: int = 1,
     folder: str | Path | None = None,
-    told: Told | None = None,
+    report_progress: ProgressReport | None = None,
 ) -> FrettingMap:
     """Map of running regimes of a fretting scene: all normal loads with all amplitudes.
 
@@ -95,7 +95,7 @@ def fretting_map(
         Processes that share the variants; more than one needs a guard as for `eigencontact.sweep`.
     folder : str or Path, optional
         Folder for ``map.nc`` and ``map.png``; by default nothing is stored.
-    told : callable, optional
+    report_progress : callable, optional
         Receives each outcome, its number and the number of variants.
 
     Raises
@@ -141,8 +141,8 @@ def fretting_map(
     finished = []
     for outcome in outcomes(variants, None, workers=workers, measure=measure):
         finished.append(outcome)
-        if told is not None:
-            told(outcome, len(finished), len(variants))
+        if report_progress is not None:
+            report_progress(outcome, len(finished), len(variants))
     failed = [outcome.failed for outcome in finished if outcome.failed]
     if len(failed) == len(variants):
         raise EigencontactError(f"map must have a variant that can be solved (got {len(failed)} failed; {failed[0]})")

@@ -18,7 +18,7 @@ import numpy as np
 
 from eigencontact.core.kept import Kept
 from eigencontact.engines.cluster import Cluster
-from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProcess
+from eigencontact.engines.engine import DeadTask, Engine, Processes, Share, ThisProcess
 from eigencontact.errors import EigencontactError
 from eigencontact.results.atomic import read_json, replacing
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, refuse_foreign_file
@@ -130,7 +130,7 @@ def outcomes(
         begin = partial(_Held.within, texts=texts_of(files))
     with engine:
         for task, outcome in engine.map(_outcome, tasks, begin):
-            if isinstance(outcome, Lost):
+            if isinstance(outcome, DeadTask):
                 yield Outcome(task.variant.place, {}, {}, outcome.reason, 0.0)
             else:
                 yield outcome
@@ -182,7 +182,7 @@ def _record(task: _Task, failed: str) -> None:
     task.folder.mkdir(parents=True, exist_ok=True)
     refuse_foreign_file(task.folder / _FAILED)
     content = {"scene_hash": None, "values": task.variant.values, "failed": failed}
-    with replacing(task.folder / _FAILED, "the reason of a failed variant", lasting=False, kept=AGAIN) as sink:
+    with replacing(task.folder / _FAILED, "the reason of a failed variant", lasting=False, consequence=AGAIN) as sink:
         sink.write((json.dumps(content, indent=2, default=str) + "\n").encode())
 
 
@@ -217,7 +217,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
         if task.fields:
             result.dataset.close()
         content = {"scene_hash": digest, "checksums": {name: checksum(folder / name) for name in (RESULTS, SUMMARY)}}
-        with replacing(folder / _MARK, "the mark of a finished variant", lasting=False, kept=AGAIN) as sink:
+        with replacing(folder / _MARK, "the mark of a finished variant", lasting=False, consequence=AGAIN) as sink:
             sink.write(json.dumps(content).encode())
         (folder / _FAILED).unlink(missing_ok=True)
     summary = result.summary

@@ -31,7 +31,7 @@ __all__ = ["SweepResult", "read_sweep_file", "sweep"]
 _SAME = 1e-9
 _KEYS = ("scene", "vary", "pairs", "fields", "grid", "scalars")
 
-Told = Callable[[Outcome, int, int], None]
+ProgressReport = Callable[[Outcome, int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ def sweep(
     cluster: str | Cluster | None = None,
     pictures: bool = False,
     overwrite: bool = False,
-    told: Told | None = None,
+    report_progress: ProgressReport | None = None,
     say: Callable[[str], None] | None = None,
 ) -> SweepResult:
     """Run every variant of a scene and collect all numbers.
@@ -112,7 +112,7 @@ def sweep(
     overwrite : bool
         Replace the results of another sweep in `folder`, and run finished variants again. Files that this package did
         not write are never replaced.
-    told : callable, optional
+    report_progress : callable, optional
         Receives each outcome, its number and the number of variants.
     say : callable, optional
         Receives one line for each varied key: its values with their unit.
@@ -184,8 +184,8 @@ def sweep(
     finished: list[Outcome] = []
     for outcome in outcomes(variants, place, fields=fields, engine=engine, overwrite=overwrite):
         finished.append(outcome)
-        if told is not None:
-            told(outcome, len(finished), len(variants))
+        if report_progress is not None:
+            report_progress(outcome, len(finished), len(variants))
     finished.sort(key=lambda outcome: outcome.place)
     dataset = gathered(axes, variants, finished, loaded.title or loaded.label, pairs=pairs)
     labels = {variant.place: variant.label for variant in variants}
@@ -240,9 +240,9 @@ def _write(
     from eigencontact.viz.style import save
     from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
-    with replacing(folder / DATASET, "the dataset of the sweep", kept=AGAIN) as sink:
+    with replacing(folder / DATASET, "the dataset of the sweep", consequence=AGAIN) as sink:
         sink.write(_as_netcdf(dataset))
-    with replacing(folder / TABLE, "the table of the sweep", kept=AGAIN) as sink:
+    with replacing(folder / TABLE, "the table of the sweep", consequence=AGAIN) as sink:
         sink.write(as_csv(axes, variants, results).encode())
     files = {
         DATASET: "all numbers by what was varied (opens in xarray)",

@@ -12,7 +12,7 @@ from eigencontact.core.field_error import error_name
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.core.tensors import COMPONENTS, hydrostatic, principal, to_mandel, tresca, von_mises
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact.viz.cut import Shown
+from eigencontact.viz.cut import StepValues
 from eigencontact.viz.errors import errors_of
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def choose(name: str, fields: dict[str, Field], place: str, pictures: Sequence[s
     return fields[text]
 
 
-def surface_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
+def surface_numbers(dataset: Results, field: Field, component: str, step: int) -> StepValues:
     """Numbers of a field of the surface in one step."""
     stem = field.variable.rpartition("_")[0] if field.components else field.variable
     unit = _unit(dataset, field.variable)
@@ -172,17 +172,17 @@ def surface_numbers(dataset: Results, field: Field, component: str, step: int) -
         components = [_read(dataset, f"{stem}_{axis}", step) for axis in "xy"]
         errors = [part for axis in "xy" if (part := errors_of(dataset, f"{stem}_{axis}", step)) is not None]
         size = np.linalg.norm(errors, axis=0) if len(errors) == len(components) else None
-        return Shown(_label(stem), unit, np.hypot(*components), errors=size)
+        return StepValues(_label(stem), unit, np.hypot(*components), errors=size)
     name = f"{stem}_{component}" if component else field.variable
     values = _read(dataset, name, step)
     if field.name == "uplift":
-        return Shown(_label("uplift"), unit, 0.0 - values, errors=errors_of(dataset, name, step))
+        return StepValues(_label("uplift"), unit, 0.0 - values, errors=errors_of(dataset, name, step))
     stem, axis = name.rpartition("_")[::2]
     label = f"{_label(stem)} {_AXES[axis]}" if axis in _AXES and stem else _label(name)
-    return Shown(label, unit, values, name, errors_of(dataset, name, step))
+    return StepValues(label, unit, values, name, errors_of(dataset, name, step))
 
 
-def region_numbers(dataset: Results, region: str, field: Field, component: str, step: int) -> Shown:
+def region_numbers(dataset: Results, region: str, field: Field, component: str, step: int) -> StepValues:
     """Numbers of a field of a region in one step."""
     values = _read(dataset, field.variable, step)
     errors = errors_of(dataset, field.variable, step)
@@ -191,29 +191,29 @@ def region_numbers(dataset: Results, region: str, field: Field, component: str, 
     stored_name = f"{region}_{kind}"
     if kind in _OF_STRESS and stored_name in dataset:  # as the run has found it
         values = _read(dataset, stored_name, step)
-        return Shown(_label(kind), unit, values, stored_name, errors_of(dataset, stored_name, step))
+        return StepValues(_label(kind), unit, values, stored_name, errors_of(dataset, stored_name, step))
     if field.variable == f"{region}_stress":
         if kind in _OF_STRESS:
-            return Shown(_label(kind), unit, _OF_STRESS[kind](to_mandel(values)))
+            return StepValues(_label(kind), unit, _OF_STRESS[kind](to_mandel(values)))
         if kind in _PRINCIPAL:
-            return Shown(f"{_label('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
-        return Shown(
+            return StepValues(f"{_label('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
+        return StepValues(
             rf"Stress $\sigma_{{{kind}}}$",
             unit,
             _component_of(values, kind),
             errors=_part(errors, COMPONENTS.index(kind)),
         )
     if not component:
-        return Shown(_label(field.name), unit, values, field.variable, errors)
+        return StepValues(_label(field.name), unit, values, field.variable, errors)
     at = "xyz".index(kind) if kind in _AXES else field.components.index(kind)
     if kind in COMPONENTS:
         symbol = rf"Strain $\varepsilon_{{{kind}}}$" if field.name == "strain" else f"{_label(field.name)} {kind}"
-        return Shown(symbol, unit, _component_of(values, kind), errors=_part(errors, at))
+        return StepValues(symbol, unit, _component_of(values, kind), errors=_part(errors, at))
     words = _AXES.get(kind, kind)
-    return Shown(f"{_label(field.name)} {words}", unit, values[at], errors=_part(errors, at))
+    return StepValues(f"{_label(field.name)} {words}", unit, values[at], errors=_part(errors, at))
 
 
-def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
+def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> StepValues:
     """History fields in the cells of a body after a step.
 
     Raises
@@ -237,8 +237,8 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
     label = _label(variable.rpartition("_")[0])
     if component:
         n = COMPONENTS.index(component)
-        return Shown(rf"{label}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
-    return Shown(label, unit, values)
+        return StepValues(rf"{label}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
+    return StepValues(label, unit, values)
 
 
 def _part(errors: NDArray[Any] | None, at: int) -> NDArray[Any] | None:

@@ -43,11 +43,11 @@ if TYPE_CHECKING:
 
     Range = tuple[float, float]
 
-__all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
+__all__ = ["Picture", "chosen_picture", "colour_map", "zoom_of"]
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Picture:
     """Picture to draw: its file name without extension, its description, and its figure."""
 
     name: str
@@ -64,7 +64,7 @@ def chosen_picture(
     region: str | None = None,
     zoom: str | Sequence[Any] | None = None,
     cmap: str | None = None,
-) -> Chosen:
+) -> Picture:
     """Draw one field; arguments like `eigencontact.plot`, except that `step` is a position along ``step``.
 
     `SceneError` names what is unknown, with the nearest valid choice.
@@ -80,7 +80,7 @@ def chosen_picture(
                     f"{name} must be left out of {field!r}, which is a standard picture (got {shown(value)})"
                 )
         sentence, draw = pictures[stem]
-        return Chosen(f"plot-{stem}", sentence, draw())
+        return Picture(f"plot-{stem}", sentence, draw())
     place, choice = _place_and_field(dataset, field, region, tuple(pictures))
     axis = choice.component(component)
     stems = [] if place == SURFACE else [place or "cells"]
@@ -100,7 +100,7 @@ def chosen_picture(
             figure = stress_section(dataset, place, step, None, numbers, view)
     after = f" after step {int(dataset['step'][step])}" if dataset.sizes["step"] > 1 else ""
     sentence = f"{choice.name}{f' {axis}' if axis else ''} {f'on {place!r}' if place else 'in the cells'}{after}."
-    return Chosen(f"plot-{name}", sentence, figure)
+    return Picture(f"plot-{name}", sentence, figure)
 
 
 def _standard(dataset: Results, step: int) -> dict[str, tuple[str, Callable[[], Figure]]]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
     Range = tuple[float, float]
 
-__all__ = ["WHOLE", "Cut", "Seen", "Shown", "View"]
+__all__ = ["WHOLE", "Cut", "StepValues", "View", "VisiblePart"]
 
 #: A section is framed around the contact and what reaches this part of the largest value,
 MATTERS = 0.1
@@ -37,7 +37,7 @@ FIRST_CELL = 0.75
 
 
 @dataclass(frozen=True)
-class Shown:
+class StepValues:
     """Values at all points of a region, or all cells of the surface, in one step.
 
     Attributes
@@ -59,7 +59,7 @@ class Shown:
     errors: NDArray[Any] | None = None
 
     @property
-    def nothing(self) -> str:
+    def text_of_zeros(self) -> str:
         """Text of a picture of zeros."""
         return "no stress" if self.unit == "Pa" else "zero everywhere"
 
@@ -139,7 +139,7 @@ class Cut:
 
 
 @dataclass(frozen=True)
-class Seen:
+class VisiblePart:
     """Visible part of a section: its limits [m], the smaller first, and rows and columns of its points."""
 
     horizontal: Range
@@ -157,7 +157,7 @@ class Seen:
         return np.asarray(clipped_runs[clipped_runs[:, 1] > clipped_runs[:, 0]])
 
     @staticmethod
-    def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> Seen:
+    def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> VisiblePart:
         """Limits of a section: those of the user, else those of its large values or of the whole section."""
         h, v = section.h, section.v
         limits = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
@@ -165,7 +165,7 @@ class Seen:
             ends = _framed(dataset, section, step, limits) if framed else limits
         else:
             ends = (view.horizontal or limits[0], view.vertical or limits[1])
-        return Seen(*ends, (_within(v, ends[1]), _within(h, ends[0])))
+        return VisiblePart(*ends, (_within(v, ends[1]), _within(h, ends[0])))
 
 
 def _framed(dataset: Results, section: Cut, step: int, limits: tuple[Range, Range]) -> tuple[Range, Range]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
-    from eigencontact.viz.cut import Shown
+    from eigencontact.viz.cut import StepValues
     from eigencontact.viz.style import Scale
 
 __all__ = ["BAND", "draw_band", "error_line", "errors_of", "history_errors", "with_error"]
@@ -53,7 +53,7 @@ def with_error(title: str, dataset: Results, variable: str, step: int) -> str:
     return f"{title}\n{line}" if line else title
 
 
-def error_line(numbers: Shown, edged: int = 0) -> str:
+def error_line(numbers: StepValues, edged: int = 0) -> str:
     """Text about the error of the displayed field, which has edges along `edged` of its dimensions."""
     return _line(numbers.values, numbers.errors, edged)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.cut import Shown
+from eigencontact.viz.cut import StepValues
 from eigencontact.viz.looks import figure_look
 from eigencontact.viz.section import kind_of, stress_section
 from eigencontact.viz.style import draw_cross, place, save, scale_for
@@ -69,7 +69,7 @@ def fatigue_section(results: Results, values: np.ndarray[Any, Any], summary: Map
         Damage parameter over its limit, on the dimensions of the region.
     """
     words = f"{summary['criterion']['type']}, value over limit"
-    shown = Shown(words, "1", np.maximum(np.asarray(values, dtype=float), 0.0))
+    shown = StepValues(words, "1", np.maximum(np.asarray(values, dtype=float), 0.0))
     figure = stress_section(results, str(summary["region"]), -1, numbers=shown)
     axes = figure.axes[0]
     names = _mark_hot_spot(axes, summary)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
-    from eigencontact.viz.cut import Shown, View
+    from eigencontact.viz.cut import StepValues, View
     from eigencontact.viz.frame import Frame
     from eigencontact.viz.style import Scale
 
@@ -174,7 +174,7 @@ def _largest(field: NDArray[Any]) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: View) -> Figure:
+def surface_line(dataset: Results, along: str, numbers: StepValues, step: int, view: View) -> Figure:
     """Draw a field of the surface (`numbers`) over one row or one column of its cells.
 
     The line passes through the middle of the contact, or through the largest pressure where the contact is in patches.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from eigencontact.results.stored import Results
-    from eigencontact.viz.cut import Shown, View
+    from eigencontact.viz.cut import StepValues, View
     from eigencontact.viz.style import Scale
 
 __all__ = ["Line", "line_profile", "mean_profile", "stress_profile"]
@@ -179,7 +179,7 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     return figure
 
 
-def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view: View) -> Figure:
+def line_profile(dataset: Results, region: str, numbers: StepValues, step: int, view: View) -> Figure:
     """Numbers at the points of a region of shape line: depth downwards, or the coordinate that varies most across.
 
     ``vertical`` of the view is the part of the line that is seen where it is deep, else ``horizontal``.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
-    from eigencontact.viz.cut import Shown, View
+    from eigencontact.viz.cut import StepValues, View
     from eigencontact.viz.style import Scale
 
 __all__ = [
@@ -167,7 +167,7 @@ def draw_zone(
     return True
 
 
-def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View) -> Figure:
+def cells_map(dataset: Results, body: int, numbers: StepValues, step: int, view: View) -> Figure:
     """Numbers (nz, ny, nx) in the cells of a body, on the section normal to y through the largest, marked by a cross.
 
     `view` is the part of the section, and colours, where they are chosen.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eigencontact.viz.contours import colour_ends, contours_by_side, grows, name_largest
-from eigencontact.viz.cut import WHOLE, Cut, Seen, Shown, View
+from eigencontact.viz.cut import WHOLE, Cut, StepValues, View, VisiblePart
 from eigencontact.viz.errors import error_line, errors_of
 from eigencontact.viz.lines import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.outline import draw_interfaces, draw_outline
@@ -71,7 +71,7 @@ def stress_section(
     region: str,
     step: int = -1,
     on: Frame | None = None,
-    numbers: Shown | None = None,
+    numbers: StepValues | None = None,
     view: View = WHOLE,
 ) -> Figure:
     """One scalar of one step on a section, z downwards if the section contains it, equal scales.
@@ -95,7 +95,7 @@ def stress_section(
     section = Cut(dataset, region, described, numbers.values, step)
     values, v, h = section.values, section.v, section.h
     vertical, horizontal = section.dims
-    visible = Seen.of(dataset, section, view, step, framed=on is None)
+    visible = VisiblePart.of(dataset, section, view, step, framed=on is None)
     inside = values[visible.points]
     trusted = np.where(section.sides.trusted, values, np.nan)[visible.points]
     trusted = trusted if np.isfinite(trusted).any() else inside
@@ -130,7 +130,7 @@ def stress_section(
         title = f"{title}, {cut.removeprefix('at ')}" if " at " in title and cut else f"{title} {cut}".strip()
         where = ""
         if filled is None:
-            axes.text(0.5, 0.5, numbers.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
+            axes.text(0.5, 0.5, numbers.text_of_zeros, transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
             label = unit.label(numbers.words) + (" (nonlinear scale)" if grows(filled) else "")
             label += ", scale of this side" if INTERFACE in cut else ""
@@ -157,12 +157,12 @@ def equivalent_of(dataset: Results, region: str) -> str | None:
     return next((field for field in EQUIVALENT if f"{region}_{field}" in dataset), None)
 
 
-def default_field(dataset: Results, region: str, step: int) -> Shown:
+def default_field(dataset: Results, region: str, step: int) -> StepValues:
     """Equivalent stress of a section by default."""
     field = equivalent_of(dataset, region) or next(iter(EQUIVALENT))
     name = f"{region}_{field}"
     values = np.asarray(dataset[name][step].values, dtype=float)
-    return Shown(EQUIVALENT[field], "Pa", values, name, errors_of(dataset, name, step))
+    return StepValues(EQUIVALENT[field], "Pa", values, name, errors_of(dataset, name, step))
 
 
 def _near_zero(places: NDArray[np.float64], index: int) -> float:

@@ -12,13 +12,13 @@ from eigencontact.plugin import FloatArray, StrainDamage, hook_for, require
 __all__ = ["MazarsDamage"]
 
 
-#: Stiffness that is left in the end, in parts of that of the sound material.
+#: Lower bound of the remaining stiffness, relative to the undamaged material.
 _LEAST = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
 class MazarsDamage(StrainDamage):
-    """``D = 1 - κ0 (1 - A) / κ - A exp(-B (κ - κ0))`` beyond the strain κ0: concrete.
+    """``D = 1 - κ0 (1 - A) / κ - A exp(-B (κ - κ0))`` beyond the strain κ0, for concrete.
 
     In tension the stress falls from ``E κ0`` to ``(1 - A) E κ0``; it falls from the start if ``B κ0 > 1``. The source
     mixes two curves, for tension and for compression, by the state of stress, so that D would decrease if a load

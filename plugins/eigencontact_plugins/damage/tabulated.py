@@ -23,7 +23,7 @@ __all__ = ["TabulatedDamage"]
 
 @dataclass(frozen=True, kw_only=True)
 class TabulatedDamage(PlasticDamage, StrainDamage):
-    """Damage by points of a curve over plastic strain, or over strain: linear between them, constant after the last.
+    """Damage by points of a curve over plastic strain, or over strain: linear between points, constant after the last.
 
     Parameters
     ----------

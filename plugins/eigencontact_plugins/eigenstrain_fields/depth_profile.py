@@ -12,7 +12,7 @@ from eigencontact.plugin import FloatArray, Length, Row, TimedField, hook_for, m
 __all__ = ["DepthProfile"]
 
 
-#: How one number is spread over the components: all three alike, along the surface alone, or by three weights.
+#: Distribution of one value over the components: equal, only along the surface, or by three weights.
 Direction = Literal["isotropic", "in-plane"] | Row
 
 
@@ -64,7 +64,7 @@ class DepthProfile(TimedField):
 
 
 def _directed(key: str, direction: Direction) -> FloatArray:
-    """Mandel vector ``(6,)`` that one number of a profile multiplies."""
+    """Mandel vector ``(6,)`` for a unit value of a profile."""
     directions = {"isotropic": 1.0, "in-plane": (1.0, 1.0, 0.0)}
     if isinstance(direction, str):
         require(direction in directions, key, "direction", direction, "'isotropic', 'in-plane' or three numbers")

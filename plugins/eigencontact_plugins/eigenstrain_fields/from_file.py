@@ -45,7 +45,7 @@ class FromFile(TimedField):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _ = self._data  # read and checked now, not in the middle of a run
+        _ = self._data  # read and check the file before the run
 
     @cached_property
     def _data(self) -> GriddedData:

@@ -1,4 +1,4 @@
-"""The layer that shot peening, rolling or laser shocks leave below a surface."""
+"""Layer below a surface after shot peening, rolling or laser shocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Thermal expansion under a temperature that decays with the depth."""
+"""Thermal expansion for a temperature that decreases with depth."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Thermal"]
 
 @dataclass(frozen=True, kw_only=True)
 class Thermal(TimedField):
-    """Thermal expansion alpha dT exp(-z/d), the same in all directions.
+    """Thermal expansion alpha dT exp(-z/d), equal in all directions.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Thermal(TimedField):
 
     @property
     def uniform(self) -> bool:  # type: ignore[override]
-        """Whether the temperature is the same at all depths."""
+        """Whether the temperature is equal at all depths."""
         return bool(np.isinf(self.decay_depth))
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:

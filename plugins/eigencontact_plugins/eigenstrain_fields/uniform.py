@@ -1,4 +1,4 @@
-"""The same eigenstrain everywhere."""
+"""Uniform eigenstrain."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Uniform"]
 
 @dataclass(frozen=True, kw_only=True)
 class Uniform(TimedField):
-    """Uniform eigenstrain; ``eigenstrain = 1e-3`` of an inclusion is short for it.
+    """Uniform eigenstrain; ``eigenstrain = 1e-3`` of an inclusion is a short form of it.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["DangVan"]
 
-#: Part of the largest stress within which two times may exchange by the error of a closed form of eigenvalues.
+#: Relative difference from the largest stress within which the error of the eigenvalue formula may exchange two times.
 _NEAR = 1e-6
 
 
@@ -51,7 +51,7 @@ class DangVan(WeightedNormalStress):
         deviator -= smallest_balls(deviator)[0]
         pressure = self.slope * cycle.hydrostatic
         about = _tresca(deviator) + pressure
-        # The formula errs by a part of 1e-8: eigenvalues are found where a time may be the worst.
+        # The formula has a relative error of 1e-8: eigenvalues are computed at all times that may be critical.
         steps, points = np.nonzero(about >= about.max(axis=0) - _NEAR * np.abs(deviator).max(axis=(0, 1)))
         values, directions = np.linalg.eigh(_matrices(deviator[steps, :, points].T))
         at_times = np.full(about.shape, -np.inf)
@@ -76,7 +76,7 @@ class DangVan(WeightedNormalStress):
 
 
 def _tresca(deviator: FloatArray) -> FloatArray:
-    """Largest shear of deviators ``(steps, 6, points)``, nearly: by the angle of their invariants."""
+    """Largest shear of deviators ``(steps, 6, points)``, by the angle of their invariants, with a small error."""
     xx, yy, zz = (deviator[:, k] for k in range(3))
     yz, xz, xy = (deviator[:, k] / SQRT2 for k in range(3, 6))
     second = 0.5 * np.einsum("tip,tip->tp", deviator, deviator)

@@ -35,7 +35,8 @@ class FatemiSocie(FatigueCriterion):
     yield_stress : float
         Yield stress in tension [Pa].
     limit_strain_amplitude : float
-        Damage parameter [-] that the material endures: shear strain amplitude in fully reversed torsion, a little more.
+        Damage parameter [-] that the material endures: slightly above the shear strain amplitude in fully reversed
+        torsion.
     """
 
     key: ClassVar[str] = "fatemi-socie"

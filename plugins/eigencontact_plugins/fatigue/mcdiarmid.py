@@ -19,8 +19,8 @@ from eigencontact_plugins.fatigue.rules import check_positive
 
 __all__ = ["McDiarmid"]
 
-#: Part of the normal stress in the search for the plane. Planes at right angles can have the same shear amplitude: this
-#: chooses the one with more tension, by more than the search for planes misses.
+#: Weight of the normal stress in the search for the plane. Perpendicular planes can have equal shear amplitudes; the
+#: weight selects the one with more tension, and exceeds the error of the search.
 _TIE = 1e-4
 
 

@@ -14,9 +14,9 @@ from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Papadopoulos"]
 
-#: Gauss points of the cosine of the polar angle; azimuths and directions in the plane have as many.
+#: Number of Gauss points of the cosine of the polar angle, of azimuths, and of directions in a plane.
 _NODES = 10
-#: Points at once: their components on all planes stay in the cache.
+#: Points per block: their components on all planes fit into the cache.
 _PART = 100
 
 

@@ -15,7 +15,7 @@ __all__ = ["ByMaterial"]
 
 @dataclass(frozen=True, kw_only=True)
 class ByMaterial(FrictionLaw):
-    """Friction law by exposed material: each column of the contact has the law of its material.
+    """Friction law by exposed material: each column of the contact uses the law of its material.
 
     The names of materials are the ``name`` of inclusions and layers in the scene; all other material is ``substrate``.
 

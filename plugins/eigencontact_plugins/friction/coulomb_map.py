@@ -1,4 +1,4 @@
-"""Coulomb friction whose coefficient differs from place to place: phases, coatings, worn tracks, measured maps."""
+"""Coulomb friction with a coefficient that depends on position: phases, coatings, worn tracks, measured maps."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Region:
     center : (float, float)
         Middle (x, y) [m].
     size : (float, float), optional
-        Edges of a rectangle [m], along x and y before the turn.
+        Edges of a rectangle [m], along x and y before the rotation.
     angle : float
-        Turn of the rectangle [rad] from x towards y.
+        Rotation of the rectangle [rad] from x towards y.
     radius : float, optional
         Radius of a circle [m].
     """
@@ -53,7 +53,7 @@ class Region:
     radius: Length | None = None
 
     def check(self, where: str) -> None:
-        """Refuse an invalid region; `where` names it."""
+        """Refuse an invalid region; `where` is its name."""
         check_coefficient(where, "coefficient", self.coefficient)
         check_center(where, self.center)
         check_angle(where, self.angle)
@@ -67,7 +67,7 @@ class Region:
             require(good, where, "size", self.size, "two positive and finite lengths")
 
     def contains(self, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
-        """Whether points [m] that broadcast lie in the region or on its edge."""
+        """Whether points [m] lie in the region or on its edge; x and y broadcast."""
         if self.radius is not None:
             dx, dy = body_axes(x, y, self.center)
             return np.asarray(dx**2 + dy**2 <= self.radius**2)
@@ -78,7 +78,7 @@ class Region:
 
 @dataclass(frozen=True, kw_only=True)
 class CoulombMap(FrictionLaw):
-    """Coulomb friction with a coefficient that depends on the place: from a file, in regions, or both.
+    """Coulomb friction with a coefficient that depends on position: from a file, in regions, or both.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class CoulombMap(FrictionLaw):
     lateral_unit : float
         Metres per unit of the coordinates in the file.
     interpolation : "linear" or "nearest"
-        Between the points of the file; constant in its outermost half step.
+        Interpolation between the points of the file; constant in its outermost half step.
     regions : tables, optional
         Rectangles and circles with a coefficient each, in place of the map; the last region that contains a point
         determines its coefficient. See `Region`.
@@ -124,7 +124,7 @@ class CoulombMap(FrictionLaw):
                 raise SceneError(f'{self.key} must have a file or regions (got neither); or set type = "coulomb"')
             has_base = self.coefficient is not None
             require(has_base, self.key, "coefficient", None, "given: without a file it holds outside the regions")
-        _ = self._map  # read and checked now, not in the middle of a run
+        _ = self._map  # read and check the file before the run
 
     @cached_property
     def _map(self) -> GriddedData | None:
@@ -132,11 +132,11 @@ class CoulombMap(FrictionLaw):
 
     @cached_property
     def _last(self) -> dict[tuple[bytes, bytes], FloatArray]:
-        """Coefficients at the last centres, which do not change during a run."""
+        """Coefficients at the last cell centres, which do not change during a run."""
         return {}
 
     def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Coefficient [-] at points [m] that broadcast; NaN without a coefficient."""
+        """Coefficient [-] at points [m]; NaN without a coefficient; x and y broadcast."""
         shape = np.broadcast_shapes(np.shape(x), np.shape(y))
         base = np.nan if self.coefficient is None else self.coefficient
         out = np.full(shape, base)
@@ -153,7 +153,7 @@ class CoulombMap(FrictionLaw):
         Raises
         ------
         SceneError
-            Contact outside the map where no coefficient is given for that.
+            There is contact outside the map, without a coefficient for it.
         """
         place = (state.x.tobytes(), state.y.tobytes())
         if place not in self._last:

@@ -15,7 +15,7 @@ __all__ = ["ShearCap"]
 
 @dataclass(frozen=True, kw_only=True)
 class ShearCap(FrictionLaw):
-    """Coulomb friction that ends at a shear strength: the smaller of coefficient times p, and cap.
+    """Coulomb friction with an upper bound by a shear strength: the smaller of coefficient times p, and cap.
 
     Parameters
     ----------

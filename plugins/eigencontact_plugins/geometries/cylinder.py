@@ -1,4 +1,4 @@
-"""Cylinder lying on the plane, of finite length or without end."""
+"""Cylinder on a plane, of finite or infinite length."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class Cylinder(Geometry):
         L [m], of the straight part, centred; ``"infinite"`` by default.
     end_radius : float
         Radius [m] of the rounding beyond the straight part, as a parabola: h grows by (|η| - L/2)² / (2 end_radius)
-        with continuous slope. 0 means sharp ends: beyond them there is no surface, and the separation jumps up by
-        R + L, more than any approach, so that nothing touches there; points on the ends (to 1e-9 L) still belong to it.
+        with continuous slope. 0 means sharp ends: there is no surface beyond them, and the separation increases by R +
+        L, more than any approach, so that there is no contact. Points on the ends (to 1e-9 L) belong to the surface.
     angle : float
-        Turn of the axis from y towards -x [rad] (the whole body turns from x towards y).
+        Rotation of the axis from y towards -x [rad] (the whole body rotates from x towards y).
     center : (float, float)
         Middle of the lowest line (x, y) [m].
 

@@ -22,7 +22,7 @@ class Ellipsoid(Geometry):
     radius_x, radius_y : float
         Principal radii of curvature [m] along ξ and η (of two bodies: the relative ones).
     angle : float
-        Turn of ξ from x towards y [rad].
+        Rotation of ξ from x towards y [rad].
     center : (float, float)
         Lowest point (x, y) [m].
 
@@ -75,8 +75,8 @@ class Ellipsoid(Geometry):
 def axis_ratio(radius_ratio: float) -> float:
     """Axis ratio k = minor/major of the contact ellipse for a ratio of principal radii >= 1.
 
-    Solves ``radius_ratio = (E/k² - K) / (K - E)``, monotone in k. Its differences lose digits as k → 1; there
-    ``k = radius_ratio^(-2/3)`` holds to 3e-3 of the cube of ``radius_ratio - 1``.
+    Solves ``radius_ratio = (E/k² - K) / (K - E)``, which is monotonic in k. Its differences lose accuracy for k → 1;
+    there ``k = radius_ratio^(-2/3)`` has an error of 3e-3 times the cube of ``radius_ratio - 1``.
 
     Examples
     --------

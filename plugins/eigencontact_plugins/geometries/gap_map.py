@@ -1,4 +1,4 @@
-"""Separation from numbers at the points of a raster."""
+"""Separation from values at the points of a raster."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, GriddedDat
 __all__ = ["GapMap"]
 
 
-#: Steps of an axis that differ by more than this part of it are uneven.
+#: Largest relative difference between steps of an axis that counts as even.
 _EVEN = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
 class GapMap(Geometry):
-    """Separation of two surfaces at the points of a regular raster, with its own datum.
+    """Separation of two surfaces at the points of a regular raster, with a datum of its own.
 
-    The separation is exact at the points of the raster, which are the cells of an automatic grid, bilinear between
-    them, and constant outside. The approach is relative to a separation of 0, independent of the first touch.
+    The separation is exact at the points of the raster, which are the cells of an automatic grid. It is bilinear
+    between the points, and constant outside. The approach is relative to a separation of 0, independent of the first
+    contact.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class GapMap(Geometry):
 
     def __post_init__(self) -> None:
         rule = "a raster of equal steps along x, and along y"
-        for axis in self._data.axes:  # read and checked now, not in the middle of a run
+        for axis in self._data.axes:  # read and check the file before the run
             steps = np.diff(axis)
             require(float(np.ptp(steps)) <= _EVEN * float(steps.mean()), self.key, "file", self.file, rule)
 
@@ -47,7 +48,7 @@ class GapMap(Geometry):
         return read_gridded(f"{self.key}.file", self.file, {"gap": "m"}, axes=("y", "x"))
 
     def native_grid(self) -> Grid:
-        """Grid whose cells are centred on the points."""
+        """Grid with cells centred on the points."""
         (dy, cy), (dx, cx) = (
             (float(axis[-1] - axis[0]) / (axis.size - 1), 0.5 * float(axis[0] + axis[-1])) for axis in self._data.axes
         )

@@ -1,7 +1,7 @@
 """Reader of measured surfaces: NumPy files, text with a matrix or rows x y z, and files that SurfaceTopography opens.
 
-Every reader returns the heights as they stand in the file, ``(ny, nx)`` with NaN where a point is missing, and the
-distances between points and the units if the file knows them. A refusal is one line: ``topography.file must be ...``.
+Every reader returns the heights of the file, ``(ny, nx)`` with NaN for missing points, and the distances between points
+and the units if the file contains them. An error has one line: ``topography.file must be ...``.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ class Measurement:
     heights : (ny, nx) float64
         NaN where missing; rows run along y, columns along x.
     spacing : (float, float) or None
-        Distance of the points along x and y, in lateral units; None where the file does not say.
+        Distance of the points along x and y, in lateral units; None if the file does not contain it.
     height_unit, lateral_unit : float or None
-        Metres in one unit of the heights, and of the spacing; None where the file does not say.
+        Metres per unit of the heights, and of the spacing; None if the file does not contain it.
     fixed : bool
-        False where these units are a custom of the format, not words of the file: others may be given instead.
+        False if these units are only a convention of the format; a scene may then prescribe others.
     """
 
     heights: FloatArray
@@ -109,7 +109,7 @@ def _is_foreign(path: Path) -> bool:
 
 
 def _read_text(path: Path, file: str) -> Measurement:
-    """Read three columns as coordinates, unless the header has the width of the window; else read a matrix."""
+    """Read three columns as coordinates, unless the header has the width of the window; otherwise read a matrix."""
     table = read_table(path, lambda rule, reason: _refusal(rule, file, reason))
     header = read_header(table.header, lambda rule, reason: _refusal(rule, file, reason))
     lengths = [*header.spacing, *header.size]
@@ -139,7 +139,7 @@ def _refuse_labels(numbers: FloatArray, file: str) -> None:
 
 
 def _from_columns(table: FloatArray, header: Header, file: str) -> Measurement:
-    """Three columns x, y, z in any order of rows; points of the raster that have no row are missing."""
+    """Three columns x, y, z with rows in any order; points of the raster without a row are missing."""
     x, y, z = table.T
     (ix, nx, dx), (iy, ny, dy) = _raster(x, "x", file), _raster(y, "y", file)
     if 10 * x.size < nx * ny:
@@ -159,16 +159,16 @@ def _from_columns(table: FloatArray, header: Header, file: str) -> Measurement:
 
 
 def _raster(values: FloatArray, axis: str, file: str) -> tuple[NDArray[np.intp], int, float]:
-    """Index of each coordinate on its axis, the number of levels and their distance; refuses uneven levels."""
+    """Index of each coordinate on its axis, number of levels and their distance; refuses uneven levels."""
     if not np.isfinite(values).all():
         raise _refusal("a raster with finite coordinates", file, f"{axis} holds {np.sum(~np.isfinite(values))} others")
     order = np.sort(values)
     gaps = np.diff(order)
-    gaps = gaps[gaps > 0.1 * gaps.max(initial=0.0)]  # smaller ones are the rounding of one coordinate
+    gaps = gaps[gaps > 0.1 * gaps.max(initial=0.0)]  # smaller gaps are round-off of one coordinate
     if gaps.size == 0:
         raise _refusal("heights on a raster of at least 2 x 2 points", file, f"all {axis} are equal")
     typical = np.median(gaps)
-    typical = gaps[np.abs(gaps - typical) < 0.5 * typical].mean()  # an absent row or column leaves a double gap
+    typical = gaps[np.abs(gaps - typical) < 0.5 * typical].mean()  # a missing row or column causes a double gap
     span = float(order[-1] - order[0])
     levels = round(span / typical) + 1
     step = span / (levels - 1)
@@ -196,7 +196,7 @@ def _read_instrument(path: Path, file: str) -> Measurement:
                 topography = topography.to_unit("m")
             heights: FloatArray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
             steps = [float(size / number) for size, number in zip(topography.physical_sizes, points, strict=True)]
-    except Exception as problem:  # each of its readers raises errors of its own
+    except Exception as problem:  # each reader raises errors of its own types
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
         raise _refusal("a format that SurfaceTopography reads", file, reason) from problem
     spacing, unit = (steps[0], steps[-1]) if extent else None, 1.0 if in_metres else None

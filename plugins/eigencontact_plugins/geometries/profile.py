@@ -1,4 +1,4 @@
-"""Profile of a surface from a file, the same along y."""
+"""Profile of a surface from a file, constant along y."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from eigencontact_plugins.geometries.frame import check_length
 
 __all__ = ["Profile"]
 
-#: Steps between points that differ by more than this share of the mean are uneven; text rounds coordinates.
+#: Largest relative difference of a step from the mean that counts as even; text files round coordinates.
 _EVEN = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
 class Profile(Geometry):
-    """Profile of heights over x, as of a stylus: separation max(height) - height, the same along y.
+    """Profile of heights over x, as of a stylus: separation max(height) - height, constant along y.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Profile(Geometry):
             rule = "left out for a file of NetCDF, which tells the units of its variables"
             require(self.height_unit == 1.0, self.key, "height_unit", self.height_unit, rule)
         rule = "a profile of 3 points or more"
-        points = self._data.shape[0]  # read and checked now, not in the middle of a run
+        points = self._data.shape[0]  # read and check the file before the run
         require(points >= 3, self.key, "file", f"{self.file!r} with {points} points", rule)
 
     @cached_property
@@ -77,7 +77,7 @@ class Profile(Geometry):
         return read_gridded(f"{self.key}.file", self.file, {"height": "m"}, axes=("x",), unit=self.unit)
 
     def native_grid(self) -> Grid:
-        """Grid whose cells are centred on the points, one row of squares."""
+        """Grid with cells centred on the points, one row of squares."""
         x = self._data.axes[0]
         steps = np.diff(x)
         dx = float(x[-1] - x[0]) / steps.size

@@ -1,7 +1,8 @@
-"""Self-affine random surface with a prescribed spectrum, the same on every grid.
+"""Self-affine random surface with a prescribed spectrum, independent of the grid.
 
 Every wave of the period has the amplitude of the spectrum and a random phase. The phase belongs to the wave, not to a
-cell of a grid, so that a finer grid sees the same surface, and a smaller cutoff adds waves without a change of others.
+cell of a grid. A finer grid therefore has the same surface, and a smaller cutoff adds waves without a change of the
+others.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from eigencontact_plugins.geometries.frame import body_axes, check_center
 __all__ = ["RandomRough", "phases"]
 
 
-#: Cells of the native grid to the shortest wave.
+#: Cells of the native grid per shortest wave.
 _CELLS_PER_WAVE = 8
-#: Waves along a side, at most: twice the square of that are the phases, and 64 times it the cells of the native grid.
+#: Largest number of waves along a side: there are twice its square phases, and 64 times its square cells of the native
+#: grid.
 _MOST = 1000
-#: Numbers in one piece of work where the points lie on no axes.
+#: Numbers per block for points that are not a product of axes.
 _PIECE = 4_000_000
 
 
@@ -38,7 +40,7 @@ class _Waves(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RandomRough(Geometry):
-    """Random surface, self-affine and periodic, of a stated spectrum: separation max(height) - height.
+    """Random surface, self-affine and periodic, with a given spectrum: separation max(height) - height.
 
     Parameters
     ----------
@@ -51,25 +53,27 @@ class RandomRough(Geometry):
     hurst : float
         Hurst exponent H, above 0 and up to 1; the fractal dimension of the surface is 3 - H.
     roll_off : float, optional
-        Wavelength λ_r [m] above which the spectrum is flat; by default the longer period, so that nothing is flat.
+        Wavelength λ_r [m] above which the spectrum is constant; by default the longer period, so that no part is
+        constant.
     short_cutoff : float
         Shortest wavelength λ_s [m].
     long_cutoff : float, optional
         Longest wavelength [m]; by default that of the period.
     seed : int
-        Number of the surface: another one has other phases and the same spectrum.
+        Seed of the phases; surfaces of different seeds have the same spectrum.
     center : (float, float)
         Position of the centre of the window (x, y) [m].
 
     Notes
     -----
-    Wavevectors are q = 2π (m/Lx, n/Ly), and the spectrum is C(q) = C0 (max(q, q_r) / q_r)^(-2 - 2H) up to q_s, with
-    q_r = 2π/λ_r and q_s = 2π/λ_s. The height is h = Σ √(C(q) / (Lx Ly)) cos(q·x + φ_q) over all q. Phases φ_q are
-    evenly distributed and amplitudes are those of the spectrum, so that the stated root mean square holds for every
-    seed, not in the mean of many. Heights are normally distributed as far as the waves are many.
+    Wavevectors are q = 2π (m/Lx, n/Ly), and the spectrum is C(q) = C0 (max(q, q_r) / q_r)^(-2 - 2H) up to q_s, with q_r
+    = 2π/λ_r and q_s = 2π/λ_s. The height is h = Σ √(C(q) / (Lx Ly)) cos(q·x + φ_q) over all q. Phases φ_q are uniformly
+    distributed and amplitudes are those of the spectrum. The root mean square is therefore exact for every seed, not
+    only in the mean over many seeds. With many waves the heights are normally distributed.
 
-    The surface is smooth, and the same on every grid. Its own grid is one period with 8 cells to the shortest wave; the
-    datum 0 is the highest point of that. Geometries add up: beside a sphere this is the roughness of a ball.
+    The surface is smooth and independent of the grid. Its native grid is one period with 8 cells per shortest wave; the
+    datum 0 is the highest point on this grid. Geometries are added: together with a sphere the surface is the roughness
+    of a ball.
 
     Examples
     --------
@@ -120,7 +124,7 @@ class RandomRough(Geometry):
         check_center(self.key, self.center)
 
     def native_grid(self) -> Grid:
-        """One period, in cells of an eighth of the shortest wave or a little less."""
+        """One period, with cells of at most an eighth of the shortest wave."""
         from scipy.fft import next_fast_len
 
         nx, ny = (
@@ -147,7 +151,7 @@ class RandomRough(Geometry):
         if columns is not None and rows is not None:
             half = self._coefficients @ _turns(self._waves.along_x, columns / self.size[0])
             turn = _turns(self._waves.along_y, rows / self.size[1])
-            # The real part alone, as one product of real matrices.
+            # Only the real part, as one product of real matrices.
             height = np.concatenate([turn.real, -turn.imag]).T @ np.concatenate([half.real, half.imag])
             return np.asarray(height).reshape(shape)
         points = np.stack(
@@ -172,7 +176,7 @@ class RandomRough(Geometry):
 
     @cached_property
     def _coefficients(self) -> NDArray[np.complex128]:
-        """Complex amplitude of every wave [m], 0 without a wave."""
+        """Complex amplitude of every wave [m]; 0 for waves outside the spectrum."""
         present, q = self._waves.present, self._waves.q
         roll_off = 2 * np.pi / (max(self.size) if self.roll_off is None else self.roll_off)
         amplitude = np.where(present, (np.maximum(q, roll_off) / roll_off) ** -(1 + self.hurst), 0.0)
@@ -186,10 +190,10 @@ class RandomRough(Geometry):
 
 
 def phases(n: NDArray[np.intp], m: NDArray[np.intp], seed: int) -> FloatArray:
-    """Phase of the waves with n periods along y and m along x, which broadcast; n is not negative.
+    """Phases of the waves with n periods along y and m along x, which broadcast; n is not negative.
 
-    The numbers are drawn square by square around the wave 0: those of long waves do not depend on how many short ones
-    there are. They are made of raw bits, which NumPy promises never to change for a seed.
+    The numbers are drawn square by square around the wave 0, so that the phases of long waves do not depend on the
+    number of short waves. They are made from raw bits, which NumPy guarantees to be constant for a seed.
 
     Examples
     --------
@@ -201,19 +205,19 @@ def phases(n: NDArray[np.intp], m: NDArray[np.intp], seed: int) -> FloatArray:
     ring = np.maximum(np.abs(m), n)
     side = np.where(n == 0, 0, 2 * n - 1 + (m < 0))
     place = 2 * ring * (ring - 1) + np.where(n == ring, 2 * ring - 1 + m + ring, side)
-    place = np.maximum(place, 0)  # the wave 0, which no surface has
+    place = np.maximum(place, 0)  # the wave 0, which is not part of any surface
     random_numbers = np.random.PCG64(seed).random_raw(int(place.max()) + 1)
     return np.asarray(2 * np.pi * 2.0**-53 * (random_numbers >> np.uint64(11))[place], dtype=float)
 
 
 def _turns(numbers: NDArray[np.intp], periods: FloatArray) -> NDArray[np.complex128]:
-    """``exp(2πi n t)`` for waves of n to the period at places t in periods, (waves, places)."""
+    """``exp(2πi n t)`` for waves with n periods at positions t in periods, (waves, positions)."""
     turned: NDArray[np.complex128] = np.exp(2j * np.pi * numbers[:, None] * (periods - np.rint(periods))[None, :])
     return turned
 
 
 def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray | None:
-    """Values along one of the last two axes of `shape`, if they vary only along it; else None."""
+    """Values along one of the last two axes of `shape`, if they vary only along it; otherwise None."""
     if len(shape) != 2:
         return None
     full = np.broadcast_to(values, shape)

@@ -1,4 +1,4 @@
-"""Preparing measured heights: the plane of least squares, and missing points filled from their neighbours."""
+"""Preparation of measured heights: least-squares plane, and interpolation of missing points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["fitted_plane", "harmonic_fill"]
 
 
 def fitted_plane(height: FloatArray) -> FloatArray:
-    """Least-squares plane through the known points of ``height (ny, nx)``; same shape."""
+    """Least-squares plane through the valid points of ``height (ny, nx)``; same shape."""
     ny, nx = height.shape
     row, column = np.linspace(-1, 1, ny)[:, None], np.linspace(-1, 1, nx)[None, :]
     basis = np.stack([np.ones((ny, nx)), row + 0 * column, column + 0 * row], axis=-1)
@@ -20,7 +20,7 @@ def fitted_plane(height: FloatArray) -> FloatArray:
 
 
 def harmonic_fill(values: FloatArray, dx: float, dy: float) -> FloatArray:
-    """Replace NaN in ``values (ny, nx)`` by the discrete harmonic function, zero slope across the border."""
+    """Replace NaN in ``values (ny, nx)`` by the discrete harmonic function with zero slope across the border."""
     from scipy.sparse import coo_array
     from scipy.sparse.linalg import spsolve
 

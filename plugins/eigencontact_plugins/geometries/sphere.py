@@ -22,18 +22,18 @@ class Sphere(Revolution):
     radius : float
         R [m].
     profile : "parabola" or "circle"
-        ``parabola``: h = r²/(2R), what Hertz assumes; differs from the circle by r⁴/(8R³).
-        ``circle``: h = R - √(R² - r²), for contacts that are not small beside R (the half-space stays an
-        approximation of small slopes). Beyond r = R the sphere has no surface; the separation goes on as h = r,
-        continuous and at least R, which no contact reaches.
+        ``parabola``: h = r²/(2R), as in Hertz's theory; it differs from the circle by r⁴/(8R³). ``circle``: h = R -
+        √(R² - r²), for contacts that are not small compared with R (the half-space remains an approximation for small
+        slopes). Beyond r = R the sphere has no surface; the separation continues as h = r, which is at least R and out
+        of reach of the contact.
     center : (float, float)
         Lowest point (x, y) [m].
 
     Notes
     -----
     Closed form: Hertz for the parabola, p = p0 √(1 - r²/a²); for the circle Sneddon's g'(t) = artanh(t/R)
-    + tR/(R² - t²), which tends to Hertz as a/R → 0 (load at equal a: 1 + 2a²/(5R²) + ... times Hertz's). It is NaN
-    for a load of some 20 E* R² and more, which no a < R carries.
+    + tR/(R² - t²), which tends to Hertz for a/R → 0 (load at equal a: 1 + 2a²/(5R²) + ... times Hertz's). It is NaN for
+    loads above about 20 E* R², which require a > R.
 
     Examples
     --------
@@ -62,7 +62,7 @@ class Sphere(Revolution):
         R = self.radius
         if self.profile == "parabola":
             return np.asarray(r * (r / (2.0 * R)))
-        inside = np.minimum(r, R)  # the next line is R - √(R² - r²) without its cancellation
+        inside = np.minimum(r, R)  # the next line is R - √(R² - r²) without cancellation
         return np.asarray(np.where(r < R, inside**2 / (R + np.sqrt((R - inside) * (R + inside))), r))
 
     def rate(self, t: FloatArray) -> FloatArray:

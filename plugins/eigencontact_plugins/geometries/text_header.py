@@ -1,7 +1,7 @@
 """Units and distances of a measured surface from the header of a text file.
 
-Lines like ``Width: 64.0 µm``, ``# dx = 0.5 um``, ``Value units: nm``, ``"XY calibration",0.69,"um"`` or ``x [um], y
-[um], z [nm]`` are read, whatever mark stands before them; the others are passed over.
+The reader accepts lines like ``Width: 64.0 µm``, ``# dx = 0.5 um``, ``Value units: nm``, ``"XY calibration",0.69,"um"``
+or ``x [um], y [um], z [nm]``, with any comment sign before them, and ignores other lines.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from eigencontact.plugin import SceneError
 
 __all__ = ["REMARK", "Header", "read_header"]
 
-#: Makes the error from the rule that a file breaks, and the reason.
+#: Function from the violated rule and the reason to the error.
 Refusal = Callable[[str, str], SceneError]
 
-#: What a line begins with that is a remark.
+#: Characters at the start of a comment line.
 REMARK = re.compile(r"^\s*(?:[#%!]+|//)\s*")
 #: Metres in units of length, in lower case.
 _UNITS = {
@@ -25,7 +25,7 @@ _UNITS = {
     "microns": 1e-6, "micrometer": 1e-6, "micrometre": 1e-6, "nm": 1e-9, "nanometer": 1e-9, "nanometre": 1e-9,
     "pm": 1e-12, "å": 1e-10, "angstrom": 1e-10, "in": 0.0254, "inch": 0.0254, "mil": 2.54e-5,
 }  # fmt: skip
-#: Keys in lower case, with blanks for other marks: Gwyddion's, Nova's, Keyence's and those of plain sense.
+#: Keys in lower case, with blanks for other separators: those of Gwyddion, Nova, Keyence, and general ones.
 _UNIT_KEYS = {
     "both": ("unit", "units"),
     "height": ("height", "height unit", "height units", "value unit", "value units", "z unit", "unit z", "unit data"),
@@ -50,7 +50,7 @@ class Header:
     Attributes
     ----------
     height_unit, lateral_unit : float or None
-        Metres in one unit of the heights; in one unit of the lengths below, and of coordinates.
+        Metres per unit of the heights; metres per unit of the lengths below and of coordinates.
     spacing, size : (float or None, float or None)
         Distance of points, and extent of the window, along x and y.
     """
@@ -67,7 +67,7 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
     Raises
     ------
     SceneError
-        A unit that is none of length.
+        A unit is not a unit of length.
     """
     lines = list(lines)
     entries = list(_entries(lines))
@@ -81,7 +81,7 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
         return _metres(texts[0] if texts else columns.get(column), refusal)
 
     lengths = {name: values for name, keys in _LENGTH_KEYS.items() for values in _lengths(entries, keys, refusal)}
-    # A length without a unit has that of the others.
+    # A length without a unit has the unit of the others.
     usual = unit(("lateral", "both"), "x") or next((file_unit for _, file_unit in lengths.values() if file_unit), None)
 
     def pair(common: str, x: str, y: str) -> tuple[float | None, float | None]:
@@ -100,7 +100,7 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
 
 
 def _entries(lines: list[str]) -> Iterator[tuple[str, str]]:
-    """Keys with their texts."""
+    """Keys with their values as text."""
     for line in lines:
         key, *texts = re.split(r"[:=,;\t]", REMARK.sub("", line).replace('"', ""), maxsplit=1)
         if texts:
@@ -114,7 +114,7 @@ def _entries(lines: list[str]) -> Iterator[tuple[str, str]]:
 def _lengths(
     entries: list[tuple[str, str]], keys: tuple[str, ...], refusal: Refusal
 ) -> Iterator[tuple[list[float], float | None]]:
-    """Numbers of keys, one for both directions or two; and their values in metres, if they have a unit."""
+    """Values of keys, one for both directions or two; and their values in metres, if they have a unit."""
     for key, text in entries:
         numbers = [float(number) for number in _NUMBER.findall(text)]
         if key in keys and numbers:

@@ -1,7 +1,8 @@
-"""Table of numbers in a text file of an instrument's program, with its header.
+"""Table of numbers in a text file of an instrument, with its header.
 
-Numbers are parted by blanks, tabs, commas or semicolons; a decimal comma is read where commas part nothing. What stands
-above the first row, and every remark, is header. A cell that is empty or says that it holds nothing is NaN.
+Blanks, tabs, commas or semicolons separate numbers; a comma is a decimal separator if commas do not separate numbers.
+Lines above the first row and all comments belong to the header. A cell is NaN if it is empty or has a word for a
+missing value.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from eigencontact_plugins.geometries.text_header import REMARK, Refusal
 __all__ = ["Table", "read_table"]
 
 
-#: Cells of points without a height.
+#: Words for points without a height.
 _MISSING = frozenset(("", "nan", "na", "n/a", "bad", "null", "none", "-", "--", "---", "***", "void"))
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+|inf|infinity)(?:[eE][+-]?\d+)?", re.IGNORECASE)
 
@@ -31,20 +32,20 @@ class Table(NamedTuple):
 
 
 class _Marks(NamedTuple):
-    """Delimiter of numbers, None for blanks, and whether a comma is a decimal separator."""
+    """Separator of numbers, None for blanks, and whether a comma is a decimal separator."""
 
     delimiter: str | None
     decimal_comma: bool
 
 
 def read_table(path: Path, refusal: Refusal) -> Table:
-    """Read a file of text.
+    """Read a text file.
 
     Parameters
     ----------
     path : Path
     refusal : callable of (rule, reason)
-        Makes the error for what is wrong with the file.
+        Makes the error for an invalid file.
     """
     lines = _text(path).splitlines()
     header, rows, marks = [], [], None
@@ -58,12 +59,12 @@ def read_table(path: Path, refusal: Refusal) -> Table:
     if marks is None:
         raise refusal("a text file with rows of numbers", "no line holds two numbers or more")
     delimiter, decimal_comma = marks
-    if delimiter != "," and any("," in row for _, row in rows):  # the first rows may hold whole numbers only
+    if delimiter != "," and any("," in row for _, row in rows):  # the first rows may have only whole numbers
         decimal_comma = True
     try:
         texts = [row.replace(",", ".") if decimal_comma else row for _, row in rows]
         return Table(np.loadtxt(texts, delimiter=delimiter, ndmin=2, comments=None), header)
-    except ValueError:  # cells that hold nothing, a mark at the end of a row, or no table: it is told cell by cell
+    except ValueError:  # missing values, a separator at the end of a row, or not a table: the cells are read one by one
         return Table(_by_cells(rows, _Marks(delimiter, decimal_comma), refusal), header)
 
 
@@ -74,7 +75,7 @@ def _text(path: Path) -> str:
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")  # where µ is one byte
+        return raw.decode("latin-1")  # in this encoding µ is a single byte
 
 
 def _cells(row: str, marks: _Marks) -> list[str]:
@@ -83,7 +84,7 @@ def _cells(row: str, marks: _Marks) -> list[str]:
 
 
 def _marks(row: str) -> _Marks | None:
-    """Delimiter of the numbers of a row; None for a row without two numbers."""
+    """Separator of the numbers of a row; None for a row without two numbers."""
     for delimiter in (";", "\t", ",", None):
         if delimiter is not None and delimiter not in row:
             continue
@@ -97,7 +98,7 @@ def _marks(row: str) -> _Marks | None:
 
 def _by_cells(rows: list[tuple[int, str]], marks: _Marks, refusal: Refusal) -> FloatArray:
     split = [[cell.lower() for cell in _cells(row, marks)] for _, row in rows]
-    if not any(cells[-1] for cells in split):  # a mark ends every row
+    if not any(cells[-1] for cells in split):  # a separator at the end of every row
         split = [cells[:-1] for cells in split]
     columns, table = len(split[0]), []
     for (number, _), cells in zip(rows, split, strict=True):

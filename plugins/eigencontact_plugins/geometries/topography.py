@@ -1,4 +1,4 @@
-"""A measured surface as the rough side of a contact."""
+"""Measured surface as the rough side of a contact."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
 __all__ = ["Topography"]
 
 
-#: How an array goes on beyond its ends, for `scipy.ndimage.map_coordinates`.
+#: Continuation of an array beyond its ends, for `scipy.ndimage.map_coordinates`.
 _MODES = {"far": "nearest", "mirror": "reflect", "repeat": "grid-wrap"}
 
 
@@ -27,26 +27,26 @@ class Topography(Geometry):
     Parameters
     ----------
     file : str
-        Text with a matrix (a row for each y) or with three columns x y z on a regular raster, whose numbers are parted
-        by blanks, tabs, commas or semicolons; ``.npy``; ``.npz`` (one array of any name, or ``heights``; optional
+        Text with a matrix (one row for each y) or with three columns x y z on a regular raster, with blanks, tabs,
+        commas or semicolons between the numbers; ``.npy``; ``.npz`` (one array of any name, or ``heights``; optional
         numbers ``dx``, ``dy``); or a format of an instrument (``pip install eigencontact[topography]``: Gwyddion,
         Bruker, Zygo, Keyence, Digital Surf, X3P, SDF ...). ``gallery:NAME`` is a file of the bundled gallery.
     spacing : (float, float), optional
-        Distance of the points along x and y [m]; required if the file lacks it, else it must agree with the file. A
-        text file has lines like ``width: 64 um`` (and ``height``) or ``dx: 0.5 um`` above its numbers.
+        Distance of the points along x and y [m]; required if the file does not contain it, otherwise it must agree with
+        the file. A text file has lines like ``width: 64 um`` (and ``height``) or ``dx: 0.5 um`` above its numbers.
     height_unit : float, optional
-        Metres in one unit of the heights, ``"1 um"``; required if the file lacks it. A text file has lines like
+        Metres per unit of the heights, ``"1 um"``; required if the file does not contain it. A text file has lines like
         ``units: um`` or ``height unit: nm``. An archive with ``dx`` is in metres by default.
     lateral_unit : float, optional
-        Metres in one unit of the coordinates, or of ``dx``, ``dy``; required if neither the file nor ``spacing`` has
+        Metres per unit of the coordinates, or of ``dx``, ``dy``; required if neither the file nor ``spacing`` contains
         it.
     missing : "error", "far" or "interpolate"
-        Points without height (NaN, masked, no row): refuse; never touch; or fill by the harmonic function that joins
-        their neighbours (it adds no summit).
+        Points without height (NaN, masked, no row): an error; no contact; or interpolation by the harmonic function
+        between the neighbouring points (it adds no summit).
     invert : bool
         Reverse the sign of the heights, for a mould or a replica.
     detrend : "none" or "plane"
-        Subtract the plane of least squares first.
+        Subtract the least-squares plane first.
     center : (float, float)
         Position of the centre of the measured window (x, y) [m]; coordinates in the file define only distances.
     outside : "far", "mirror" or "repeat"
@@ -55,9 +55,9 @@ class Topography(Geometry):
 
     Notes
     -----
-    Exact at the measured points, bilinear between them, constant in the outer half cell of the window. *Far* (beyond
-    the window, and wherever a missing point takes part) means larger than any other separation by the diagonal of the
-    window: finite, and out of reach. The file is read once.
+    The surface is exact at the measured points, bilinear between them, and constant in the outer half cell of the
+    window. *Far* (outside the window, and next to missing points) means a separation that exceeds all others by the
+    diagonal of the window: finite, and out of reach. The file is read once.
     """
 
     key: ClassVar[str] = "topography"
@@ -87,10 +87,10 @@ class Topography(Geometry):
         require(self.detrend in ("none", "plane"), self.key, "detrend", self.detrend, "'none' or 'plane'")
         check_center(self.key, self.center)
         require(self.outside in _MODES, self.key, "outside", self.outside, "'far', 'mirror' or 'repeat'")
-        _ = self._surface  # read and checked now, not in the middle of a run
+        _ = self._surface  # read and check the file before the run
 
     def native_grid(self) -> Grid:
-        """Grid whose cells are centred on the measured points."""
+        """Grid with cells centred on the measured points."""
         return self._surface[0]
 
     def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -99,7 +99,7 @@ class Topography(Geometry):
 
         grid, surface, absent, far = self._surface
         along, across = body_axes(x, y, self.center)
-        # positions in cells, rounded to 1e-9 so that measured points come out exact on any grid through them
+        # Positions in cells, rounded to 1e-9, so that measured points are exact on any grid through them.
         column = np.round(along / grid.dx + 0.5 * (grid.nx - 1), 9)
         row = np.round(across / grid.dy + 0.5 * (grid.ny - 1), 9)
         position = np.atleast_2d(np.broadcast_arrays(row, column)).reshape(2, -1)
@@ -113,7 +113,7 @@ class Topography(Geometry):
 
     @cached_property
     def _surface(self) -> tuple[Grid, FloatArray, FloatArray | None, float]:
-        """Grid, separation at its points, 1.0 at points that remain missing (or None), the far separation."""
+        """Grid, separation at its points, 1.0 at points that remain missing (or None), and the far separation."""
         measurement = read_measurement(self.file)
         dx, dy, height_unit = self._lengths(measurement)
         height = measurement.heights * height_unit
@@ -140,7 +140,7 @@ class Topography(Geometry):
         return grid, surface, absent.astype(float) if absent.any() else None, far
 
     def _lengths(self, measurement: Measurement) -> tuple[float, float, float]:
-        """Distance of the points along x and y, and the unit of the heights [m]: from the file or from the fields."""
+        """Distance of the points along x and y, and unit of the heights [m]: from the file or from the fields."""
         height_unit = self._unit("height_unit", measurement.height_unit, fixed=measurement.fixed)
         lateral_unit = self._unit("lateral_unit", measurement.lateral_unit, fixed=measurement.fixed)
         silent = {
@@ -161,7 +161,7 @@ class Topography(Geometry):
         if spacing is None:
             assert self.spacing is not None
             return (*self.spacing, height_unit)
-        if lateral_unit is None:  # of coordinates in an unknown unit the proportion counts
+        if lateral_unit is None:  # for coordinates in an unknown unit only the ratio is used
             assert self.spacing is not None
             lateral_unit = self.spacing[0] / spacing[0]
         dx, dy = spacing[0] * lateral_unit, spacing[1] * lateral_unit
@@ -173,7 +173,7 @@ class Topography(Geometry):
         return dx, dy, height_unit
 
     def _unit(self, name: str, file_unit: float | None, *, fixed: bool) -> float | None:
-        """Unit of the field, or else of the file."""
+        """Unit of the field, or otherwise of the file."""
         unit: float | None = getattr(self, name)
         if unit is None:
             return file_unit
@@ -182,7 +182,7 @@ class Topography(Geometry):
         return unit
 
 
-#: What a file does not tell, by the field that does; and an example.
+#: Information missing in a file, by the field for it; and an example.
 _SILENT = {
     "spacing": ("the distance of its points", '"0.5 um"'),
     "lateral_unit": ("the unit of its coordinates", '"1 um"'),

@@ -15,21 +15,21 @@ __all__ = ["Wedge"]
 
 @dataclass(frozen=True, kw_only=True)
 class Wedge(Geometry):
-    """Wedge h = |ξ| cot α, of two flat flanks that meet in an edge along y without end.
+    """Wedge h = |ξ| cot α, with two flat flanks that meet in an infinite edge along y.
 
     Parameters
     ----------
     half_angle : float
         α [rad], between the middle plane and a flank. The half-space assumes small slopes, α near π/2.
     angle : float
-        Turn of the edge from y towards -x [rad] (the whole body turns from x towards y).
+        Rotation of the edge from y towards -x [rad] (the whole body rotates from x towards y).
     center : (float, float)
         Point of the edge (x, y) [m].
 
     Notes
     -----
     As a line contact of half width a: p = (E* cot α / π) arcosh(a / |x|) and P = E* a cot α per length. The pressure
-    is infinite at the edge, as a logarithm: the largest pressure of a run grows with the number of cells.
+    has a logarithmic singularity at the edge, so the largest pressure of a run grows with the number of cells.
     """
 
     key: ClassVar[str] = "wedge"

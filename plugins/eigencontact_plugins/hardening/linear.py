@@ -23,8 +23,8 @@ class Linear(IsotropicHardening):
     modulus : float, optional
         Slope H of the flow stress over plastic strain [Pa]; negative softens.
     tangent_modulus : float, optional
-        Slope E_t of stress over total strain in tension [Pa], below Young's modulus: H = E E_t / (E - E_t). One of the
-        two is given.
+        Slope E_t of stress over total strain in tension [Pa], below Young's modulus: H = E E_t / (E - E_t). Exactly one
+        of the two moduli is required.
     least_stress : float
         Lower bound of a softening flow stress [Pa]; a thousandth of the yield stress by default.
     """

@@ -12,7 +12,7 @@ from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for
 __all__ = ["Ludwik", "Swift"]
 
 
-#: Plastic strain below which Ludwik's slope, infinite at zero for n < 1, is that of the chord from zero.
+#: Plastic strain below which Ludwik's slope, infinite at zero for n < 1, is the slope of the chord from zero.
 _FIRST = 1e-9
 
 
@@ -82,7 +82,7 @@ class Ludwik(IsotropicHardening):
         require(0 < self.n <= 1, self.key, "n", self.n, "in (0, 1] [-]")
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `IsotropicHardening.flow_stress`; the slope at zero, infinite in the law, is that of a chord."""
+        """See `IsotropicHardening.flow_stress`; the infinite slope at zero is replaced by that of a chord."""
         first = self.strength * _FIRST ** (self.n - 1.0)
         early = p < _FIRST
         later = np.where(early, _FIRST, p)

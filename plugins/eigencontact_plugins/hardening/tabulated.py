@@ -23,14 +23,14 @@ __all__ = ["Tabulated"]
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(IsotropicHardening):
-    """Flow stress by points of a curve: linear between them, constant after the last.
+    """Flow stress by points of a curve: linear between points, constant after the last.
 
     Parameters
     ----------
     strain, stress : tuple of float, optional
         Equivalent plastic strain [-], from 0 upwards, and flow stress [Pa], positive.
     file : str, optional
-        Text file of two columns, plastic strain [-] and flow stress [Pa], instead of them.
+        Text file of two columns, plastic strain [-] and flow stress [Pa], instead of the arrays.
     """
 
     key: ClassVar[str] = "tabulated"

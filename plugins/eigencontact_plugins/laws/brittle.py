@@ -1,4 +1,4 @@
-"""Brittle materials: loss of stiffness under stretch."""
+"""Brittle materials: loss of stiffness by tensile strain."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ from eigencontact_plugins.laws.principal import Damaged, principal, tangent_of
 __all__ = ["Brittle"]
 
 
-#: Largest rise of damage by a mean while the strain grows by `_SHARE`. The iteration between cells converges at a tenth
-#: of that steepness (Mazars with B κ0 = 10) and stalls at a residual of 0.35 a little above it (B κ0 = 100).
+#: Largest increase of damage, as a function of a mean, while the strain grows by `_SHARE`. The iteration between cells
+#: converges at a tenth of this slope (Mazars with B κ0 = 10) and stalls at a residual of 0.35 slightly above it (B κ0 =
+#: 100).
 _RISE = 0.5
-#: Growth of the strain over which the rise is measured.
+#: Relative growth of the strain for the slope.
 _SHARE = 0.01
-#: Strains that are tried while the strain grows by `_SHARE`.
+#: Number of test strains while the strain grows by `_SHARE`.
 _PARTS = 10
-#: Range of the strains that are tried.
+#: Range of the test strains.
 _STRAINS = (1e-8, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Brittle(BodyConstants):
-    """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest equivalent strain so far.
+    """Isotropic elasticity of stiffness ``(1 - D) E``, with D from the largest equivalent strain so far.
 
     The equivalent strain is that of Mazars, the root of the sum of the squares of the positive principal strains; the
     law stores its largest value κ. D(κ) never decreases: unloading is linear to the origin, and reloading follows the
@@ -86,7 +87,7 @@ class Brittle(BodyConstants):
             self._require_gradual()
 
     def _require_gradual(self) -> None:
-        """Refuse nonlocal damage with a slope so steep that no iteration converges."""
+        """Refuse nonlocal damage with a slope so large that the iteration would not converge."""
         strain = np.geomspace(*_STRAINS, 1 + round(np.log(_STRAINS[1] / _STRAINS[0]) / np.log1p(_SHARE / _PARTS)))
         damage = self.damage.damage(strain)[0]
         rise = damage[_PARTS:] - damage[:-_PARTS]
@@ -120,7 +121,7 @@ class Brittle(BodyConstants):
         D, slope = self.damage.damage(largest if mean is None else np.maximum(mean[0], 0.0))
         at = Damaged.of(values, D, *self._young_and_poisson, closing=self.crack_closure)
         growing = (stretch > previous) & (mean is None)
-        # Derivative of D by the principal strains.
+        # Derivative of D with respect to the principal strains.
         grown = np.where(growing, slope / np.where(stretch > 0.0, stretch, 1.0), 0.0) * stretched
         tangent = tangent_of(axes, at.slopes + at.by_damage[:, None] * grown[None], at.shears)
         stress = np.einsum("ian,an->in", axes[:, :3], at.stress)

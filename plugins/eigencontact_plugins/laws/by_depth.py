@@ -1,4 +1,4 @@
-"""Several laws by depth: a hardened layer, or a substrate that yields below an elastic layer."""
+"""Several laws by depth: for example a hardened layer, or a yielding substrate below an elastic layer."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class ByDepth(ConstitutiveLaw):
 
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
-        """See `ConstitutiveLaw.variables`: those of all laws; zero for laws without the variable."""
+        """See `ConstitutiveLaw.variables`: variables of all laws; zero in laws without the variable."""
         return {name: variable for law in reversed(self.laws) for name, variable in law.variables.items()}
 
     @property

@@ -1,4 +1,4 @@
-"""Isotropic constants of a law, which default to those of the body."""
+"""Isotropic constants of a law, by default those of the body."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["BodyConstants"]
 
 @dataclass(frozen=True, kw_only=True)
 class BodyConstants(ConstitutiveLaw):
-    """Base of isotropic laws whose constants default to those of the body.
+    """Base of isotropic laws with the constants of the body by default.
 
     Parameters
     ----------
     young_modulus, poisson_ratio : float, optional
-        E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given.
+        E [Pa], positive and finite, and ν [-] in (-1, 0.5); by default those of the body.
     """
 
     isotropic: ClassVar[bool] = True

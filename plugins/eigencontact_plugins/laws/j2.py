@@ -1,4 +1,4 @@
-"""Metal plasticity: yield by the stress of von Mises, with hardening and damage."""
+"""Metal plasticity: von Mises yield condition, with hardening and damage."""
 
 from __future__ import annotations
 
@@ -154,11 +154,11 @@ class J2(BodyConstants):
         Raises
         ------
         NotUnique
-            Points that soften faster than -3G.
+            Points soften faster than -3G.
         """
         bulk, volume = self._constants[1], strain[:3].sum(axis=0)
         drive = self._drive(strain.copy(), 0.0, before, step)
-        flowed = self._flowed(drive, before)
+        flowed = self._increment_end(drive, before)
         stress = flowed.deviator(drive)
         stress[:3] += flowed.sound * bulk * volume
         return Response(stress=stress, tangent=self._tangent(flowed, volume), variables=flowed.after)
@@ -175,9 +175,9 @@ class J2(BodyConstants):
         driving = foreign / around.shear_stiffness
         driving -= prestrain
         drive = self._drive(driving, around.shear_give, before, step)
-        flowed = self._flowed(drive, before)
+        flowed = self._increment_end(drive, before)
         eigenstrain = flowed.after["plastic_strain"] + prestrain
-        # What the stress strains this material more than the one around: nothing where the constants are the same.
+        # Strain by the difference of constants between this material and the surrounding one: zero for equal constants.
         shear, bulk = self._constants
         compliances = 0.5 / shear, 1.0 / (3.0 * bulk)
         if self.damage is not None or compliances != (around.shear_compliance, around.bulk_compliance):
@@ -198,66 +198,66 @@ class J2(BodyConstants):
         stacked = np.stack(back_stresses) if back_stresses else np.zeros((0, *strain.shape))
         return Drive(strain, give, before["equivalent_plastic_strain"][0], stacked, mean)
 
-    def _flowed(self, drive: Drive, before: Mapping[str, FloatArray]) -> _Flowed:
-        """State at the end of the increment; most points of a box do not flow, and cost little."""
+    def _increment_end(self, drive: Drive, before: Mapping[str, FloatArray]) -> _IncrementEnd:
+        """State at the end of the increment; most points of a box do not yield, and take little time."""
         w, sound, points = self._return.elastic(drive)
         if not points.size and self.damage is None:
-            return _Flowed(w, sound, points, after=dict(before))
+            return _IncrementEnd(w, sound, points, after=dict(before))
         after = {name: values.copy() for name, values in before.items()}
-        out = _Flowed(w * sound if self._return.effective else w, sound, points, after)
+        out = _IncrementEnd(w * sound if self._return.effective else w, sound, points, after)
         if self.damage is not None:
             after["damage"] = (1.0 - sound)[None]
         if points.size:
             flowing = drive.of(points)
-            now = self._return.returned(flowing, points)
-            sound[points] = now.sound
-            stress, changed = self._after(flowing, now, {name: values[:, points] for name, values in before.items()})
+            end = self._return.returned(flowing, points)
+            sound[points] = end.sound
+            stress, changed = self._after(flowing, end, {name: values[:, points] for name, values in before.items()})
             for name, values in changed.items():
                 after[name][:, points] = values
-            out.drive, out.now, out.stress = flowing, now, stress
+            out.drive, out.end, out.stress = flowing, end, stress
         return out
 
     def _after(
-        self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]
+        self, drive: Drive, end: Returned, before: Mapping[str, FloatArray]
     ) -> tuple[FloatArray, dict[str, FloatArray]]:
         """Deviatoric stress, and internal variables."""
-        flowed = _ROOT * now.dp * now.flow
-        stress = now.w * (drive.tau - flowed)
+        flowed = _ROOT * end.dp * end.flow
+        stress = end.w * (drive.tau - flowed)
         after = {
-            "equivalent_plastic_strain": (drive.p + now.dp)[None],
+            "equivalent_plastic_strain": (drive.p + end.dp)[None],
             "plastic_strain": before["plastic_strain"] + flowed,
         }
         for number, law in enumerate(self._kinematic):
             turned = drive.back[number] + law.modulus / 1.5 * flowed
-            after[f"back_stress_{number + 1}"] = now.theta[number] * turned
+            after[f"back_stress_{number + 1}"] = end.theta[number] * turned
         if self.damage is not None:
-            after["damage"] = (1.0 - now.sound)[None]
-        after["plastic_work_density"] = before["plastic_work_density"] + self._work(drive, now, flowed, before, after)
-        return (now.sound if self._return.effective else 1.0) * stress, after
+            after["damage"] = (1.0 - end.sound)[None]
+        after["plastic_work_density"] = before["plastic_work_density"] + self._work(drive, end, flowed, before, after)
+        return (end.sound if self._return.effective else 1.0) * stress, after
 
     def _work(
         self,
         drive: Drive,
-        now: Returned,
+        end: Returned,
         flowed: FloatArray,
         before: Mapping[str, FloatArray],
         after: Mapping[str, FloatArray],
     ) -> FloatArray:
-        """Work on the plastic strain of the increment [J/m^3], by the mean of the stresses that yield at its ends."""
-        work: FloatArray = np.zeros((1, now.dp.size))
-        if not now.dp.any():
+        """Plastic work of the increment [J/m^3], by the mean of the yield-condition stresses at its ends."""
+        work: FloatArray = np.zeros((1, end.dp.size))
+        if not end.dp.any():
             return work
-        for p, state, recalled in ((drive.p, before, drive.back), (drive.p + now.dp, after, None)):
+        for p, state, recalled in ((drive.p, before, drive.back), (drive.p + end.dp, after, None)):
             strength, _ = self._return.isotropic.flow_stress(p)
             back_stresses = (
                 recalled if recalled is not None else [after[name] for name in after if name.startswith("back")]
             )
-            density = strength * now.dp + sum(np.sum(stress * flowed, axis=0) for stress in back_stresses)
+            density = strength * end.dp + sum(np.sum(stress * flowed, axis=0) for stress in back_stresses)
             effective = self._return.effective and self.damage is not None
             work += 0.5 * density * (1.0 - state["damage"] if effective else 1.0)
         return work
 
-    def _tangent(self, flowed: _Flowed, volume: FloatArray) -> FloatArray:
+    def _tangent(self, flowed: _IncrementEnd, volume: FloatArray) -> FloatArray:
         """Derivative of the stress by the strain, ``(6, 6, n)``, or ``(6, 6)`` without damage and plastic flow."""
         pressed = self._constants[1] * np.outer(_UNIT, _UNIT)
         if self.damage is None:
@@ -267,45 +267,45 @@ class J2(BodyConstants):
             out = np.repeat(elastic[:, :, None], volume.size, axis=2)
         else:
             out = flowed.w * _DEVIATOR[:, :, None] + flowed.sound * pressed[:, :, None]
-        if flowed.drive is not None and flowed.now is not None and flowed.stress is not None:
-            state = flowed.drive, flowed.now, flowed.stress
+        if flowed.drive is not None and flowed.end is not None and flowed.stress is not None:
+            state = flowed.drive, flowed.end, flowed.stress
             out[:, :, flowed.points] = self._tangent_of_flow(*state, volume[flowed.points])
         return out
 
-    def _tangent_of_flow(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
-        """The same of points that flow."""
+    def _tangent_of_flow(self, drive: Drive, end: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
+        """Derivative of the stress by the strain at yielding points."""
         bulk, effective = self._constants[1], self._return.effective
-        unit, m = np.eye(6)[:, :, None], now.flow
-        grown = (-_ROOT * now.w / now.slope) * m  # derivative of dp by τ
-        size = np.sqrt(np.sum(now.reached**2, axis=0))
-        moved = now.w * unit + _outer(now.dw * drive.tau - now.drecalled, grown)
+        unit, m = np.eye(6)[:, :, None], end.flow
+        grown = (-_ROOT * end.w / end.slope) * m  # derivative of dp by τ
+        size = np.sqrt(np.sum(end.reached**2, axis=0))
+        moved = end.w * unit + _outer(end.dw * drive.tau - end.drecalled, grown)
         across = (moved - _outer(m, np.einsum("in,ijn->jn", m, moved))) / np.where(size > 0.0, size, 1.0)
-        flowing = now.dw * drive.tau - _ROOT * (now.w + now.dw * now.dp) * m
-        out = now.w * unit + _outer(flowing, grown) - _ROOT * now.w * now.dp * across
+        flowing = end.dw * drive.tau - _ROOT * (end.w + end.dw * end.dp) * m
+        out = end.w * unit + _outer(flowing, grown) - _ROOT * end.w * end.dp * across
         if effective:
-            undamaged = deviator / now.sound
-            out = now.sound * out + _outer(now.dsound * undamaged, grown)
-        out = out + _outer(now.dsound * bulk * volume * _UNIT[:, None], grown)
+            undamaged = deviator / end.sound
+            out = end.sound * out + _outer(end.dsound * undamaged, grown)
+        out = out + _outer(end.dsound * bulk * volume * _UNIT[:, None], grown)
         out = np.einsum("ijn,jk->ikn", out, _DEVIATOR)
-        return cast("FloatArray", out + now.sound * bulk * np.outer(_UNIT, _UNIT)[:, :, None])
+        return cast("FloatArray", out + end.sound * bulk * np.outer(_UNIT, _UNIT)[:, :, None])
 
 
 @dataclass(slots=True, eq=False)
-class _Flowed:
+class _IncrementEnd:
     """State of n points after an increment with few yielding points.
 
     Attributes
     ----------
     w : (n,)
-        Deviatoric stress by the strain that drives points which do not flow [Pa].
+        Deviatoric stress per driving strain of points without plastic flow [Pa].
     sound : (n,)
         1 - D.
     points : (m,) of int
-        Those that flow.
+        Points with plastic flow.
     after : mapping
-        What is remembered.
+        Internal variables after the increment.
     drive, now, stress
-        Of the points that flow, where there are any: their drive, state and deviatoric stress [Pa].
+        Drive, state and deviatoric stress [Pa] of the points with plastic flow, if there are any.
     """
 
     w: FloatArray
@@ -313,7 +313,7 @@ class _Flowed:
     points: NDArray[np.intp]
     after: dict[str, FloatArray]
     drive: Drive | None = None
-    now: Returned | None = None
+    end: Returned | None = None
     stress: FloatArray | None = None
 
     def deviator(self, drive: Drive) -> FloatArray:

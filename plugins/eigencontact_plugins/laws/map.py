@@ -1,4 +1,4 @@
-"""Isotropic elasticity whose constants are read from a file."""
+"""Isotropic elasticity with constants from a file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["ElasticityMap"]
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticityMap(ConstitutiveLaw):
-    """Isotropic constants at the points of a lattice: linear between them, constant outside.
+    """Isotropic constants at the points of a lattice: linear between the points, constant outside.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class ElasticityMap(ConstitutiveLaw):
     file: DataFile
 
     def __post_init__(self) -> None:
-        _ = self._data  # read and checked now, not in the middle of a run
+        _ = self._data  # read and check the file before the run
 
     @cached_property
     def _data(self) -> GriddedData:

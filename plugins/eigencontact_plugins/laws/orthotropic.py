@@ -34,7 +34,8 @@ class Orthotropic(LinearLaw):
     moduli : (float, float, float)
         Young's moduli [Pa] along the axes 1, 2, 3 of the material, positive.
     poisson_ratios : (float, float, float)
-        ν12, ν13, ν23 [-]: ν12 is the contraction along 2 by a pull along 1. The elastic energy must not be negative;
+        ν12, ν13, ν23 [-]: ν12 is the contraction along 2 under tension along 1. The elastic energy must not be
+        negative;
         incompressible is allowed.
     shear_moduli : (float, float, float)
         G12, G13, G23 [Pa], positive.
@@ -66,7 +67,7 @@ class Orthotropic(LinearLaw):
         ratios = np.asarray(self.poisson_ratios, dtype=float)
         require(np.all(np.isfinite(ratios)), self.key, "poisson_ratios", ratios.tolist(), "finite [-]")
         frame_of(self.key, self.x_axis, self.y_axis)
-        # In units that make its diagonal one, so that the least eigenvalue says how far the energy is from negative.
+        # Scaled to a unit diagonal, so that the smallest eigenvalue shows the distance from a negative energy.
         compliance = self._compliance_in_axes()
         size = 1.0 / np.sqrt(np.diag(compliance))
         least = float(np.linalg.eigvalsh(compliance * np.outer(size, size))[0])
@@ -85,7 +86,7 @@ class Orthotropic(LinearLaw):
         return compliance
 
     def compliance_matrix(self) -> FloatArray:
-        """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, finite for incompressible solids too."""
+        """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, also finite for incompressible solids."""
         turn = mandel_rotation(frame_of(self.key, self.x_axis, self.y_axis))
         return turn @ self._compliance_in_axes() @ turn.T
 

@@ -4,9 +4,8 @@ Principal stresses s follow from principal strains e by
 
     e = (1 + ν)/E s / g(s) - (ν/E) c Σ s,
 
-with D on all of the stiffness ``g = 1 - D, c = 1 / (1 - D)``. Where cracks close only the positive s have
-``1/g = (1/(1 - D) + ν) / (1 + ν)``, the others ``g = 1``, and ``c = 1``: in tension
-along one axis the stiffness is (1 - D) E.
+For damage of the whole stiffness ``g = 1 - D, c = 1 / (1 - D)``. With crack closure only positive s have ``1/g = (1/(1
+- D) + ν) / (1 + ν)``, others have ``g = 1``, and ``c = 1``: the stiffness in uniaxial tension is (1 - D) E.
 """
 
 from __future__ import annotations
@@ -21,14 +20,14 @@ __all__ = ["Damaged", "principal", "tangent_of"]
 
 
 _ROOT = float(np.sqrt(2.0))
-#: Rows of the axes that a shear of the Mandel order yz, xz, xy turns into each other.
+#: Pairs of axes that the shears yz, xz, xy of the Mandel order relate.
 _PAIRS = ((1, 2), (0, 2), (0, 1))
 
 
 def principal(strain: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Principal values ``(3, n)`` of Mandel vectors, and the Mandel basis ``(6, 6, n)`` of their axes.
 
-    Columns of the basis are the three dyads of an axis with itself, then the symmetric ones of pairs, in Mandel order.
+    Columns of the basis are the three dyads of an axis with itself, then the symmetric dyads of pairs, in Mandel order.
     """
     xx, yy, zz, yz, xz, xy = strain
     tensor = np.moveaxis(
@@ -53,11 +52,11 @@ class Damaged:
     Attributes
     ----------
     stress : (3, n)
-        [Pa].
+        Principal stresses [Pa].
     slopes : (3, 3, n)
-        Of the stresses (rows) by the strains at constant D [Pa].
+        Derivatives of the stresses (rows) by the strains at constant D [Pa].
     by_damage : (3, n)
-        Of the stresses by D [Pa].
+        Derivatives of the stresses by D [Pa].
     shears : (3, n)
         ``(s_a - s_b) / (e_a - e_b)`` of the pairs in Mandel order [Pa].
     """
@@ -81,7 +80,7 @@ class Damaged:
         open_ = np.ones(e.shape, dtype=bool)
         if closing:
             open_ = e + ratio / (1.0 - 3.0 * ratio) * e.sum(axis=0) > 0.0
-        # Σ s is the root of a convex, rising function of straight pieces: each pass passes one kink at least.
+        # Σ s is the root of a convex, increasing, piecewise linear function: each pass crosses at least one kink.
         for _ in range(5 if closing else 1):
             g = np.where(open_, soft, 1.0)
             total = double_shear * np.sum(g * e, axis=0) / (1.0 - ratio * c * g.sum(axis=0))
@@ -98,7 +97,7 @@ class Damaged:
         by_damage = s * dg / g + ratio * g * (dc * total + c * dtotal)
         shears = np.empty_like(e)
         for row, (a, b) in enumerate(_PAIRS):
-            # Secant of g(x) x: no differences where both lie on the same side.
+            # Secant of g(x) x, without differences if both values have the same sign.
             apart = np.abs(x[a]) + np.abs(x[b])
             mixed = (g[a] * np.abs(x[a]) + g[b] * np.abs(x[b])) / np.where(apart > 0.0, apart, 1.0)
             shears[row] = double_shear * np.where(open_[a] == open_[b], g[a], mixed)
@@ -106,7 +105,7 @@ class Damaged:
 
 
 def tangent_of(axes: FloatArray, slopes: FloatArray, shears: FloatArray) -> FloatArray:
-    """Mandel tangent ``(6, 6, n)`` of an isotropic function: slopes of its principal values, shears of the pairs."""
+    """Mandel tangent ``(6, 6, n)`` of an isotropic function from slopes of principal values and shears of pairs."""
     inner = np.zeros_like(axes)
     inner[:3, :3] = slopes
     for row in range(3):

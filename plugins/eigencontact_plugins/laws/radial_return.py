@@ -1,16 +1,16 @@
 r"""Implicit return to a yield surface of von Mises, with isotropic and kinematic hardening and damage.
 
-A point is driven by a deviatoric strain τ (less its plastic strain) through a compliance: ``s = w τ`` with
-``1/w = 1/(2G (1 - D)) + b``. For the strain of a point b is zero; for a cell in an elastic body it is what the body
-around gives way (see `eigencontact.plugin.Surroundings`). A plastic increment dp along the unit flow m leads to
+A deviatoric strain τ (minus the plastic strain) drives a point through a compliance: ``s = w τ`` with ``1/w = 1/(2G (1
+- D)) + b``. For a point with given strain b is zero. For a cell in an elastic body b is the compliance of the
+surroundings (see `eigencontact.plugin.Surroundings`). A plastic increment dp along the unit flow m leads to
 
     s = w (τ - √(3/2) dp m),   X_i = θ_i (X_i + (2/3) C_i √(3/2) dp m),   ξ = s - Σ X_i,
 
-and m is parallel to ``ξ* = w τ - Σ θ_i X_i``; one equation for dp is left:
+and m is parallel to ``ξ* = w τ - Σ θ_i X_i``. One equation for dp remains:
 
     f(dp) = √(3/2) |ξ*| - (3/2) dp (w + (2/3) Σ θ_i C_i) - Y(p + dp) = 0.
 
-With yield on the effective stress s and σ stand for ``σ / (1 - D)``.
+For yield on the effective stress, s and σ represent ``σ / (1 - D)``.
 
 References
 ----------
@@ -32,11 +32,11 @@ __all__ = ["Drive", "RadialReturn", "Returned"]
 
 
 _ROOT = float(np.sqrt(1.5))
-#: Most steps of the search for dp.
+#: Largest number of steps in the search for dp.
 _STEPS = 100
-#: Most doublings of the bracket of dp.
+#: Largest number of doublings of the bracket of dp.
 _DOUBLINGS = 60
-#: Residual that is round-off, in parts of the stress.
+#: Residual that counts as round-off, relative to the stress.
 _ROUND_OFF = 1e-13
 
 
@@ -47,15 +47,15 @@ class Drive:
     Attributes
     ----------
     tau : (6, n)
-        Deviatoric Mandel strain less the plastic strain.
+        Deviatoric Mandel strain minus the plastic strain.
     give : float
-        b [1/Pa].
+        Compliance b of the surroundings [1/Pa].
     p : (n,)
         Equivalent plastic strain.
     back : (k, 6, n)
         Back-stresses [Pa].
     mean : (n,), optional
-        Equivalent plastic strain that damage follows from, where it is not that of the point.
+        Mean equivalent plastic strain for the damage, if it replaces that of the point.
     """
 
     tau: FloatArray
@@ -65,21 +65,21 @@ class Drive:
     mean: FloatArray | None = None
 
     def of(self, points: NDArray[np.intp]) -> Drive:
-        """Some of the points."""
+        """Drive of some of the points."""
         mean = None if self.mean is None else self.mean[points]
         return Drive(self.tau[:, points], self.give, self.p[points], self.back[:, :, points], mean)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Returned:
-    """State at dp, with derivatives by dp (names that begin with d).
+    """State for an increment dp, with derivatives by dp (names that begin with d).
 
     Attributes
     ----------
     residual, slope : (n,)
         f [Pa] and its derivative.
     w, dw : (n,)
-        Stiffness of the points [Pa], at the level at which they yield.
+        Stiffness of the points [Pa], in the stress of the yield condition.
     sound, dsound : (n,)
         1 - D.
     recalled, drecalled : (6, n)
@@ -116,7 +116,7 @@ class RadialReturn:
     kinematic : sequence of KinematicHardening
     damage : PlasticDamage or None
     effective : bool
-        Whether the effective stress yields.
+        Whether the yield condition uses the effective stress.
     """
 
     shear_modulus: float
@@ -132,31 +132,31 @@ class RadialReturn:
         return w, sound, np.flatnonzero(_ROOT * size > self._yield_stress(drive.p))
 
     def _yield_stress(self, p: FloatArray) -> FloatArray:
-        """Yield stress [Pa] at plastic strains, most of which are zero; only nonzero points are evaluated."""
+        """Yield stress [Pa] at plastic strains; most of them are zero, and only nonzero points are evaluated."""
         (first, *_), _ = self.isotropic.flow_stress(np.zeros(1))
         out, hardened = np.full(p.shape, first), np.flatnonzero(p)
         out[hardened] = self.isotropic.flow_stress(p[hardened])[0]
         return out
 
     def returned(self, drive: Drive, flows: NDArray[np.intp]) -> Returned:
-        """State after the plastic increments of the points that flow.
+        """State after the plastic increments of the yielding points.
 
         Parameters
         ----------
         drive : Drive
-            Of these points.
+            Drive of these points.
         flows : (n,) of int
-            Their numbers among all points, for messages.
+            Numbers of these points among all points, for messages.
 
         Raises
         ------
         NotUnique
-            Points that soften faster than what drives them gives way: their answer is not unique.
+            Points soften faster than the surroundings unload; their solution is not unique.
         """
         return self.state(drive, self._root(drive, flows))
 
     def state(self, drive: Drive, dp: FloatArray) -> Returned:
-        """State after increments dp."""
+        """State after plastic increments dp."""
         p = drive.p + dp
         flow_stress, hardening = self.isotropic.flow_stress(p)
         w, dw, sound, growth = self._stiffness(drive, p)
@@ -187,7 +187,7 @@ class RadialReturn:
             return np.full(p.shape, w), none, np.ones(p.shape), none
         at = p if drive.mean is None else drive.mean
         damage, growth = self.damage.damage(at)
-        if drive.mean is not None:  # a mean decides: the plastic strain of the point does not count
+        if drive.mean is not None:  # damage follows from the mean, not from the plastic strain of the point
             growth = np.zeros_like(p)
         sound, double_shear = 1.0 - damage, 2.0 * self.shear_modulus
         around = 1.0 + sound * double_shear * drive.give
@@ -198,17 +198,17 @@ class RadialReturn:
     def _equation(self, drive: Drive, size: FloatArray, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual f and its slope; without back-stresses from the norms |τ|, without tensors."""
         if self.kinematic:
-            now = self.state(drive, dp)
-            return now.residual, now.slope
+            trial = self.state(drive, dp)
+            return trial.residual, trial.slope
         p = drive.p + dp
         (flow_stress, hardening), (w, dw, *_) = self.isotropic.flow_stress(p), self._stiffness(drive, p)
         return _ROOT * w * size - 1.5 * dp * w - flow_stress, _ROOT * dw * size - 1.5 * (w + dp * dw) - hardening
 
     def _root(self, drive: Drive, flows: NDArray[np.intp]) -> FloatArray:
-        """Root of f in a bracket by Newton's steps, with bisection where they do not converge."""
+        """Root of f in a bracket by Newton's method, with bisection if it does not converge."""
         low, size = np.zeros_like(drive.p), _size(drive.tau)
         start, (w, dw, *_) = self._equation(drive, size, low), self._stiffness(drive, drive.p)
-        # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.
+        # Slope of f at the onset of yielding: the stress of a point must increase with its driving strain.
         first = start[1] - dw / w * start[0]
         if not np.all(first < 0.0):
             raise _refusal(flows, ~(first < 0.0))
@@ -216,13 +216,14 @@ class RadialReturn:
         high = start[0] / (1.5 * w)
         for _ in range(_DOUBLINGS):
             residual, slope = self._equation(drive, size, high)
-            above = residual > _ROUND_OFF * scale  # a point may yield by rounding alone: its bracket is empty
+            above = residual > _ROUND_OFF * scale  # a point that yields only by round-off has an empty bracket
             if not above.any():
                 break
             low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
         else:
             raise _refusal(flows, above)
-        # Where hardening fades, tangents at both ends meet zero below the root: the first step goes to the higher one.
+        # For saturating hardening, tangents at both ends have zeros below the root: the first step uses the higher
+        # zero.
         with np.errstate(divide="ignore", invalid="ignore"):
             dp = np.maximum(high - residual / slope, -start[0] / start[1])
         dp = np.where((dp > low) & (dp < high), dp, high)
@@ -230,7 +231,7 @@ class RadialReturn:
         root, slopes, left = dp.copy(), slope.copy(), np.arange(dp.size)
         for _ in range(_STEPS):
             far = ~(np.abs(residual) <= _ROUND_OFF * scale)
-            if not far.all():  # points at their root are asked no more
+            if not far.all():  # converged points are left out
                 root[left], slopes[left] = dp, slope
                 if not far.any():
                     break

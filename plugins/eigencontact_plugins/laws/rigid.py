@@ -1,4 +1,4 @@
-"""A material that does not strain."""
+"""Material without strain."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class GivenStiffness(LinearLaw):
         Mandel stiffness [Pa] (rows and columns xx, yy, zz, √2 yz, √2 xz, √2 xy: the shear entries of a Voigt matrix
         times 2, its mixed ones times √2): symmetric, without negative eigenvalues; zero is a void.
     x_axis, y_axis : (float, float, float)
-        Directions of the axes that the matrix counts from, in scene axes, of any length, at right angles.
+        Directions of the axes of the matrix, in scene axes, of any length, at right angles.
     """
 
     key: ClassVar[str] = "stiffness"

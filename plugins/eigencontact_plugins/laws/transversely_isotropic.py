@@ -34,12 +34,12 @@ class TransverselyIsotropic(LinearLaw):
     axial_modulus, transverse_modulus : float
         Young's moduli [Pa] along and across the axis, positive.
     axial_poisson_ratio : float
-        Contraction across the axis by stretching along it.
+        Contraction across the axis under tension along it.
     transverse_poisson_ratio : float
-        Contraction across a stretch, both across the axis. The elastic energy must not be negative; incompressible is
-        allowed.
+        Contraction across the axis under tension across the axis. The elastic energy must not be negative;
+        incompressible is allowed.
     axial_shear_modulus : float
-        [Pa], of shear in planes that contain the axis; positive.
+        Shear modulus [Pa] in planes that contain the axis; positive.
     axis : (float, float, float)
         Direction in scene axes, of any length.
     """
@@ -82,7 +82,7 @@ class TransverselyIsotropic(LinearLaw):
         return mandel_rotation(np.column_stack([first, np.cross(axis, first), axis]))
 
     def compliance_matrix(self) -> FloatArray:
-        """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, finite for incompressible solids too."""
+        """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, also finite for incompressible solids."""
         across, along, nu = self.transverse_modulus, self.axial_modulus, self.transverse_poisson_ratio
         shear = 0.5 / self.axial_shear_modulus
         compliance = np.diag([1.0 / across, 1.0 / across, 1.0 / along, shear, shear, (1.0 + nu) / across])

@@ -1,34 +1,34 @@
 """Bonded layers under a traction wave: surface compliance carried from the substrate up, tractions carried down.
 
 Each wavevector splits the problem: displacement along it and along z (in-plane: a pair), and across it (antiplane: one
-number). With k the wavenumber and fields times exp(iks), the amplitudes are kept real by
+number). With the wavenumber k and fields times exp(iks), the amplitudes are real for
 
     u_s = i a,   u_z = w,   σ_sz = -i q,   σ_zz = -p,   u_t = v,   σ_tz = -r
 
-so that (p, q) is the traction on what lies below and 2k (w, a) = C (p, q), 2k v = c r there: C is symmetric, positive
+so that (p, q) is the traction on the part below and 2k (w, a) = C (p, q), 2k v = c r there. C is symmetric, positive
 definite, in 1/Pa, and finite as k goes to 0 or infinity. For a half-space of shear modulus G, C = A/G with
 
     A = [[2(1-ν), 1-2ν], [1-2ν, 2(1-ν)]],   c = 2/G.
 
-A wave that decays downwards is at depth z again such a wave, of traction P(kz) (p, q), with
-P(d) = exp(-d) [[1+d, d], [-d, 1-d]]; one that decays upwards is its mirror image, where a bar marks the sign change of
-the off-diagonal terms. With B = G C of what lies under a layer, d = kh, and R = (Ā + B)⁻¹ (A - B), Q = P̄ R P:
+A wave that decays downwards is at depth z again such a wave, of traction P(kz) (p, q), with P(d) = exp(-d) [[1+d, d],
+[-d, 1-d]]. A wave that decays upwards is its mirror image; a bar marks the change of sign of the off-diagonal terms.
+With B = G C of the part below a layer, d = kh, and R = (Ā + B)⁻¹ (A - B), Q = P̄ R P:
 
     G C' = (A - Ā Q) (1 + Q)⁻¹,    (p, q) below = 4(1-ν) (Ā + B)⁻¹ P (1 + Q)⁻¹ (p, q) above.
 
-Ā + B is a sum of positive definite matrices, and nothing grows. Where d < 1 the matrix 1 + Q of a stiff layer on a soft
-one is a small difference; there the transfer matrix exp(-N d) of the state (w, a, p, q), no larger than e, is used. As
-(N² - 1)² = 0 it is, exactly, with M = N² - 1,
+Ā + B is a sum of positive definite matrices, and nothing grows. For d < 1 the matrix 1 + Q of a stiff layer on a soft
+one is a small difference. The program then uses the transfer matrix exp(-N d) of the state (w, a, p, q), which is at
+most e. Because (N² - 1)² = 0, it is exactly, with M = N² - 1,
 
     exp(-N d) = cosh d - N sinh d + M (d sinh d)/2 - N M (d cosh d - sinh d)/2,
 
-and the last function, which holds the bending of a thin plate, is summed as a series: it starts with d³/3.
+and the last function, which determines the bending of a thin plate, is summed as a series that starts with d³/3.
 
-Inside a layer, d₁ below its top and d₂ above its underside (times k), the field is that of two waves,
+Inside a layer, d₁ below its top and d₂ above its lower face (times k), the field is that of two waves,
 
     (p, q) = P(d₁) f + P̄(d₂) g,    G (w, a) = A P(d₁) f - Ā P̄(d₂) g,    f = (1 + Q)⁻¹ (p, q) above,  g = R P f,
 
-or, where d < 1, the state on its underside times exp(-N d₂). Both amplitudes belong to the wave: all depths share them.
+or, for d < 1, the state on its lower face times exp(-N d₂). Both amplitudes belong to the wave; all depths share them.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ __all__ = ["Slab", "State", "Waves"]
 
 
 ONE = np.eye(2)[..., None]
-# Below this k h a layer is passed with its transfer matrix, above it with decaying waves.
+# Below this k h a layer uses its transfer matrix, above it decaying waves.
 THIN = 1.0
 # d cosh d - sinh d = d³ Σ c_n d^(2n), to double precision up to d = 1.
 BENDING = [2 * n / factorial(2 * n + 1) for n in range(1, 10)]
@@ -53,7 +53,7 @@ BENDING = [2 * n / factorial(2 * n + 1) for n in range(1, 10)]
 
 @dataclass(frozen=True, slots=True)
 class Slab:
-    """A layer: thickness [m] and material."""
+    """Layer: thickness [m] and material."""
 
     thickness: float
     material: Material
@@ -63,9 +63,10 @@ class Slab:
 class State:
     """Displacement times 2k [1/Pa] and traction [-] at some depths, per unit (p, q) or r on the surface.
 
-    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, nz, n)``; `across` and `across_traction` are v and r. Fields
-    are returned without their phases, as a traction t along the wavevector is q = -i t: under a pressure, components
-    with one index along the surface are these numbers times i; under a shear, those with none or two are times -i.
+    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, nz, n)``; `across` and `across_traction` are v and r. The
+    fields are returned without their phases. A traction t along the wavevector is q = -i t. Under a pressure,
+    components with one index along the surface are therefore these numbers times i; under a shear, those with no such
+    index or two are times -i.
     """
 
     k: FloatArray
@@ -80,7 +81,7 @@ class State:
         return {"s": self.pair[1] * scale, "t": self.across * scale, "z": self.pair[0] * scale}
 
     def stress(self, material: Material) -> dict[str, FloatArray]:
-        """Plain stress components [-] on the side where `material` is; ν = 1/2 needs no limit."""
+        """Plain stress components [-] on the side of `material`; ν = 1/2 needs no limit."""
         G, nu = material.shear_modulus, material.poisson_ratio
         p, q = self.pair_traction
         along = -(nu * p + G * self.pair[1]) / (1 - nu)
@@ -98,18 +99,18 @@ class Waves:
     k : (n,) float64
         Wavenumbers [rad/m], positive.
     slabs : sequence of Slab
-        From the surface down.
+        Layers from the surface down.
     substrate : Material
-        The half-space under the last of them.
+        Half-space below the last layer.
     load : "p" or "q"
-        Traction on the surface that (w, a, p, q) answer to; v and r answer to r = 1 there.
+        Traction on the surface for (w, a, p, q); the traction for v and r is r = 1.
     """
 
     def __init__(self, k: FloatArray, slabs: Sequence[Slab], substrate: Material, load: str) -> None:
         self.k, self.slabs, self.substrate = k, slabs, substrate
         pair = np.broadcast_to(_half_space(substrate) / substrate.shear_modulus, (2, 2, k.size))
         across = np.full(k.size, 2.0 / substrate.shear_modulus)
-        # Compliances under each slab and at last on the surface, from the substrate up; matrices through each slab.
+        # Compliances below each slab and finally on the surface, from the substrate up; matrices through each slab.
         self._compliances = [(pair, across)]
         through: list[tuple[FloatArray, FloatArray]] = []
         for slab in reversed(slabs):
@@ -125,13 +126,13 @@ class Waves:
             self._tractions.append((_product(down, traction), down_across * shear))
 
     def on_interface(self, number: int) -> State:
-        """State on the surface (0) or on the underside of so many slabs."""
+        """State on the surface (0), or on the lower face of slab `number`."""
         (pair, across), (traction, shear) = self._compliances[number], self._tractions[number]
         moved = _product(pair, traction)
         return State(self.k, moved[:, None], traction[:, None], (across * shear)[None], shear[None])
 
     def inside(self, number: int, depths: FloatArray) -> State:
-        """State at depths ``(nz,)`` [m] below the top of slab `number`, or of the substrate after the last."""
+        """State at depths ``(nz,)`` [m] below the top of slab `number`, or of the substrate after the last slab."""
         d = depths[:, None] * self.k
         traction, shear = self._tractions[number]
         if number == len(self.slabs):
@@ -185,7 +186,7 @@ def _two_waves(
     down_wave = _product(_inverse(ONE + Q), traction)
     up_wave = _product(R, P, down_wave)
     falling = _decayed(d, down_wave)
-    # A wave that decays upwards is the mirror image: P with a bar is P with the sign of q changed before and after.
+    # A wave that decays upwards is the mirror image: P with a bar is P with a change of the sign of q before and after.
     rising = _decayed(up, up_wave * swap[:, 0])
     moved = _product(A, falling) - swap * _product(A, rising)
     return np.concatenate([moved, falling + swap * rising])
@@ -198,7 +199,7 @@ def _half_space(material: Material) -> FloatArray:
 
 
 def _pass_pair(d: FloatArray, material: Material, pair: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Compliance over a layer from that under it, and the matrix of tractions, over to under, ``(2, 2, n)`` each."""
+    """Compliance above a layer from that below it, and the matrix of tractions downwards, ``(2, 2, n)``."""
     G = material.shear_modulus
     B = G * pair
     over, down = np.empty_like(B), np.empty_like(B)
@@ -221,7 +222,7 @@ def _transfer(d: FloatArray, material: Material) -> list[tuple[FloatArray, Float
 
 
 def _transferred(d: FloatArray, material: Material, state: FloatArray) -> FloatArray:
-    """State (G w, G a, p, q) ``(4, nz, n)`` at heights d ``(nz, n)`` over the underside, from that there ``(4, n)``."""
+    """State (G w, G a, p, q) ``(4, nz, n)`` at heights d ``(nz, n)`` above the lower face, from ``(4, n)`` there."""
     out = np.zeros((4, *d.shape))
     for factor, matrix in _transfer(d, material):
         out += factor * (matrix @ state)[:, None]
@@ -252,7 +253,7 @@ def _reflection(d: FloatArray, material: Material, B: FloatArray) -> tuple[Float
 
 
 def _mirrored(matrix: FloatArray) -> FloatArray:
-    """Change the sign of the terms off the diagonal: the same relation for waves that decay upwards."""
+    """Change the sign of the off-diagonal terms: the same relation for waves that decay upwards."""
     return np.asarray(matrix * np.array([[1.0, -1.0], [-1.0, 1.0]])[..., None])
 
 
@@ -263,7 +264,7 @@ def _inverse(matrix: FloatArray) -> FloatArray:
 
 
 def _pass_across(d: FloatArray, material: Material, across: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Antiplane compliance over a layer from that under it, and the factor of the traction, over to under."""
+    """Antiplane compliance above a layer from that below it, and the factor of the traction from above to below."""
     G = material.shear_modulus
     b = 0.5 * G * across
     tanh = np.tanh(d)

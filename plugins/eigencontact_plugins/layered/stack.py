@@ -1,7 +1,7 @@
 """Any number of bonded, isotropic, elastic layers on a half-space: exact field of traction waves at any depth.
 
-The recursion is in `recursion`; here are the scene table, the choice of materials and the change from the axes along
-and across the wavevector to x and y.
+`recursion` has the recursion; this module has the scene table, the choice of materials, and the transformation from the
+axes along and across the wavevector to x and y.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ __all__ = ["BondedLayers", "Layer", "Substrate"]
 
 ComplexArray = NDArray[np.complex128]
 
-# Stress of a uniform traction (k = 0); every other component is 0 there.
+# Stress of a uniform traction (k = 0); all other components are 0.
 UNIFORM = {("p", "zz"): -1.0, ("q_x", "xz"): -1.0, ("q_y", "yz"): -1.0}
-#: Thinner layers have waves of more than the largest number [m].
+#: Smallest thickness [m]: the wavenumbers of thinner layers overflow.
 THINNEST = 1e-30
-# Parts that a traction across the wavevector moves; the others answer to one along it, or along z.
+# Components by a traction across the wavevector; the others follow from one along it, or along z.
 ACROSS = ("t", "tz", "st")
 # Phases of components with an even and an odd number of indices along the surface, see `State`.
 PHASES = {True: (1.0, 1j), False: (-1j, 1.0)}
-# A depth this close to an interface, in parts of its depth, is that interface: sums of thicknesses are rounded.
+# Relative difference in depth below which a depth lies on an interface: sums of thicknesses have round-off.
 SAME_DEPTH = 1e-12
 
 
@@ -65,7 +65,7 @@ class _Solid:
         return Material(young_modulus=self.young_modulus, poisson_ratio=self.poisson_ratio)
 
     def check(self, where: str) -> None:
-        """Refuse impossible constants; `where` names the table."""
+        """Refuse invalid constants; `where` is the name of the table."""
         E, nu = self.young_modulus, self.poisson_ratio
         require(0 < E < np.inf, where, "young_modulus", E, "positive and finite [Pa]")
         require(-1 < nu <= 0.5, where, "poisson_ratio", nu, "in (-1, 0.5] [-]")
@@ -73,7 +73,7 @@ class _Solid:
 
 @dataclass(frozen=True, kw_only=True)
 class Substrate(_Solid):
-    """The half-space under the layers."""
+    """Half-space below the layers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,15 +85,15 @@ class Layer(_Solid):
     thickness : float
         h [m].
     name : str, optional
-        For pictures, messages, results, `explain` and laws that tell materials apart, different from that of the other
-        layers; ``"layer 1"``, ``"layer 2"`` ... from the surface down by default.
+        For pictures, messages, results, `explain` and laws that distinguish materials; unique among the layers. By
+        default ``"layer 1"``, ``"layer 2"`` ... from the surface down.
     """
 
     thickness: Length
     name: str | None = None
 
     def check(self, where: str) -> None:
-        """Refuse impossible constants or thickness; `where` names the table."""
+        """Refuse invalid constants or thickness; `where` is the name of the table."""
         super().check(where)
         require(0 < self.thickness < np.inf, where, "thickness", self.thickness, "positive and finite [m]")
         require(self.thickness >= THINNEST, where, "thickness", self.thickness, f"at least {THINNEST:g} [m]")
@@ -106,14 +106,15 @@ class BondedLayers(LayeredMedium):
     Parameters
     ----------
     layers : tables
-        From the surface down; see `Layer`. At least one.
+        Layers from the surface down; see `Layer`. At least one.
     substrate : table
-        The half-space under them; see `Substrate`.
+        Half-space below the layers; see `Substrate`.
 
     Notes
     -----
-    Exact for any thickness, from k h of 0 to infinity, without growing exponentials, and for ν up to 0.5 included. At
-    an interface displacement and traction are continuous; the in-plane stresses jump and `response` takes a side.
+    Exact for any thickness, from k h of 0 to infinity, without growing exponentials, and for ν up to 0.5 included.
+    Displacement and traction are continuous at an interface; the in-plane stresses are discontinuous, and `response`
+    has an argument for the side.
     """
 
     key: ClassVar[str] = "bonded-layers"
@@ -156,7 +157,7 @@ class BondedLayers(LayeredMedium):
 
     @cached_property
     def interfaces(self) -> tuple[float, ...]:
-        """Depth of the underside of each layer [m]."""
+        """Depth of the lower face of each layer [m]."""
         return tuple(self._undersides.tolist())
 
     @property
@@ -211,7 +212,7 @@ class BondedLayers(LayeredMedium):
         zero = length == 0
         k = np.where(zero, 1.0, length)
         m, n = kx / k, ky / k
-        # The recursion knows k alone: on the lattice of an FFT most wavevectors share theirs with seven others.
+        # The recursion depends on k alone: on the lattice of an FFT most wavevectors share k with seven others.
         distinct, place = np.unique(k, return_inverse=True)
         place = place.reshape(k.shape)
         slabs = [Slab(layer.thickness, layer.material) for layer in self.layers]
@@ -256,7 +257,7 @@ class BondedLayers(LayeredMedium):
     def _places(self, depths: FloatArray, side: str) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
         """Number of the layer at each depth; of its interface, or -1; depth below the top of the layer [m].
 
-        Interface 0 is the surface, the substrate comes after the last layer.
+        Interface 0 is the surface; the substrate follows the last layer.
         """
         bottoms = self._undersides
         nearest = bottoms[np.argmin(np.abs(bottoms - depths[:, None]), axis=1)]

@@ -1,4 +1,4 @@
-"""Observer of the work of friction: its total, its largest value per area, and its distribution."""
+"""Observer of the friction work: total, largest value per area, and distribution."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ __all__ = ["DissipatedEnergy"]
 
 @dataclass(frozen=True, kw_only=True)
 class DissipatedEnergy(Observer):
-    """Work of friction from the first step to this one.
+    """Friction work from the first step to the present one.
 
     Parameters
     ----------
     threshold : float
-        Fraction of the largest density [-], 0 or more, below 1: cells with less do not count as worked. It separates
-        patches that only the error of the solver connects.
+        Fraction of the largest density [-], at least 0 and below 1; cells with less are not counted. The threshold
+        separates patches that are connected only by the error of the solver.
 
     Notes
     -----
-    Energies are so far, those of one cycle are differences between two steps. Patches are sets of worked cells that
-    share an edge or a corner; a patch across the edge of a periodic window counts as two.
+    Energies are cumulative; those of one cycle are differences between two steps. Patches are sets of counted cells
+    that share an edge or a corner; a patch across the edge of a periodic window counts as two.
     """
 
     key: ClassVar[str] = "dissipated-energy"
@@ -54,15 +54,15 @@ class DissipatedEnergy(Observer):
         Returns
         -------
         mapping of str to float
-            ``total`` [J]; ``patches``, number of them, and ``largest_patch``, the largest energy of one [J];
-            ``max_density`` [J/m²] at ``max_x``, ``max_y`` [m]; ``mean_density`` over the worked cells [J/m²];
-            ``spread`` [m], root of the mean squared distance from the centre of the dissipated energy, weighted with
-            it. All are 0 where nothing has slipped.
+            ``total`` [J]; ``patches``, number of patches, and ``largest_patch``, the largest energy of a patch [J];
+            ``max_density`` [J/m²] at ``max_x``, ``max_y`` [m]; ``mean_density`` over the counted cells [J/m²];
+            ``spread`` [m], root mean square distance from the centre of the dissipated energy, weighted by it. All are
+            0 without slip.
 
         Raises
         ------
         SceneError
-            If the run has no friction.
+            The run has no friction.
         """
         from scipy.ndimage import label
         from scipy.ndimage import sum as sum_by_label

@@ -1,4 +1,4 @@
-"""Observer of a fretting loop: load and displacement along one direction, and the work of friction so far."""
+"""Observer of a fretting loop: load and displacement along one direction, and the friction work so far."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ __all__ = ["FrettingLoop"]
 
 @dataclass(frozen=True, kw_only=True)
 class FrettingLoop(Observer):
-    """Point of the fretting loop that a step adds.
+    """Point of the fretting loop for each step.
 
     Parameters
     ----------
     motion : {"shift", "twist"}
         Loop of the tangential load over the shift, or of the torsion moment over the twist.
     angle : float
-        Direction of the shift in the plane [rad], 0 along x, positive from x to y; the twist has none.
+        Direction of the shift in the plane [rad], 0 along x, positive from x to y; not for the twist.
 
     Notes
     -----
@@ -59,13 +59,13 @@ class FrettingLoop(Observer):
         -------
         mapping of str to float
             ``load`` [N] and ``shift`` [m] along the direction, or ``moment`` [N m] and ``twist`` [rad];
-            ``load_ratio``, the load over the normal load [-] (0 where there is none; for a moment: over the normal
-            load times the contact radius); ``dissipated_energy`` [J], so far.
+            ``load_ratio``, the load over the normal load [-] (0 without a normal load; for a moment: over the normal
+            load times the contact radius); ``dissipated_energy`` [J], cumulative.
 
         Raises
         ------
         SceneError
-            If the run has no friction.
+            The run has no friction.
         """
         cell = step.grid.cell_area
         zero = np.zeros(step.grid.shape)

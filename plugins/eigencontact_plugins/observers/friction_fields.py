@@ -1,4 +1,4 @@
-"""Fields of a step that only a contact with friction has."""
+"""Fields of a step that require a contact with friction."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["friction_field"]
 
 
 def friction_field(observer: str, step: StepView, name: str) -> FloatArray:
-    """Field of a step ``(ny, nx)``; a step without friction is refused, `observer` is for the message."""
+    """Field of a step ``(ny, nx)``; refuses a step without friction, with the name of the `observer` in the message."""
     if name not in step.fields:
         fields = ", ".join(sorted(step.fields))
         raise SceneError(

@@ -28,7 +28,7 @@ class PlasticZone(Observer):
     -----
     The numbers are ``max_strain`` at ``x``, ``y``, ``depth`` (centre of its cell); of all plastic cells the ``volume``,
     the depths ``shallowest`` and ``deepest`` of their faces and the largest distance of a centre from the z axis,
-    ``radius``; and ``max_damage``. All are 0 where nothing has yielded.
+    ``radius``; and ``max_damage``. All are 0 without plastic strain.
     """
 
     key: ClassVar[str] = "plastic-zone"
@@ -69,7 +69,8 @@ class PlasticZone(Observer):
         if not plastic.any():
             return out
         z, y, x = (record.coords[name] for name in "zyx")
-        # One layer begins at the surface, so that its centre is half of its height; one row is that of a line contact.
+        # A single layer begins at the surface, so its centre is half of its height; a single row is that of a line
+        # contact.
         single = {"z": 2.0 * float(z[0]), "y": step.grid.dy, "x": step.grid.dx}
         dz, dy, dx = (
             float(axis[1] - axis[0]) if axis.size > 1 else single[name]

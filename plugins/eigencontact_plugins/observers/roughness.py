@@ -1,4 +1,4 @@
-"""Observer of the surface that eigenstrain, plastic strain mostly, leaves behind."""
+"""Observer of the residual shape of a surface, mostly by plastic strain."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Roughness"]
 
 @dataclass(frozen=True, kw_only=True)
 class Roughness(Observer):
-    """Heights of the surface in a rectangle, from the displacement by eigenstrain.
+    """Heights of the surface in a rectangle, by the displacement of eigenstrain.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ class Roughness(Observer):
     Notes
     -----
     The numbers are those of the heights of the cells, positive out of the body: ``mean``; relative to it ``sa``, the
-    mean of the magnitudes, and ``sq``, the root of the mean square; ``sz``, from the lowest to the highest. They do not
-    contain the elastic displacement by the load.
+    mean of the magnitudes, and ``sq``, the root mean square; ``sz``, from the lowest to the highest. They exclude the
+    elastic displacement by the load.
     """
 
     key: ClassVar[str] = "roughness"
@@ -49,7 +49,7 @@ class Roughness(Observer):
         Raises
         ------
         SceneError
-            No eigenstrain displaces the surface, or the rectangle holds no cell.
+            No eigenstrain displaces the surface, or the rectangle contains no cell.
         """
         if "residual_displacement_z" not in step.fields:
             raise SceneError(f"{self.key} must observe a body with eigenstrain or one that yields (got none)")

@@ -1,4 +1,4 @@
-"""Observer of the stick zone: its size, its widths and its distance from the centre of the contact."""
+"""Observer of the stick zone: size, widths and distance from the centre of the contact."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from eigencontact_plugins.observers.friction_fields import friction_field
 
 __all__ = ["StickRadius"]
 
-#: Value of the field ``contact_zone`` where a cell sticks (0 open, 1 slip).
+#: Value of the field ``contact_zone`` in sticking cells (0 open, 1 slip).
 _STICK = 2
 
 
@@ -45,13 +45,13 @@ class StickRadius(Observer):
         -------
         mapping of str to float
             ``radius`` of the circle of equal area, ``half_width_x``, ``half_width_y``, ``eccentricity``, the distance
-            of its centre of area from that of the contact, and ``ratio``, its radius over that of the contact counted
-            the same way [-]. Lengths [m]; all are 0 where nothing sticks.
+            of its centre of area from that of the contact, and ``ratio``, its radius over that of the contact by the
+            same method [-]. Lengths [m]; all are 0 without sticking cells.
 
         Raises
         ------
         SceneError
-            If the run has no friction.
+            The run has no friction.
         """
         zone = friction_field(self.key, step, "contact_zone")
         stick, contact = np.rint(zone) == _STICK, zone > 0

@@ -1,1 +1,1 @@
-"""Inclusion shapes: regions of the body that may carry an eigenstrain."""
+"""Inclusion shapes: regions of the body with an eigenstrain or another material."""

@@ -1,4 +1,4 @@
-"""Cuboid in any direction: potentials in closed form, in full space and, with a vertical edge, of its mirror image."""
+"""Cuboid of any orientation: potentials in closed form, in full space and, for a vertical edge, of its mirror image."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Point = tuple[float, float, float]
 SNAP = 1e-13
 #: Depth of the upper face, in half edges, below which it lies in the surface.
 FLUSH = 1e-12
-#: Sine of an angle that is round-off of none.
+#: Sine of an angle that counts as zero.
 STRAIGHT = 1e-15
 
 
@@ -53,24 +53,24 @@ class Cuboid(InclusionShape):
     edges : (float, float, float)
         Full lengths of the edges [m]: along x, y and z, or along the rotated axes.
     rotation : (3, 3) or (3,), optional
-        Directions of the edges: a rotation matrix whose *columns* are their unit vectors in scene axes; or three
-        angles [rad] yaw, pitch, roll that turn the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then
-        the turned y, then the twice turned x; positive from x to y, z to x, y to z). Along x, y, z if left out.
+        Directions of the edges: a rotation matrix whose *columns* are their unit vectors in scene axes; or three angles
+        [rad] yaw, pitch, roll that rotate the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then the
+        rotated y, then the twice rotated x; positive from x to y, z to x, y to z). By default along x, y, z.
 
     Notes
     -----
-    A derivative of order n is finite and exact to round-off inside, outside, on faces and in line with faces and
-    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side that is asked for. On
-    edges and corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there
-    they are large and finite.
+    A derivative of order n is finite and exact to round-off inside, outside, on faces and in line with faces and edges.
+    On a face it is the mean of both sides; on a face in z = 0 it is the limit from the requested side. On edges and
+    corners second derivatives of Phi and fourth derivatives of Psi have logarithmic singularities, and higher
+    derivatives have poles: there the values are large and finite.
 
-    The mirror image of a turned cuboid is a turned cuboid: its Psi and Phi are those of the region at mirrored points.
-    Chi has a closed form where two faces are parallel to the surface (a yaw alone), else it is the framework's integral
-    of Phi of the image.
+    The mirror image of a rotated cuboid is a rotated cuboid: its Psi and Phi are those of the region at mirrored
+    points. Chi has a closed form if two faces are parallel to the surface (only yaw); otherwise it is the framework's
+    integral of Phi of the image.
 
-    The sum over the corners cancels at a distance, earlier for elongated cuboids. Beyond the distance with a loss of
-    1e-11, the potentials are integrated in closed form along the longest edge and by Gauss sums across it (see
-    `cuboid_distant`). ``far_field`` returns the point sources that are cheaper further away.
+    The sum over the corners loses accuracy at a distance by cancellation, earlier for elongated cuboids. Where the loss
+    exceeds 1e-11, the potentials are integrated in closed form along the longest edge and by Gauss sums across it (see
+    `cuboid_distant`). ``far_field`` returns the point sources, which are cheaper at larger distances.
 
     Examples
     --------
@@ -110,8 +110,8 @@ class Cuboid(InclusionShape):
     def _frame(self) -> tuple[FloatArray | None, tuple[float, float, float]]:
         """Directions of the edges as columns, None along the axes of the scene, and their lengths in that order.
 
-        A cuboid turned by quarter turns is another cuboid, so that the columns can be taken in the order and with the
-        signs that bring them closest to x, y and z: a face in the surface is then one across the third.
+        A cuboid rotated by quarter turns is another cuboid. The columns are therefore in the order and with the signs
+        closest to x, y and z: a face in the surface is then normal to the third.
         """
         if self.rotation is None:
             return None, self.edges
@@ -155,13 +155,13 @@ class Cuboid(InclusionShape):
     def phi(
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
-        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]; `side` as the framework says."""
+        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]; `side` as in the framework."""
         return self._differentiate("phi", orders, (x, y, z), side)
 
     def psi(
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
-        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]; `side` as the framework says."""
+        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]; `side` as in the framework."""
         return self._differentiate("psi", orders, (x, y, z), side)
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
@@ -174,9 +174,9 @@ class Cuboid(InclusionShape):
     def corner(self, potential: str, orders: Sequence[Order], x: Any, y: Any, z: Any) -> FloatArray:
         """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
 
-        Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells. Computed in the
-        precision of the coordinates, `numpy.longdouble` included. All y may be infinite: then it is that of a rectangle
-        in the plane of x and z, the cross-section of a cell without end.
+        It does not depend on the fields of the cuboid. Lengths should be of order one, for example in cells. It is
+        computed in the precision of the coordinates, `numpy.longdouble` included. All y may be infinite; the function
+        is then that of a rectangle in the plane of x and z, the cross-section of an infinite cell.
         """
         x, y, z = (np.asarray(t, dtype=np.result_type(t, float)) for t in (x, y, z))
         endless = bool(np.isinf(y).all())
@@ -196,7 +196,8 @@ class Cuboid(InclusionShape):
         turn, edges = self._frame
         half = 0.5 * np.array(edges)
         longest = 2 * float(half.max())
-        # Where the corners have lost three digits, but with no more than some 10 points along the longest edge.
+        # Distance at which the corner sum has lost three digits, but with at most about 10 points along the longest
+        # edge.
         distance = float(np.clip(7.0 * np.cbrt(np.prod(2 * half / longest)), 2.0, 7.0)) * longest
         gap = distance - float(np.sqrt(half @ half))
         rules = [gauss_rule(h, gap) for h in half]
@@ -271,7 +272,7 @@ def _evaluate(
     half: Sequence[float],
     side: FloatArray | None,
 ) -> FloatArray:
-    """Sum over the corners, or its replacement where the sum cancels."""
+    """Sum over the corners, or its replacement far away."""
     gaps = [np.maximum(t - h, 0.0) for t, h in zip(offsets, half, strict=True)]
     limit = distant_from([2 * h for h in half])
     distant = gaps[0] ** 2 + gaps[1] ** 2 + gaps[2] ** 2 > limit**2

@@ -7,12 +7,13 @@ Let (x, y, z) be the offset of the field point from a corner, R its length and i
     E_x = arctan(y/x) - arctan(y z / (x R)), written without the branch jump at x = 0; E_y with x and y exchanged
 
 Each table maps how often the potential is differentiated along i, j, k (in falling order; Chi: along x, y, z) to a
-function whose mixed derivative d³/dx dy dz is that derivative of 1/R, R or z ln(R + z) - R. Terms that depend on two
-coordinates only are left out: the sum over the corners removes them. So is a change of the unit of length.
+function whose mixed derivative d³/dx dy dz is that derivative of 1/R, R or z ln(R + z) - R. Terms that depend on only
+two coordinates are omitted, because the sum over the corners removes them; it also removes a change of the unit of
+length.
 
-What would be 0/0 or infinite has a limit or a bound: R + x_i of negative x_i is (x_j² + x_k²)/(R - x_i); A_i at
-x_i = 0 is the mean of both sides, 0, or the limit from a given side; quotients are floored at `FLOOR`, so that the true
-singularities of edges and corners come out large, finite and with their sign.
+Expressions 0/0 and infinite values have a limit or a bound: R + x_i of negative x_i is (x_j² + x_k²)/(R - x_i); A_i at
+x_i = 0 is the mean of both sides, 0, or the limit from a given side; quotients are floored at `FLOOR`, so that the
+singularities of edges and corners are large, finite and of correct sign.
 
 References: Chiu 1978, J. Appl. Mech. 45, 302-306 (cuboid in a half-space); Liu & Wang 2005, J. Appl. Mech. 72, 871-878
 (corner sums of Psi and Phi); MacMillan 1930, The theory of the potential (potential of the cuboid).
@@ -36,7 +37,7 @@ FLOOR = 1e-30
 
 
 class Corner:
-    """Shared sub-expressions at offsets (x, y, z) from a corner, each computed when first used.
+    """Shared sub-expressions at offsets (x, y, z) from a corner, each computed at first use.
 
     `side` is the sign (-1, 0, 1; broadcast) that z = 0 counts as in A_z: 0 means the mean of both sides.
     """
@@ -113,49 +114,49 @@ class Corner:
 class LineCorner(Corner):
     """Corner at y = ∞: the odd part along y of each expression, without terms in y alone or in x or z alone.
 
-    The sum over the corners at ±∞ removes the rest. What formulas multiply with y has no such part: y counts as 0.
+    The sum over the corners at ±∞ removes the other terms. Factors of y in formulas have no such part: y counts as 0.
     """
 
     def __init__(self, x: FloatArray, z: FloatArray) -> None:
         super().__init__(x, np.zeros((), np.result_type(x, z)), z)
         self.rho2: FloatArray = np.maximum(self.squares[0] + self.squares[2], FLOOR**2)
-        self.nothing: FloatArray = np.zeros(self.R.shape, self.R.dtype)
-        self.R = self.nothing
+        self.zeros: FloatArray = np.zeros(self.R.shape, self.R.dtype)
+        self.R = self.zeros
 
     def u(self) -> FloatArray:
         """See `Corner.u`."""
-        return self.nothing
+        return self.zeros
 
     def plus(self, i: int) -> FloatArray:  # noqa: ARG002
         """See `Corner.plus`."""
-        return np.full_like(self.nothing, np.inf)
+        return np.full_like(self.zeros, np.inf)
 
     def L(self, i: int) -> FloatArray:
         """See `Corner.L`."""
-        return np.asarray(-0.5 * np.log(self.rho2)) if i == 1 else self.nothing
+        return np.asarray(-0.5 * np.log(self.rho2)) if i == 1 else self.zeros
 
     def A(self, i: int) -> FloatArray:
         """See `Corner.A`."""
         if i == 1:
-            return self.nothing
+            return self.zeros
         sign, other = np.sign(self.x[i]), self.x[2 - i]
-        return np.asarray(np.arctan2(other * sign + self.nothing, np.abs(self.x[i])))
+        return np.asarray(np.arctan2(other * sign + self.zeros, np.abs(self.x[i])))
 
     def g(self, i: int) -> FloatArray:
         """See `Corner.g`."""
-        return np.asarray(-1.0 / self.rho2) if i == 1 else self.nothing
+        return np.asarray(-1.0 / self.rho2) if i == 1 else self.zeros
 
     def k(self, i: int) -> FloatArray:
         """See `Corner.k`."""
-        return np.asarray(-2.0 / self.rho2**2) if i == 1 else self.nothing
+        return np.asarray(-2.0 / self.rho2**2) if i == 1 else self.zeros
 
     def M(self) -> FloatArray:
         """See `Corner.M`."""
-        return self.nothing
+        return self.zeros
 
     def E(self, i: int) -> FloatArray:
         """See `Corner.E`."""
-        return self.A(2) if i == 0 else self.nothing
+        return self.A(2) if i == 0 else self.zeros
 
 
 Formula = Callable[[Corner, int, int, int], FloatArray]

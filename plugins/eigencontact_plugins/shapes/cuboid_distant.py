@@ -1,12 +1,12 @@
-"""Potentials of a cuboid far away, where corner sums lose digits: exact along its longest edge, Gauss sums across.
+"""Potentials of a cuboid far away, where corner sums lose accuracy: exact along its longest edge, Gauss sums across.
 
 At the distance d from a cuboid with edges a <= b <= c the sum over the corners loses a relative 5e-16 d (d + c)²/(abc):
 measured against quadrature within a factor of 5 for cubes, plates of 1:100 and bars of 1:1000, d from a to 7c. The
-short edges matter: a bar of 1:1000 is left with nine digits at a distance of c, with six at 7c.
+short edges dominate: a bar of 1:1000 has nine digits left at a distance of c, and six at 7c.
 
-What is done here loses a relative d/c times rounding errors at most. The integral along the longest edge, over which
-the integrand may vary quickly, is taken in closed form; across it, where the integrand is smooth, a Gauss rule of n
-points has an error some q^(-2n), q = e + sqrt(e² + 1), e = 2d/edge, below rounding.
+The method here has a relative loss of at most d/c times rounding errors. The integral along the longest edge, over
+which the integrand may vary quickly, has a closed form. Across it the integrand is smooth, and a Gauss rule of n points
+has an error of about q^(-2n), q = e + sqrt(e² + 1), e = 2d/edge, below round-off.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from eigencontact.plugin import FloatArray, Order, PointKernels
 __all__ = ["distant_derivatives", "distant_from", "gauss_rule"]
 
 
-#: Largest d (d + c)² / (abc) at which corners are summed: a relative loss of some 1.5e-11.
+#: Largest d (d + c)² / (abc) for the corner sum: a relative loss of about 1.5e-11.
 LARGEST_LOSS = 3e4
 
 
@@ -36,7 +36,7 @@ def distant_from(edges: Sequence[float]) -> float:
 
 
 def gauss_rule(half: float, distance: float) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on [-half, half] for fields at `distance` from it, beside it or in line."""
+    """Gauss-Legendre nodes and weights on [-half, half] for fields at `distance` from it, beside or in line."""
     e = distance / half
     n = int(np.ceil(15.0 / (2 * np.log10(e + np.sqrt(e * e + 1)))))
     nodes, weights = _unit_rule(n)
@@ -60,8 +60,8 @@ def distant_derivatives(
     Parameters
     ----------
     offsets : three arrays of shape (n,)
-        Points relative to the centre, at least `distant_from` the cuboid, with x, y (and z, but for Chi of the mirror
-        image, where it is greater than half an edge) not negative.
+        Points relative to the centre, at a distance of at least `distant_from`, with nonnegative x, y and z; for Chi of
+        the mirror image z is greater than half an edge instead.
     half : (hx, hy, hz)
         Half edges.
     """

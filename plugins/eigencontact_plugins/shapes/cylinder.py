@@ -1,4 +1,4 @@
-"""Finite circular cylinder in any direction."""
+"""Finite circular cylinder of any orientation."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Cylinder(InclusionShape):
     Parameters
     ----------
     center : (float, float, float)
-        Middle of its axis (x, y, z) [m].
+        Middle of the axis (x, y, z) [m].
     radius : float
         Radius [m].
     length : float
-        Distance of its ends [m].
+        Distance between the ends [m].
     axis : "x", "y", "z" or (float, float, float)
-        Direction of its axis, of any length but zero.
+        Direction of the axis, of any nonzero length.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Ellipsoid of any proportions and orientation: potentials to round-off, inside and outside."""
+"""Ellipsoid of any proportions and orientation: potentials exact to round-off, inside and outside."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ __all__ = ["Ellipsoid"]
 Point = tuple[float, float, float]
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
-#: Distance of Σ (x_i/a_i)² from 1 up to which a point lies on the boundary.
+#: Largest difference of Σ (x_i/a_i)² from 1 for points on the boundary.
 SNAP = 4e-15
 CHUNK = 1024
 
@@ -51,19 +51,19 @@ class Ellipsoid(InclusionShape):
     center : (float, float, float)
         Middle (x, y, z) [m].
     semi_axes : (float, float, float)
-        Half its extent along its own axes [m], in any order of size.
+        Semi-axes along the axes of the ellipsoid [m], in any order of size.
     rotation : (3, 3) or (3,), optional
         Directions of the semi-axes: a rotation matrix whose *columns* are their unit vectors in scene axes; or three
-        angles [rad] yaw, pitch, roll that turn the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then
-        the turned y, then the twice turned x; positive from x to y, z to x, y to z). Along x, y, z if left out.
+        angles [rad] yaw, pitch, roll that rotate the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then
+        the rotated y, then the twice rotated x; positive from x to y, z to x, y to z). By default along x, y, z.
 
     Notes
     -----
     Exact to round-off inside and outside for all proportions: spheres, spheroids, nearly equal axes, needles and discs
-    (1 : 1000 is tested). On the boundary every derivative is the mean of both sides; where an ellipsoid touches z = 0,
-    the limit along the surface, from outside, as for a sphere. Chi has no closed form: it is a cubature over the focal
-    ellipse or, where that would need too many nodes (next to the image of a disc), the framework's integral of Phi of
-    the image (to 2e-11).
+    (tested to 1 : 1000). On the boundary every derivative is the mean of both sides. If the ellipsoid touches z = 0, it
+    is there the limit along the surface, from outside, as for a sphere. Chi has no closed form: it is a cubature over
+    the focal ellipse or, next to the image of a disc, where a cubature would need too many nodes, the framework's
+    integral of Phi of the image (to 2e-11).
 
     Potentials of polynomial densities, relative to the largest derivative of the same order at the point: at degree 6,
     Phi (orders 0 to 5) to 2e-11 and Psi (3 to 5) to 1e-10, worst for a sphere; at degree 4, 2e-12 and 1e-11; on the
@@ -160,7 +160,7 @@ class Ellipsoid(InclusionShape):
     def densities(self, degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """See `HasMomentPotentials`: polynomials along the semi-axes, of mean square one over the ellipsoid.
 
-        Those of a degree are orthogonal to all of lower degree.
+        The densities of a degree are orthogonal to all of lower degree.
         """
         points = [np.ravel(t) / a for t, a in zip(self._in_axes(x, y, z), self.semi_axes, strict=True)]
         values = density_values(degree, points)
@@ -227,7 +227,7 @@ class Ellipsoid(InclusionShape):
         *,
         image: bool,
     ) -> FloatArray:
-        """Sums at points, ``(k, points)``, or with tests ``(d, points)`` times each over the points, ``(k, d)``."""
+        """Sums at points, ``(k, points)``, or summed over the points with tests ``(d, points)``, ``(k, d)``."""
         unit, semi_axes = self._scaled()
         columns: list[tuple[str, tuple[Order, ...]]] = []
         local: list[FloatArray] = []
@@ -268,7 +268,7 @@ class Ellipsoid(InclusionShape):
         unit, semi_axes = self._scaled()
         scaled = weights * np.array([unit ** (4 - sum(order)) for order in orders])
         flat = scaled.reshape(len(weights), -1)
-        # Sums of orders without and with a derivative along z stand for two orders of one potential.
+        # Sums of orders without and with a derivative along z act as two orders of one potential.
         along = np.array([order[2] for order in orders], dtype=bool)
         split_weights = np.concatenate([weights * ~along, weights * along])
         plane = [(i, j, 0) for i, j, _ in orders]
@@ -334,9 +334,9 @@ class Ellipsoid(InclusionShape):
     def _sides(
         self, x: FloatArray, y: FloatArray, z: FloatArray, chunk: int | None = None
     ) -> Iterator[tuple[NDArray[np.intp], FloatArray, Points, bool]]:
-        """Points of one side: indices, their share of the sum, coordinates in units of `_scaled`, whether outside.
+        """Points of one side: indices, weights, coordinates in units of `_scaled`, and whether they are outside.
 
-        Points on the boundary are half of each side.
+        Points on the boundary belong to both sides with half a weight.
         """
         unit, _ = self._scaled()
         points = [np.ravel(t) for t in self._in_axes(x, y, z)]
@@ -357,9 +357,9 @@ class Ellipsoid(InclusionShape):
                 )
 
     def _cubatures(self, at: Sequence[FloatArray]) -> Iterator[tuple[NDArray[np.intp], tuple[int, int] | None, Points]]:
-        """Points that share a cubature over the focal ellipse of the image, its degrees, the points in its units.
+        """Points that share a cubature over the focal ellipse of the image, its degrees, and the points in its units.
 
-        Degrees are None where a cubature would be too dear.
+        Degrees are None if a cubature would be too expensive.
         """
         unit, semi_axes = self._scaled()
         across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._in_axes(at[0], at[1], -at[2])))

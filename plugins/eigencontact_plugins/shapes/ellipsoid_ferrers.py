@@ -4,8 +4,9 @@ With U(s) = 1 - Σ x_i²/(a_i² + s), Δ(s) = √((a_1² + s)(a_2² + s)(a_3² +
 
     V_n = π a_1 a_2 a_3/(n + 1) ∫_λ^∞ U^(n+1)/Δ ds                              (Ferrers and Dyson)
 
-The integral equals that of U^(n+1) log(-U)/(2π i Δ) along a fixed path around the cut from λ to infinity, so that any
-derivative passes under it. What remains of the logarithm is an integral along the cut, the rest has a pole at λ:
+The integral equals that of U^(n+1) log(-U)/(2π i Δ) along a fixed path around the cut from λ to infinity, so that
+derivatives can be taken inside it. Terms with the logarithm become an integral along the cut; the other terms have a
+pole at λ:
 
     ∂^γ V_n = π a_1 a_2 a_3/(n + 1) { ∫_λ^∞ ∂^γ U^(n+1)/Δ ds + Res_λ r_γ/Δ }
 
@@ -63,7 +64,7 @@ def _powers(base: FloatArray, highest: int) -> list[FloatArray]:
 
 @cache
 def without_short(order: Order, short: int) -> tuple[tuple[Order, int], ...]:
-    """An outer derivative by others at most once along one axis, by Laplace's equation: (order, factor)."""
+    """An outer derivative by others with at most one along one axis, by Laplace's equation: (order, factor)."""
     left, odd = divmod(order[short], 2)
     first, second = (axis for axis in range(3) if axis != short)
     terms = []
@@ -127,11 +128,11 @@ def outer_derivatives(
     Parameters
     ----------
     semi_axes : (3,)
-        Of order one.
+        Semi-axes of order one.
     columns : sequence of (n, γ)
-        At most one derivative along the shortest axis: see `without_short`.
+        At most one derivative along the shortest axis; see `without_short`.
     points : three arrays (points,)
-        In the axes of the ellipsoid.
+        Coordinates along the axes of the ellipsoid.
     """
     needed: dict[Order, set[int]] = {}
     for n, order in columns:
@@ -157,7 +158,7 @@ def _moments(
     short = float(semi_axes.min())
     excess = (semi_axes - short) * (semi_axes + short)
     level = ellipsoidal_level(semi_axes, points)
-    # U(λ) = 0: U = (s - λ) Σ x_i²/((a_i² + λ)(a_i² + s)) has no difference of near numbers.
+    # U(λ) = 0: U = (s - λ) Σ x_i²/((a_i² + λ)(a_i² + s)) avoids a difference of nearly equal numbers.
     slopes = [values * values / (level + e) for values, e in zip(points, excess, strict=True)]
     out: Table = {(n, order): np.empty(level.shape) for order, of_order in needed.items() for n in of_order}
     along = {order: {n for n in of_order if sum(order) <= n + 1} for order, of_order in needed.items()}

@@ -1,10 +1,11 @@
-"""Sources on the focal ellipse in place of an ellipsoid: for Chi of its mirror image, and outside.
+"""Sources on the focal ellipse that replace an ellipsoid: for Chi of its mirror image, and outside.
 
-A harmonic function integrates over a uniform ellipsoid as over its focal ellipse, the flat confocal one, with semi-axes
-p = √(a² - c²), q = √(b² - c²) and the density of a uniform flat ellipsoid, 3 V √(1 - ξ²/p² - η²/q²) / (2π p q)
-(Maclaurin's theorem). Chi of a point is harmonic in its source, so that Chi of the ellipsoid is a cubature over the
-ellipse with the kernels of points. It converges like ((√A_1 + √A_3)/p)^(-degree) with A_i = a_i² + λ of the mirrored
-field point: some tens of nodes for most points, too many only next to the image of a flat disc near the surface.
+The integral of a harmonic function over a uniform ellipsoid equals that over its focal ellipse, the flat confocal one,
+with semi-axes p = √(a² - c²), q = √(b² - c²) and the density of a uniform flat ellipsoid, 3 V √(1 - ξ²/p² - η²/q²) /
+(2π p q) (Maclaurin's theorem). Chi of a point is harmonic in its source, so that Chi of the ellipsoid is a cubature
+over the ellipse with the kernels of points. It converges like ((√A_1 + √A_3)/p)^(-degree) with A_i = a_i² + λ of the
+mirrored field point. Most points need some tens of nodes; only points next to the image of a flat disc near the surface
+need too many.
 
 Psi is biharmonic outside. The Fourier transform of an ellipsoid is 3 j1(κ)/κ, κ² = c² k² + p² k_1² + q² k_2²; expanded
 to first order in k² about the ellipse it gives the nodes a spread c²/3 (1 - ξ²/p² - η²/q²), c²/5 on average as a
@@ -27,21 +28,21 @@ __all__ = ["chi_degrees", "focal_chi", "focal_cubature", "focal_sources"]
 
 IntArray = NDArray[np.intp]
 
-#: Degrees of cubature in use, across and around the ellipse.
+#: Degrees of the cubatures, across and around the ellipse.
 DEGREES = np.array([0, 6, 10, 14, 20, 26, 34, 44, 56, 72, 96, 128, 176, 256])
-#: Factor by which the first term left out is to fall below the field; its derivatives fall less than itself.
+#: Required ratio of the first neglected term to the field; terms of its derivatives decrease less.
 DIGITS = 1e-18
-#: Nodes from which on an integral along a line is cheaper.
+#: Number of nodes from which on an integral along a line is cheaper.
 MOST = 2500
 PAIRS = 1 << 14
-#: Distances of points outside, in half lengths of the ellipse, for which there are cubatures; what these leave out. The
-#: coarsest are meant for sums that need not be that exact, and take them from closer.
+#: Distances of points outside, in half lengths of the ellipse, with a cubature for each; and their relative errors. The
+#: coarsest cubatures are for sums of lower accuracy, which use them from smaller distances on.
 REACHES = (1e4, 1e3, 300.0, 100.0, 20.0, 8.0, 4.0, 2.4, 1.6)
 SOURCE_DIGITS = 1e-12
 
 
 def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[IntArray, IntArray]:
-    """Degrees across and around the ellipse that outer points need; -1 around where no cubature is cheap.
+    """Degrees across and around the ellipse for outer points; -1 around if a cubature is too expensive.
 
     `points` are the mirrored field points in the axes of the ellipsoid. Across the ellipse a term falls like
     ((√A_1 + √A_3)/p)^-degree. Around it, like exp(-τ degree) if the distance from no ring r of it has a zero at angles
@@ -55,9 +56,9 @@ def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[
     across = (np.sqrt(level + p2) + np.sqrt(level)) / np.sqrt(p2)
     d2 = points[0] ** 2 + points[1] ** 2 + points[2] ** 2
     K = np.sqrt(points[i] ** 2 * p2 + points[j] ** 2 * q2)
-    r = np.linspace(0.1, 1.0, 10)[:, None]  # rings; the worst is the one at the distance of the point
+    r = np.linspace(0.1, 1.0, 10)[:, None]  # rings; the critical one has the distance of the point
     reach = d2 + p2 * r * r
-    # the axis of an oblate spheroid sees every ring from one distance: K = 0, p = q and no zero at all
+    # All points of a ring have equal distance from the axis of an oblate spheroid: K = 0, p = q and no zero at all.
     pull = np.maximum(K * r + np.sqrt((K * r) ** 2 + (p2 - q2) * r * r * reach), 1e-8 * reach)
     cosh = np.maximum((reach / pull).min(axis=0), 1.0)
     around = cosh + np.sqrt((cosh - 1.0) * (cosh + 1.0))
@@ -81,7 +82,7 @@ def focal_cubature(
     Returns
     -------
     nodes, weights, heights : (m, 3), (m,), (m,)
-        Positions from the centre; weights, which add up to one; 1 - ξ²/p² - η²/q².
+        Positions from the centre; weights, which sum to one; 1 - ξ²/p² - η²/q².
     """
     i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
     a, b, c = semi_axes[[i, j, k]]
@@ -104,7 +105,7 @@ def focal_chi(
     semi_axes, axes : (3,), (3, 3)
         Semi-axes and, as columns, their directions.
     orders : sequence of (int, int, int)
-        Order 2 and more.
+        Order 2 and higher.
     points : three arrays (n,)
         x - x_c, y - y_c, z + z_c: offsets along Z count downwards from the mirrored centre.
     degrees : (int, int)
@@ -117,7 +118,7 @@ def focal_chi(
     step = max(1, PAIRS // weights.size)
     for first in range(0, x.size, step):
         chunk = slice(first, first + step)
-        # the mirrored source lies at -z', so that its depth adds to that of the field point
+        # The mirrored source lies at -z', so its depth adds to that of the field point.
         kernels = PointKernels(x[chunk] - nodes[:, :1], y[chunk] - nodes[:, 1:2], z[chunk] + nodes[:, 2:])
         for row, order in enumerate(orders):
             result[row, chunk] = volume * (weights @ kernels.derivative("chi", order))
@@ -125,12 +126,12 @@ def focal_chi(
 
 
 def focal_sources(semi_axes: FloatArray, axes: FloatArray) -> list[tuple[float, FloatArray, FloatArray, FloatArray]]:
-    """Sources in place of an ellipsoid beyond some distances of its centre, the fewest and farthest first.
+    """Sources that replace an ellipsoid beyond given distances of its centre, the fewest and farthest first.
 
     Returns
     -------
     list of (distance, positions (m, 3), weights (m,), spreads (m,))
-        Positions from the centre; weights add up to one.
+        Positions from the centre; weights sum to one.
     """
     i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
     a, b, c = (float(axis) for axis in semi_axes[[i, j, k]])
@@ -158,7 +159,7 @@ def _outside(reach: float, *, flat: bool) -> tuple[FloatArray, FloatArray, Float
     rings: list[tuple[FloatArray, ...]] = []
     for t, w in zip(nodes[count:], weights[count:], strict=True):
         radius = np.sqrt((1.0 - t) * (1.0 + t))
-        around = _terms(reach / radius)  # the smaller a ring, the fewer of its harmonics are felt
+        around = _terms(reach / radius)  # smaller rings need fewer harmonics
         angle = 2.0 * np.pi * (np.arange(around) + 0.5 * (len(rings) % 2)) / around
         rings.append((radius * np.cos(angle), radius * np.sin(angle), np.full(around, 3.0 * w * t * t / around)))
     u, v, weights = (np.concatenate(arrays) for arrays in zip(*rings, strict=True))
@@ -175,7 +176,7 @@ def _terms(ratio: float) -> int:
 
 @cache
 def _line(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The ellipse of a long spheroid is a line with density 3/4 (1 - ξ²)."""
+    """For a long spheroid the ellipse is a line with density 3/4 (1 - ξ²)."""
     nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 2)
     return nodes, np.zeros_like(nodes), 0.75 * weights * (1.0 - nodes) * (1.0 + nodes)
 

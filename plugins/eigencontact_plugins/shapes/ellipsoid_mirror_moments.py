@@ -1,8 +1,9 @@
 """Chi of the mirror image of an ellipsoid with polynomial densities: a cubature over its focal ellipse.
 
-Harmonic functions integrate over an ellipsoid with the density (1 - Σ x_i²/a_i²)^n as over the focal ellipse with the
-weight (1 - ξ²/p² - η²/q²)^(n + 1/2) and the mass 2π a b c Γ(3/2) Γ(n+1)/Γ(n + 5/2): the cubature of the uniform one
-(`eigencontact_plugins.shapes.ellipsoid_mirror`) with other weights. Derivatives of the densities become derivatives by
+The integral of a harmonic function over an ellipsoid with the density (1 - Σ x_i²/a_i²)^n equals that over the focal
+ellipse with the weight (1 - ξ²/p² - η²/q²)^(n + 1/2) and the mass 2π a b c Γ(3/2) Γ(n+1)/Γ(n + 5/2). This is the
+cubature of the uniform ellipsoid (`eigencontact_plugins.shapes.ellipsoid_mirror`) with other weights. Derivatives of
+the densities become derivatives by
 the field point along the mirrored axes, and every derivative of Chi of a point of order L is a sum of the irregular
 solid harmonics I_(L-2)^m with m up to L (`eigencontact_plugins.shapes.solid_harmonics`).
 
@@ -39,7 +40,7 @@ def _coefficients(
 ) -> dict[tuple[int, int], tuple[list[int], ComplexArray]]:
     """By n and l: sources (density and order) and their complex coefficients of I_l^m, m = 0 to l + 2.
 
-    The derivative is the real part of their sum, once the mass of f_n multiplies it.
+    The derivative is the real part of their sum, times the mass of f_n.
     """
     functions = ladder("image", degree + 2)
     mirrored = np.array(axes).reshape(3, 3) * np.array([[1.0], [1.0], [-1.0]])
@@ -84,19 +85,19 @@ def focal_chi_sums(
     semi_axes, axes : (3,), (3, 3)
         Semi-axes of order one and, as columns, their directions.
     degree : int
-        Of the densities.
+        Degree of the densities.
     orders : sequence of (int, int, int)
         Orders 3 and 4.
     weights : (k, m)
-        Over densities and orders, in this nesting.
+        Weights over densities and orders, in this nesting.
     points : three arrays (points,)
         x - x_c, y - y_c, z + z_c: offsets along Z count downwards from the mirrored centre.
     degrees : (int, int)
         Degrees of the cubature across and around the ellipse, for the uniform density.
     tests : (d, points), optional
-        Functions by which the sums are multiplied before they are added over the points: ``(k, d)``.
+        Functions that multiply the sums before summation over the points: ``(k, d)``.
     """
-    # derivatives of higher order converge later across the ellipse, and have harmonics of higher order around it
+    # Derivatives of higher order converge later across the ellipse, and have harmonics of higher order around it.
     across, around = degrees[0] + (degrees[0] * degree) // 12 + 2 * degree, degrees[1] + 2 * degree
     nodes, of_node, height = focal_cubature(semi_axes, axes, (across, around))
     table = _coefficients(tuple(semi_axes.tolist()), tuple(axes.ravel().tolist()), degree, tuple(orders))
@@ -104,7 +105,7 @@ def focal_chi_sums(
     of_functions = np.concatenate([values for row in rows for values in (row.real, -row.imag)], axis=1)
     of_density = []
     for n in range(degree + 1):
-        share = of_node * height**n  # √(1 - ξ² - η²)^(2n) more than the uniform density
+        share = of_node * height**n  # factor √(1 - ξ² - η²)^(2n) relative to the uniform density
         mass = 2.0 * pi * float(semi_axes.prod()) * gamma(1.5) * gamma(n + 1) / gamma(n + 2.5)
         of_density.append(mass * share / share.sum())
     functions = ladder("image", degree + 2)
@@ -116,7 +117,7 @@ def focal_chi_sums(
     step = max(1, PAIRS // len(of_node))
     for first in range(0, x.size, step):
         chunk = slice(first, first + step)
-        # the mirrored source lies at -z', so that its depth adds to that of the field point
+        # The mirrored source lies at -z', so its depth adds to that of the field point.
         at = (x[chunk] - nodes[:, :1], y[chunk] - nodes[:, 1:2], z[chunk] + nodes[:, 2:])
         values = functions.values(*at)
         sums = np.concatenate([

@@ -1,12 +1,13 @@
 """Polynomial densities of an ellipsoid, and sums over their harmonic and biharmonic potentials.
 
-With ξ_i = x_i/a_i and n = |α| the densities are ρ_α = s ∂^α (1 - |ξ|²)^n, derivatives by ξ, s such that their mean
-square over the ellipsoid is one: polynomials of degree n, orthogonal to all of lower degree. As no derivative up to
-the (n-1)-th of (1 - |ξ|²)^n jumps at the boundary, their potentials are derivatives of those of (1 - |ξ|²)^n, V_n:
+With ξ_i = x_i/a_i and n = |α| the densities are ρ_α = s ∂^α (1 - |ξ|²)^n, with derivatives by ξ and s for a mean square
+of one over the ellipsoid. They are polynomials of degree n, orthogonal to all of lower degree. Derivatives of (1 -
+|ξ|²)^n up to the (n-1)-th are continuous at the boundary; the potentials are therefore derivatives of those of (1 -
+|ξ|²)^n, V_n:
 
     Φ[ρ_α] = s a^α ∂^α V_n,    Ψ,i[ρ_α] = s a^α ∂^α {x_i V_n + a_i²/(2(n + 1)) V_(n+1),i}
 
-the second by Ψ[ρ],i = x_i Φ[ρ] - Φ[x_i ρ].
+the second from Ψ[ρ],i = x_i Φ[ρ] - Φ[x_i ρ].
 
 References
 ----------
@@ -37,7 +38,7 @@ from eigencontact_plugins.shapes.ellipsoid_ferrers import (
 __all__ = ["density_scales", "density_values", "weighted_sums"]
 
 #: Potentials with the orders of their derivatives.
-Asked = tuple[tuple[str, tuple[Order, ...]], ...]
+Requests = tuple[tuple[str, tuple[Order, ...]], ...]
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
 CHUNK = 1024
@@ -89,9 +90,9 @@ class _Terms:
     columns : list of (n, γ)
         Derivatives of V_n.
     table : (4 columns, sources)
-        Sparse factors: times x, y, z or no coordinate, by derivative; sources are potentials, densities and orders.
+        Sparse factors for x, y, z or no coordinate, by derivative; sources are potentials, densities and orders.
     blocks : tuple of int
-        Coordinates that occur, 0 to 2, and 3 for none.
+        Coordinates in the terms, 0 to 2, and 3 for none.
     inner : (columns, monomials), optional
         Polynomials of the derivatives inside, up to `degree`.
     """
@@ -103,13 +104,13 @@ class _Terms:
     inner: FloatArray | None
 
     def contracted(self, weights: FloatArray | None) -> FloatArray:
-        """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)`` or each source alone."""
+        """Coefficients of the derivatives, ``(4, k, columns)``, for weights ``(k, sources)`` or each source."""
         rows = self.table.toarray() if weights is None else self.table @ weights.T
         return np.asarray(rows).reshape(4, len(self.columns), -1).transpose(0, 2, 1)
 
 
 @lru_cache(maxsize=16)
-def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, *, outside: bool) -> _Terms:
+def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Requests, *, outside: bool) -> _Terms:
     from scipy.sparse import coo_array  # late: most runs need no moments
 
     short = int(np.argmin(semi_axes))
@@ -128,7 +129,7 @@ def _terms(semi_axes: tuple[float, float, float], degree: int, requests: Asked, 
                         rows.append((source, block, column, whole * factor * times))
                 source += 1
     columns = list(numbers)
-    # a derivative of V_n, of degree 2n + 2, has at least the n of its density
+    # A derivative of V_n, of degree 2n + 2, has at least the n of its density.
     most = max(2 * n + 2 - sum(order) for n, order in columns)
     inner = None if outside else inner_polynomials(np.array(semi_axes), columns, max(most, 0))
     targets = [block * len(columns) + column for _, block, column, _ in rows]
@@ -162,7 +163,7 @@ def _sum(first: Order, second: Order, sign: int = 1) -> Order:
 def weighted_sums(
     semi_axes: FloatArray,
     degree: int,
-    requests: Asked,
+    requests: Requests,
     weights: FloatArray | None,
     points: Points,
     tests: FloatArray | None = None,
@@ -174,17 +175,17 @@ def weighted_sums(
     Parameters
     ----------
     semi_axes : (3,)
-        Of order one.
+        Semi-axes of order one.
     degree : int
-        Of the densities.
+        Degree of the densities.
     requests : ((potential, orders), ...)
-        ``"phi"`` with any, ``"psi"`` with orders from 1 on.
+        ``"phi"`` with any orders, ``"psi"`` with orders from 1 on.
     weights : (k, m), optional
-        Over potentials, densities and orders, in this nesting; left out: all m values one by one.
+        Weights over potentials, densities and orders, in this nesting; by default all m values one by one.
     points : three arrays (points,)
         All outside or all inside; on the boundary the limit from that side.
     tests : (d, points), optional
-        Functions by which the sums are multiplied before they are added over the points; needs weights.
+        Functions that multiply the sums before summation over the points; they require weights.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def weighted_sums(
     terms = _terms((a, b, c), degree, requests, outside=outside)
 
     def chunks() -> Iterator[tuple[slice, list[FloatArray | float], FloatArray]]:
-        """Points, their coordinates and 1, and the derivatives of V_n, or inside the monomials, there."""
+        """Points, their coordinates and 1, and the derivatives of V_n there, or the monomials inside."""
         for first in range(0, points[0].size, CHUNK):
             span = slice(first, first + CHUNK)
             coordinates = points[0][span], points[1][span], points[2][span]

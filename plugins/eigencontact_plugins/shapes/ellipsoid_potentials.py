@@ -19,9 +19,9 @@ integrands vanish at λ,
     Ψ,ij = δ_ij P_i - x_i x_j J_ij
     Ψ,ijk = -(δ_ij x_k J_ik + δ_ik x_j J_ij + δ_jk x_i J_ij) + 2 g λ y_i y_j y_k / h
 
-What follows is elementary, with λ,i = 2 y_i / h, and left to jets. All integrals have positive integrands and are
-taken by Gauss-Legendre quadrature after a change of variable, so that nothing cancels or divides by a_i² - a_j²:
-spheres, spheroids and ellipsoids close to them need no case of their own.
+The remaining derivatives are elementary, with λ,i = 2 y_i / h, and computed by jets. All integrals have positive
+integrands. They are computed by Gauss-Legendre quadrature after a change of variable, without cancellation and without
+division by a_i² - a_j². Spheres, spheroids and similar ellipsoids need no special case.
 
 References
 ----------
@@ -42,7 +42,7 @@ from eigencontact.plugin import FloatArray, Jet, Order, implicit, variables
 __all__ = ["ellipsoidal_level", "level_rules", "potential_derivatives"]
 
 
-#: Ratio of the largest to the smallest A_i up to which one change of variable serves.
+#: Largest ratio of the largest to the smallest A_i for a single change of variable.
 _ROUND = 4.0
 _NODES = 20
 
@@ -57,9 +57,9 @@ class Region:
     points : three arrays of shape (n,)
         Field points in the axes of the ellipsoid.
     order : int
-        Order of the jets: what is left to differentiate.
+        Order of the jets: the number of remaining derivatives.
     outside : bool
-        Where the points are; boundary points may be taken either way.
+        Whether the points are outside; boundary points belong to either side.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Region:
         self.outside = outside
         self._made: dict[tuple[str, tuple[int, ...]], Jet] = {}
         short = float(semi_axes.min())
-        self.excess = (semi_axes - short) * (semi_axes + short)  # a_i² - c², exact where axes are nearly equal
+        self.excess = (semi_axes - short) * (semi_axes + short)  # a_i² - c², exact for nearly equal axes
         if outside:
             level = ellipsoidal_level(semi_axes, points)
             self.level_value = level - short**2
@@ -200,10 +200,10 @@ def potential_derivatives(
 
 @cache
 def _without_short(potential: str, order: Order, short: int) -> tuple[tuple[str, Order, float], ...]:
-    """An outer derivative by others at most once along the short axis, from the Laplacians of Φ (0) and Ψ (2Φ).
+    """An outer derivative by others with at most one along the short axis, by the Laplacians of Φ (0) and Ψ (2Φ).
 
-    Above the face of a disc λ varies over its thickness, the field over its width: derivatives along the short axis
-    taken directly would cancel, (a/c) times more for each.
+    Above the face of a disc λ varies over the thickness, and the field over the width. Direct derivatives along the
+    short axis would cancel, by a further factor a/c for each.
     """
     if order[short] < 2 or sum(order) < (2 if potential == "phi" else 3):
         return ((potential, order, 1.0),)
@@ -221,7 +221,7 @@ def _without_short(potential: str, order: Order, short: int) -> tuple[tuple[str,
 
 @cache
 def _split(order: Order, closed: int) -> tuple[tuple[int, ...], Order]:
-    """Axes of the closed derivatives, different ones first (they have the fewest terms), and the remaining axes."""
+    """Axes of the closed derivatives, different ones first (they have fewest terms), and the remaining axes."""
     remaining: list[int] = list(order)
     axes: list[int] = []
     while len(axes) < min(closed, sum(order)):
@@ -232,9 +232,9 @@ def _split(order: Order, closed: int) -> tuple[tuple[int, ...], Order]:
 
 
 def ellipsoidal_level(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> FloatArray:
-    """λ + c² of outer points, accurate relative to itself: c² (never less) on the boundary.
+    """λ + c² of outer points, to a relative accuracy: c² (never less) on the boundary.
 
-    The reciprocal of Σ x_i²/(a_i² + λ) is a concave, nearly straight function of λ: Newton's method on it climbs to the
+    The reciprocal of Σ x_i²/(a_i² + λ) is a concave, nearly linear function of λ. Newton's method on it approaches the
     root from below without overshooting.
     """
     short = float(semi_axes.min())
@@ -263,14 +263,14 @@ def _gauss(count: int, upper: float) -> tuple[FloatArray, FloatArray]:
 
 @cache
 def _round_rule() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """u², 1 - u² and weights on 0 < u < 1: half of a rule on (-1, 1), as the integrands are even."""
+    """u², 1 - u² and weights on 0 < u < 1: half of a rule on (-1, 1), because the integrands are even."""
     nodes, weights = np.polynomial.legendre.leggauss(2 * _NODES)
     u, w = nodes[_NODES:, None], weights[_NODES:, None]
     return u * u, (1.0 - u) * (1.0 + u), w
 
 
 def _slender_rule(smallest: FloatArray, largest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Rule for very different A_i: the part s < max A_i is integrated over ln(s + min A_i), nearly straight there."""
+    """Rule for very different A_i: the integral over s < max A_i is nearly linear in ln(s + min A_i)."""
     length = np.log1p(largest / smallest)
     reach = 2.6 / (0.5 * float(length.max()))  # half width of the strip without singularities, in half lengths
     count = int(np.ceil(18.5 / np.log(reach + np.hypot(1.0, reach)))) + 4
@@ -309,7 +309,7 @@ def level_rules(
     Yields
     ------
     points : (n,) bool
-        Those that share a rule, m of them.
+        Points that share a rule, m of them.
     step, inverse, weight : (nodes, m), three of (nodes, m), (nodes, m)
         s - λ, 1/(a_i² + s) and weights, which contain 1/Δ.
     """

@@ -40,8 +40,8 @@ class Layer(InclusionShape):
         Uniform thickness [m].
     file : str, optional
         Map of the thickness instead: ``.npy``, ``.npz`` (an array ``thickness``, or its only one) or text with one row
-        of numbers a line (blanks, commas or semicolons). Rows run along y, columns along x; the outer rows and columns
-        lie on the edges of the rectangle; bilinear between the points. Zero means no layer there.
+        of numbers per line (blanks, commas or semicolons). Rows run along y, columns along x; the outer rows and
+        columns lie on the edges of the rectangle; bilinear between the points. Zero means no layer at this point.
     thickness_unit : float
         Metres per unit of the numbers in the file.
     center : (float, float)
@@ -52,7 +52,7 @@ class Layer(InclusionShape):
     Notes
     -----
     The shape has no potentials: the framework divides it into cuboids with volume fractions. This is exact for a layer
-    of uniform thickness whose faces coincide with faces of cells; else use `cuboid`, the same region with potentials.
+    of uniform thickness with faces on faces of cells; otherwise use `cuboid`, the same region with potentials.
     """
 
     key: ClassVar[str] = "layer"
@@ -80,7 +80,7 @@ class Layer(InclusionShape):
             )
         if self.thickness is not None:
             require(0 < self.thickness < np.inf, self.key, "thickness", self.thickness, "positive and finite [m]")
-        _ = self._map  # read and checked now, not in the middle of a run
+        _ = self._map  # read and check the file before the run
 
     @property
     def bounds(self) -> tuple[Point, Point]:

@@ -1,4 +1,4 @@
-"""Polyhedron whose surface is a closed mesh read from a file."""
+"""Polyhedron with a surface from a mesh file."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ __all__ = ["Polyhedron"]
 
 Point = tuple[float, float, float]
 
-#: Pairs of point and triangle worked on together.
+#: Pairs of points and triangles per block.
 PAIRS = 1 << 17
-#: Round-off of the volume in a cell: below, a cell is empty or full.
+#: Round-off of the volume in a cell, below which a cell is empty or full.
 ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
 class Polyhedron(InclusionShape):
-    """Region inside a closed surface of flat faces, of any number of corners.
+    """Region inside a closed surface of flat faces, with any number of corners.
 
     Parameters
     ----------
     file : str
         Surface mesh: STL, PLY, OBJ, OFF, VTK (unstructured grid) or VTU. Every edge must belong to two faces of
-        opposite sense; faces that all look inwards are turned over. Several closed parts, and cavities, are allowed.
-        Bent faces are cut into triangles around their middle, folded ones refused.
+        opposite orientation. If all faces point inwards, the program reverses them. Several closed parts, and cavities,
+        are allowed. Nonplanar faces are divided into triangles around their middle; folded ones are refused.
     scale : float
         Metres per unit of the coordinates in the file.
     rotation : (3, 3) or (3,), optional
@@ -58,8 +58,7 @@ class Polyhedron(InclusionShape):
     -----
     The shape has no potentials: the framework divides it into cuboids with volume fractions, which are exact unless
     parts of the body overlap. A point is inside if the winding number of the surface around it, counted along a ray, is
-    not zero. For the few points whose ray meets an edge or a corner, the solid angle of the whole surface determines
-    it.
+    not zero. For the few points with a ray through an edge or a corner, the solid angle of the whole surface decides.
     """
 
     key: ClassVar[str] = "polyhedron"
@@ -79,11 +78,11 @@ class Polyhedron(InclusionShape):
         require(0 < self.scale < np.inf, self.key, "scale", self.scale, "positive and finite [m]")
         good = np.shape(self.offset) == (3,) and bool(np.isfinite(self.offset).all())
         require(good, self.key, "offset", self.offset, "three finite lengths (x, y, z) [m]")
-        _ = self.surface  # read and checked now, not in the middle of a run
+        _ = self.surface  # read and check the file before the run
 
     @cached_property
     def surface(self) -> Surface:
-        """Vertices in scene coordinates [m] and triangles that look outwards."""
+        """Vertices in scene coordinates [m] and triangles with outward normals."""
         mesh = read_surface(self.key, self.file)
         turn = rotation_matrix(self.key, self.rotation)
         return Surface(mesh.vertices * self.scale @ turn.T + np.array(self.offset), mesh.triangles)

@@ -1,4 +1,4 @@
-"""Files of surfaces: points, and faces of any number of corners."""
+"""Files of surfaces: points, and faces with any number of corners."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["read_faces"]
 
 IntArray = NDArray[np.intp]
 TYPES = (".stl", ".ply", ".obj", ".off", ".vtk", ".vtu")
-#: Points ``(n, 3)``; tables ``(faces, corners)`` of numbers of points, in order around each face; what is solid.
+#: Points ``(n, 3)``; tables ``(faces, corners)`` of numbers of points, in order around each face; solid cells.
 Content = tuple[FloatArray, list[IntArray], list[str]]
 
 
@@ -24,17 +24,17 @@ def read_faces(where: str, file: str) -> tuple[FloatArray, list[IntArray]]:
     Raises
     ------
     SceneError
-        For a file that is not there, of an unknown kind, cannot be read, holds solid cells or no faces, or whose faces
-        name points that it does not hold.
+        The file does not exist, is of an unknown kind, cannot be read, contains solid cells or no faces, or its faces
+        refer to points that it does not contain.
     """
     path = Path(file)
     suffix = path.suffix.lower()
     require(path.is_file(), where, "file", file, "an existing file; a relative path counts from the scene's folder")
     require(suffix in TYPES, where, "file", file, f"a surface mesh of one of the types {', '.join(TYPES)}")
     try:
-        with np.errstate(over="ignore"):  # meshio takes the start of a text STL for a number of triangles first
+        with np.errstate(over="ignore"):  # meshio first tries to read the start of a text STL as a number of triangles
             points, faces, solid = {".off": _off, ".obj": _obj}.get(suffix, _by_meshio)(path)
-    except (Exception, SystemExit) as problem:  # readers raise errors of many kinds
+    except (Exception, SystemExit) as problem:  # readers raise errors of many types
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
         raise SceneError(f"{where}.file must be a readable mesh (got {file!r}); {reason}") from problem
     require(not solid, where, "file", file, f"a surface mesh without {', '.join(solid)} cells; extract its surface")
@@ -49,7 +49,7 @@ def read_faces(where: str, file: str) -> tuple[FloatArray, list[IntArray]]:
 
 
 def _off(path: Path) -> Content:
-    """Object file format: a head, the counts, points, faces; colours and normals may follow in a line."""
+    """Object file format: header, counts, points, faces; colours and normals may follow in a line."""
     lines = _lines(path)
     head = lines.pop(0)
     if not head[0].upper().endswith("OFF") or "4" in head[0]:
@@ -77,7 +77,7 @@ def _obj(path: Path) -> Content:
 
 
 def _lines(path: Path) -> list[list[str]]:
-    """Words of the lines of a file, without empty lines and remarks after #."""
+    """Words of the lines of a file, without empty lines and comments after #."""
     rows = (line.partition("#")[0].split() for line in path.read_text(encoding="utf-8").splitlines())
     return [row for row in rows if row]
 

@@ -1,4 +1,4 @@
-"""Closed triangulated surfaces: made from faces and checked; volume and winding number."""
+"""Closed triangulated surfaces: built from faces and checked; volume and winding number."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["Surface", "read_surface"]
 
 IntArray = NDArray[np.intp]
 
-#: Distance of the corners of a face from their plane, in its extents, that five written digits of theirs explain.
+#: Largest distance of the corners of a face from their plane, relative to its size: rounding to five digits in a file.
 FLAT = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles that look outwards.
+    """Triangles with outward normals.
 
     Attributes
     ----------
@@ -61,12 +61,13 @@ class Surface:
 
 
 def read_surface(where: str, file: str) -> Surface:
-    """Closed surface of a mesh file, its triangles turned outwards.
+    """Closed surface of a mesh file, with outward normals.
 
     Raises
     ------
     SceneError
-        For a file that cannot be read, holds no surface, one with folded faces, or one that is open or of mixed sense.
+        The file cannot be read or contains no surface, or the surface has folded faces, is open, or of mixed
+        orientation.
     """
     surface = _merged(*_triangles(where, file, *read_faces(where, file)))
     _check_closed(where, file, surface)
@@ -74,10 +75,11 @@ def read_surface(where: str, file: str) -> Surface:
 
 
 def _triangles(where: str, file: str, points: FloatArray, faces: Sequence[IntArray]) -> tuple[FloatArray, IntArray]:
-    """Points, some added, and triangles of faces with any number of corners.
+    """Points, with some added, and triangles of faces with any number of corners.
 
-    A flat face is cut from one of its corners. It need not be convex: triangles beyond it are of the other sense and
-    take away what others have too much. A bent face is cut around its middle, if all these triangles look to one side.
+    A flat face is divided from one of its corners. It need not be convex: triangles outside it have the opposite
+    orientation and compensate the excess of the others. A nonplanar face is divided around its middle, if all triangles
+    have the same orientation.
     """
     triangles = []
     for table in faces:
@@ -90,9 +92,9 @@ def _triangles(where: str, file: str, points: FloatArray, faces: Sequence[IntArr
 
 
 def _sorted(where: str, file: str, points: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Flat faces and bent faces; refuses folded faces."""
+    """Flat and nonplanar faces; refuses folded faces."""
     offsets = points[faces] - points[faces].mean(axis=1, keepdims=True)
-    areas = np.cross(offsets, np.roll(offsets, -1, axis=1))  # twice those of the triangles around the middle
+    areas = np.cross(offsets, np.roll(offsets, -1, axis=1))  # twice the areas of the triangles around the middle
     normal = areas.sum(axis=1)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
     height = np.abs(np.einsum("fci,fi->fc", offsets, normal)).max(axis=1)

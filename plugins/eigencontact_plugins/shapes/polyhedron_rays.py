@@ -1,8 +1,8 @@
-"""Winding number of a closed surface around points, by the triangles on a ray from each point.
+"""Winding number of a closed surface around points, from the triangles on a ray from each point.
 
-The rays share one direction along no lattice, so that the triangles can be sorted once into bins of the plane across it
-and each point is compared with a few of them only. A ray that passes an edge or a corner within rounding decides
-nothing: such points are reported, and left to the solid angle.
+All rays have the same direction, which is not along any lattice. The triangles can therefore be sorted once into bins
+of the plane across this direction, and each point is compared with a few triangles only. A ray through an edge or a
+corner within round-off gives no result: such points are reported, and their solid angle is used instead.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["Bins", "sorted_into_bins"]
 
 IntArray = NDArray[np.intp]
 
-#: Distances, in extents of the surface, below which a ray is said to pass an edge.
+#: Distances, relative to the size of the surface, below which a ray passes through an edge.
 ROUNDING = 1e-12
 PAIRS = 1 << 18
 
@@ -32,7 +32,7 @@ TURN: FloatArray = np.array([[_c, -_s, 0.0], [_s, _c, 0.0], [0.0, 0.0, 1.0]]) @ 
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Triangles ``(m, 3, 3)`` in turned coordinates from 0 to about 1, and the triangles of each bin."""
+    """Triangles ``(m, 3, 3)`` in rotated coordinates from 0 to about 1, and the triangles of each bin."""
 
     origin: FloatArray
     extent: float

@@ -1,7 +1,7 @@
 """Volume that a closed surface encloses in each cell of a lattice, by the divergence theorem: exact to round-off.
 
-The triangles are cut along the planes of the lattice. With A the area of a piece projected along z, positive where its
-outside looks along +z, the volume in a cell that begins at z_k is the sum of A (z - z_k) over the pieces in that cell
+The triangles are cut along the planes of the lattice. With the area A of a piece projected along z, positive for an
+outward normal along +z, the volume in a cell that begins at z_k is the sum of A (z - z_k) over the pieces in that cell
 and of A times the height of a cell over all pieces beyond it in its column.
 """
 
@@ -18,7 +18,7 @@ __all__ = ["volumes_in_cells"]
 
 IntArray = NDArray[np.intp]
 
-#: Polygons worked on together.
+#: Polygons per block.
 PIECES = 1 << 15
 
 
@@ -35,10 +35,10 @@ def volumes_in_cells(corners: FloatArray, shape: tuple[int, int, int]) -> FloatA
 
     Notes
     -----
-    What the surface winds around twice counts twice, what it winds around in the other sense counts negative.
+    Regions with winding number two count twice, and regions of opposite orientation count as negative.
     """
     nz, ny, nx = shape
-    layers = (nz + 2, ny, nx)  # one above the lattice, which counts for no cell, and one below it, which counts for all
+    layers = (nz + 2, ny, nx)  # one above the lattice, outside all cells, and one below it, which adds to all
     area, moment = np.zeros(layers), np.zeros(layers)
     for strips, _, i in _cut(corners, 0, (0, nx - 1)):
         for columns, row, j in _cut(strips, 1, (0, ny - 1)):
@@ -55,9 +55,9 @@ def volumes_in_cells(corners: FloatArray, shape: tuple[int, int, int]) -> FloatA
 
 
 def _cut(polygons: FloatArray, axis: int, cells: tuple[int, int]) -> Iterator[tuple[FloatArray, IntArray, IntArray]]:
-    """Pieces of convex polygons ``(n, vertices, 3)`` in unit cells along an axis, whose polygon each is, and its cell.
+    """Pieces of convex polygons ``(n, vertices, 3)`` in unit cells along an axis, the polygon of each, and its cell.
 
-    The outermost cells of the axis z, which has some beyond the lattice, are endless.
+    The outermost cells of the axis z, some of which are outside the lattice, are infinite.
     """
     along, (lowest, highest) = polygons[:, :, axis], cells
     endless = (-np.inf, np.inf) if axis == 2 else (lowest, highest + 1)
@@ -85,7 +85,7 @@ def _cut(polygons: FloatArray, axis: int, cells: tuple[int, int]) -> Iterator[tu
 def _clipped(polygons: FloatArray, axis: int, plane: FloatArray, side: float) -> tuple[FloatArray, IntArray]:
     """Convex polygons clipped to one side of a plane normal to an axis, and the numbers of the remaining polygons.
 
-    All are given as many vertices as the one that has most; the last one is repeated.
+    All have as many vertices as the largest one; the last vertex is repeated.
     """
     above = np.where(np.isinf(plane)[:, None], 0.0, side * (polygons[:, :, axis] - plane[:, None]))
     following, above_next = np.roll(polygons, -1, axis=1), np.roll(above, -1, axis=1)

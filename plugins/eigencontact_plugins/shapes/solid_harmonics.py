@@ -6,8 +6,8 @@ Regular and irregular solid harmonics of degree l and order m, x_± = x ± iy, P
     X_l^(-m) = (-1)^m conj(X_l^m)
 
 Derivatives are single harmonics of neighbouring degree and order, so that {r^(2j) R_l^m} and {I_l^m, r² I_l^m} are
-closed under differentiation: any derivative of a function of such a set is a row of coefficients. I_l^m with
-l = m - 1 and m - 2 continue the ladder downwards along z; they are regular off the negative z axis.
+closed under differentiation: any derivative of a function of such a set is a row of coefficients. I_l^m with l = m - 1
+and m - 2 continue the ladder downwards along z; they are regular except on the negative z axis.
 
 References
 ----------
@@ -40,9 +40,9 @@ class _Functions(ABC):
     Attributes
     ----------
     indices : list of Index
-        All functions, negative orders too.
+        All functions, negative orders included.
     row : dict
-        Place of each in `indices`.
+        Position of each in `indices`.
     """
 
     def __init__(self, indices: list[Index]) -> None:
@@ -53,7 +53,7 @@ class _Functions(ABC):
         plus, minus = ladders["+"], ladders["-"]
         from scipy.sparse import csr_array  # late: most runs need no moments
 
-        # Transposed, a row has two entries at most.
+        # Each row of the transpose has at most two entries.
         self._along = tuple(csr_array(step.T) for step in (0.5 * (plus + minus), -0.5j * (plus - minus), ladders["z"]))
         self._place = np.array([self.half.index((j, low, abs(m))) for j, low, m in indices])
         self._mirrored = np.array([m < 0 for _, _, m in indices])
@@ -83,7 +83,7 @@ class _Functions(ABC):
         """Coefficients ``(..., 2 len(half))`` of the real part in the real and imaginary parts of orders m >= 0."""
         folded = np.where(self._mirrored, np.conj(rows), rows) * self._sign
         half = np.zeros((*rows.shape[:-1], len(self.half)), dtype=complex)
-        for column, place in enumerate(self._place):  # two functions at most share a place
+        for column, place in enumerate(self._place):  # at most two functions share a position
             half[..., place] += folded[..., column]
         return np.concatenate((half.real, -half.imag), axis=-1)
 
@@ -159,7 +159,7 @@ class Outer(_Functions):
     def values(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Real and imaginary parts of the functions with m >= 0, ``(2 len(half), n)``; r > 0, and z >= 0 if continued.
 
-        Functions of degree below 1 and order above it are 0: no third derivative needs them.
+        Functions of degree below 1 and order above it are 0: no third derivative requires them.
         """
         plus, square = x + 1j * y, x * x + y * y + z * z
         over, distance = 1.0 / square, np.sqrt(square)
@@ -188,7 +188,7 @@ class Outer(_Functions):
         distance: FloatArray,
         z: FloatArray,
     ) -> None:
-        """Add I_(m-1)^m and I_(m-2)^m: finite for z >= 0, without a difference of near numbers in the first."""
+        """Add I_(m-1)^m and I_(m-2)^m: finite for z >= 0; the first has no difference of nearly equal numbers."""
         cosine, base = z / distance, plus / (distance * (distance + z))
         power = np.ones_like(plus)
         for m in range(1, self.degree + 3):

@@ -33,7 +33,7 @@ SNAP = 1e-13
 FLUSH = 1e-12
 
 #: Factors of the derivatives of Phi and Psi inside, by orders in falling order; the others are 0. Those of odd order
-#: are multiplied by the coordinate whose order is odd.
+#: are multiplied by the coordinate of odd order.
 INSIDE: dict[str, dict[Order, float]] = {
     "phi": {(1, 0, 0): -4 * np.pi / 3, (2, 0, 0): -4 * np.pi / 3},
     "psi": {
@@ -60,8 +60,8 @@ class SphericalInclusion(InclusionShape):
     -----
     Outside, with the volume V and the distance R from the centre: Phi = V/R, Psi = V (R + a²/(5R)) and, as the
     mirror sphere never meets its own singular ray, Chi = V (Z ln(R + Z) - R), by the mean value property. Inside,
-    Phi = 2π (a² - R²/3) and Psi = π (a⁴ + 2a²R²/3 - R⁴/15). On the boundary it is the mean of both; at a
-    point that touches the surface it is the limit along the surface, from outside. Exact to round-off everywhere.
+    Phi = 2π (a² - R²/3) and Psi = π (a⁴ + 2a²R²/3 - R⁴/15). On the boundary the values are means of both sides; at a
+    point in the surface they are the limit along the surface, from outside. Exact to round-off everywhere.
 
     Examples
     --------
@@ -119,11 +119,11 @@ class SphericalInclusion(InclusionShape):
         return out
 
     def far_field(self) -> PointSources:
-        """One point source with a spread; the same as the closed form."""
+        """One point source with a spread; identical to the closed form."""
         center = np.array(self.center, dtype=float)
         return PointSources(
             center=center,
-            distance=self.radius * (1.0 + FLUSH),  # the boundary itself takes the mean of both sides
+            distance=self.radius * (1.0 + FLUSH),  # on the boundary the mean of both sides applies
             positions=center[None],
             volumes=np.array([4 * np.pi / 3 * self.radius**3]),
             spreads=np.array([self.radius**2 / 5]),

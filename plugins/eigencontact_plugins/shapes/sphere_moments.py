@@ -1,7 +1,7 @@
 """Potentials of polynomial densities over the unit ball, as sums of solid harmonics about its centre.
 
-Densities are ρ = s r^(2k) R_l^m with 2k + l up to a degree, real and imaginary parts, s such that their mean square
-over the boundary is one. Outside, with c = (l-m)! (l+m)! and n = 2k + 2,
+Densities are ρ = s r^(2k) R_l^m with 2k + l up to a degree, real and imaginary parts, with s for a mean square of one
+over the boundary. Outside, with c = (l-m)! (l+m)! and n = 2k + 2,
 
     Phi = K I_l^m,    K = 4 pi / [(2l+1)(2l+2k+3) c]
     Psi = 4 pi / [(2l+1)(2l+3)(2l+2k+5) c] I_l^m - K/(2l-1) r² I_l^m
@@ -16,7 +16,7 @@ The mirror image has the density (-1)^(l+m) ρ at the mirror centre, and Chi = (
 References
 ----------
 E. W. Hobson 1931, The Theory of Spherical and Ellipsoidal Harmonics, ch. III (Newtonian potentials of such densities).
-The biharmonic ones and Chi were derived for this project from Laplacian Psi = 2 Phi and Chi,zz = Phi.
+The biharmonic potentials and Chi were derived for this project from Laplacian Psi = 2 Phi and Chi,zz = Phi.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from eigencontact_plugins.shapes.solid_harmonics import ladder
 
 __all__ = ["densities_of", "moment_sums", "rule"]
 
-#: Points whose functions stay in cache.
+#: Points per block; their functions fit into the cache.
 _CHUNK = 1024
-#: Weighted sums that are formed at a time.
+#: Number of weighted sums per block.
 _ROWS = 64
-#: Derivatives that the half-space theorem asks for at most.
+#: Largest number of derivatives for the half-space theorem.
 _MOST = 5
 
 Weights = Mapping[str, tuple[Sequence[Order], FloatArray]]
@@ -70,7 +70,7 @@ def densities_of(degree: int, x: FloatArray, y: FloatArray, z: FloatArray) -> Fl
 def rule(counts: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
     """Points ``(m, 3)`` and weights of the unit ball: Gauss along r with r², Gauss along cos, equal angles."""
     radial, polar, turns = counts
-    # Gauss-Jacobi with weight r² on (0, 1) would save a point or two; Gauss-Legendre keeps it plain.
+    # Gauss-Jacobi with weight r² on (0, 1) would save one or two points; Gauss-Legendre is simpler.
     r, of_r = np.polynomial.legendre.leggauss(radial)
     t, of_t = np.polynomial.legendre.leggauss(polar)
     r = 0.5 * (1.0 + r)
@@ -120,7 +120,7 @@ def _potentials(degree: int, where: str) -> dict[str, NDArray[np.complex128]]:
 
 @lru_cache(maxsize=64)
 def _derivatives(degree: int, where: str, name: str, orders: tuple[Order, ...]) -> Any:
-    """Real coefficients of derivatives of a potential, ``(2 half, n len(orders))``; sparse, as few are not zero."""
+    """Real coefficients of derivatives of a potential, ``(2 half, n len(orders))``; sparse, because most are zero."""
     from scipy.sparse import csr_array  # late: most runs need no moments
 
     rows = _potentials(degree, where)[name]
@@ -139,8 +139,8 @@ def moment_sums(
 ) -> FloatArray:
     """Weighted sums ``(k, points)`` of derivatives of potentials; see `HasMomentSums` and `HasMomentIntegrals`.
 
-    `where` is ``"inner"``, ``"outer"`` or ``"image"``; points are in units of the radius from the centre that belongs
-    to it. With `tests` ``(d, points)`` the sums are multiplied by each and added over the points, ``(k, d)``.
+    `where` is ``"inner"``, ``"outer"`` or ``"image"``; points are in units of the radius, from the corresponding
+    centre. With `tests` ``(d, points)`` the sums are multiplied by each and summed over the points, ``(k, d)``.
     """
     functions = ladder(where, degree + _MOST if where != "inner" else degree + 4)
     count = len(next(iter(weights.values()))[1])
@@ -148,7 +148,7 @@ def moment_sums(
     for name, (orders, of_orders) in weights.items():
         scales = np.array([radius ** ((2 if name == "phi" else 4) - sum(order)) for order in orders])
         derivatives = _derivatives(degree, where, name, tuple(orders))
-        for first in range(0, count, _ROWS):  # sums that are turned stay in a cache
+        for first in range(0, count, _ROWS):  # transposed sums that fit into a cache
             some = (of_orders[first : first + _ROWS] * scales).reshape(-1, derivatives.shape[1])
             total[first : first + _ROWS] += (derivatives @ some.T).T
     x, y, z = (np.ravel(axis) for axis in points)

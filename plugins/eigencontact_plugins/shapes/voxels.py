@@ -1,4 +1,4 @@
-"""The voxels of a three-dimensional image that bear one number: a grain, a phase, a pore."""
+"""Voxels of one number in a three-dimensional image: a grain, a phase, a pore."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class VoxelShape(InclusionShape):
-    """Region of the voxels with one number in an array of whole numbers, such as a segmented image.
+    """Region of the voxels with one number in an array of integers, such as a segmented image.
 
     Parameters
     ----------
     file : str
-        ``.npy``, ``.npz`` or NetCDF with an array ``labels (nz, ny, nx)``, or its only one: z runs into the body.
+        ``.npy``, ``.npz`` or NetCDF with an array ``labels (nz, ny, nx)``, or its only one: z points into the body.
     spacing : (float, float, float)
         Edges (dx, dy, dz) of a voxel [m].
     origin : (float, float, float)
@@ -60,7 +60,7 @@ class VoxelShape(InclusionShape):
         require(good, self.key, "spacing", self.spacing, "three positive, finite lengths (dx, dy, dz) [m]")
         good = len(self.origin) == 3 and bool(np.isfinite(self.origin).all())
         require(good, self.key, "origin", self.origin, "three finite lengths (x, y, z) [m]")
-        _ = self._filled  # read and checked now, not in the middle of a run
+        _ = self._filled  # read and check the file before the run
 
     @cached_property
     def _filled(self) -> tuple[tuple[int, int, int], NDArray[np.bool_]]:
@@ -110,7 +110,7 @@ class VoxelShape(InclusionShape):
             shared = np.minimum(cells[1:, None], voxels[None, 1:]) - np.maximum(cells[:-1, None], voxels[None, :-1])
             share = np.clip(shared / edges[axis], 0.0, 1.0)
             fractions = np.moveaxis(np.tensordot(share, fractions, axes=(1, place)), 0, place)
-        nearly = np.round(fractions)  # faces that coincide up to round-off leave no slivers
+        nearly = np.round(fractions)  # faces that coincide within round-off give no slivers
         return np.clip(np.where(np.abs(fractions - nearly) < 1e-9, nearly, fractions), 0.0, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""Wear by work of friction and slip amplitude, by Fouvry and Paulin for gross slip."""
+"""Wear by friction work and slip amplitude, after Fouvry and Paulin for gross slip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["AmplitudeScaled"]
 
 @dataclass(frozen=True, kw_only=True)
 class AmplitudeScaled(WearLaw):
-    """Depth ``c s E`` from the work of friction E per area of a cycle and the local slip amplitude s of the cycle.
+    """Depth ``c s E`` from the friction work E per area of a cycle and the local slip amplitude s of the cycle.
 
     The amplitude is that of the whole cycle, a quarter of its slip distance, so that the depth does not depend on the
     number of increments.
@@ -22,8 +22,8 @@ class AmplitudeScaled(WearLaw):
     Parameters
     ----------
     coefficient : float
-        Worn volume by work of friction and amplitude [m²/J], as ``"1e4 mm^3/(J mm)"``: that of the energy law at a
-        reference amplitude, divided by it.
+        Worn volume per friction work and amplitude [m²/J], as ``"1e4 mm^3/(J mm)"``: the coefficient of the energy law
+        at a reference amplitude, divided by this amplitude.
     """
 
     key: ClassVar[str] = "amplitude-scaled"

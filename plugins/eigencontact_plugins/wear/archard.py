@@ -1,4 +1,4 @@
-"""Archard's law: depth in proportion to pressure and path."""
+"""Archard's law: depth proportional to pressure and slip distance."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["Archard"]
 
 @dataclass(frozen=True, kw_only=True)
 class Archard(WearLaw):
-    """Depth ``(K / H) p s`` by a pressure p over a slip distance s; works without friction.
+    """Depth ``(K / H) p s`` for a pressure p over a slip distance s; friction is not required.
 
     Parameters
     ----------
     coefficient : float
-        K, a number, if there is a hardness; else K / H [1/Pa], as ``"1e-13 m^3/(N m)"``.
+        K, a number, if a hardness is given; otherwise K / H [1/Pa], as ``"1e-13 m^3/(N m)"``.
     hardness : float, optional
         H [Pa].
     """

@@ -21,7 +21,7 @@ class ByMaterial(WearLaw):
     Parameters
     ----------
     laws : table of WearLaw
-        By name: ``coating = { type = "archard", coefficient = "1e-15 m^2/N" }``.
+        Laws by name: ``coating = { type = "archard", coefficient = "1e-15 m^2/N" }``.
     """
 
     key: ClassVar[str] = "by-material"
@@ -56,7 +56,7 @@ class ByMaterial(WearLaw):
 
     @property
     def volume_per_energy(self) -> float | None:
-        """See `WearLaw.volume_per_energy`: where all laws have the same."""
+        """See `WearLaw.volume_per_energy`: if all laws have the same value."""
         volumes = {law.volume_per_energy for law in self.laws.values()}
         return volumes.pop() if len(volumes) == 1 else None
 

@@ -1,4 +1,4 @@
-"""Worn volume in proportion to the work of friction."""
+"""Worn volume proportional to the friction work."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, 
 __all__ = ["DissipatedEnergy", "VolumePerEnergy"]
 
 
-#: A worn volume by work of friction: 1 mm³/J is 1e-9 m³/J.
+#: Worn volume per friction work: 1 mm³/J is 1e-9 m³/J.
 VolumePerEnergy = Annotated[float, Unit("m^3/J", "a worn volume by work of friction")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class DissipatedEnergy(WearLaw):
-    """Depth in proportion to the work of friction by area: the worn volume is the coefficient times the energy.
+    """Depth proportional to the friction work per area: the worn volume is the coefficient times the energy.
 
     Parameters
     ----------
     coefficient : float
-        Worn volume by work of friction [m³/J], as ``"1e-3 mm^3/J"``.
+        Worn volume per friction work [m³/J], as ``"1e-3 mm^3/J"``.
     """
 
     key: ClassVar[str] = "dissipated-energy"

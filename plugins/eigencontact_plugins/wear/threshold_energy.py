@@ -1,4 +1,4 @@
-"""Wear by the work of friction beyond a threshold."""
+"""Wear by the friction work beyond a threshold."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ __all__ = ["ThresholdEnergy"]
 
 @dataclass(frozen=True, kw_only=True)
 class ThresholdEnergy(WearLaw):
-    """Depth proportional to the work of friction per area beyond a local threshold.
+    """Depth proportional to the friction work per area beyond a local threshold.
 
     Parameters
     ----------
     coefficient : float
-        Worn volume by work of friction beyond the threshold [m³/J].
+        Worn volume per friction work beyond the threshold [m³/J].
     threshold : float
-        Work of friction per area at a point before wear begins [J/m²].
+        Friction work per area at a point before wear begins [J/m²].
     """
 
     key: ClassVar[str] = "threshold-energy"

@@ -81,7 +81,7 @@ def audit_results(
     names = [run.name for run in runs]
     if len(set(names)) != len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"RESULTS must be of scenes of different names (got {twice!r} twice); audit one at a time")
+        raise ValueError(f"RESULTS must have different scene names (got {twice!r} twice); audit one at a time")
     open_folder(output, ())  # references take seconds: a folder that cannot be written is refused before
     answers: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
     answers += [contact_cases_of(path, quick=quick) for path in paths] if contact else []

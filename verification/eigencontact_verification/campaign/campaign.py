@@ -151,7 +151,7 @@ def _tolerance(given: Any, place: str) -> float:
 def _reference(table: Mapping[str, Any], judge: str) -> Mapping[str, Any]:
     for key in ("reference", "quantity"):
         if judge != "scene" and key in table:
-            raise SceneError(f"{key} must be with judge = 'scene' (got judge = {judge!r}); leave it out")
+            raise SceneError(f"{key} must be used with judge = 'scene' (got judge = {judge!r}); remove it")
         if judge == "scene" and key not in table:
             raise SceneError(f"campaign must have {key} with judge = 'scene': {FORM['campaign'][key]}")
     if judge != "scene":
@@ -163,7 +163,7 @@ def _meshes(table: Mapping[str, Any], judge: str) -> bool:
     """Whether finite elements take full meshes."""
     meshes = one_of(table.get("meshes", "quick"), ("quick", "full"), "meshes")
     if judge == "scene" and "meshes" in table:
-        raise SceneError("meshes must be with judge = 'audit' or 'contact' (got judge = 'scene'); leave it out")
+        raise SceneError("meshes must be used with judge = 'audit' or 'contact' (got judge = 'scene'); remove it")
     return meshes == "full"
 
 
@@ -194,7 +194,7 @@ def _refined(
 
 def _levels(given: Any, place: str) -> dict[str, list[Any]]:
     if not isinstance(given, Mapping) or len(given) != 1:
-        raise SceneError(f"{place} must be a table of one constant and three values (got {shown(given)})")
+        raise SceneError(f"{place} must be a table with one constant and its three values (got {shown(given)})")
     ((name, values),) = given.items()
     numbers = values if isinstance(values, list) else []
     if len(numbers) != 3 or not all(isinstance(number, int | float) and number > 0 for number in numbers):
@@ -241,7 +241,7 @@ def _quantities(table: Mapping[str, Any], judge: str, tolerance: float) -> tuple
         keys = checked(given, "quantity", f"quantity {n}", needs=("name", "is"), form=FORM)
         name = str(keys["name"])
         if name in [quantity.name for quantity in quantities]:
-            raise SceneError(f"quantity must have a name of its own (got {name!r} twice)")
+            raise SceneError(f"quantity names must be different (got {name!r} twice)")
         quantities.append(
             Quantity(
                 name=name,

@@ -87,7 +87,7 @@ def points_of(campaign: Campaign, *, coarse: bool = False) -> list[Point]:
     places = [run.variant.label for point in found for run in (point.model, *point.reference)]
     twice = next((one for one in places if places.count(one) > 1), None)
     if twice is not None:
-        raise SceneError(f"{campaign.name}: label must tell variants apart (got {twice!r} twice)")
+        raise SceneError(f"{campaign.name}: label must be different for each variant (got {twice!r} twice)")
     return found
 
 

@@ -66,8 +66,8 @@ def _found(quantity: Quantity, contexts: list[Context], ratio: float, bars: Erro
     sizes = [len(one) for one in values]
     if len(set(sizes)) > 1:
         raise SceneError(
-            f"quantity {quantity.name!r} must have as many values in all models (got {sizes}); use interp at places of "
-            "your choice"
+            f"quantity {quantity.name!r} must have equally many values in all models (got {sizes}); use interp at "
+            "fixed positions"
         )
     if not all(np.all(np.isfinite(one)) for one in values):
         return _failed(quantity, "a value is not finite")

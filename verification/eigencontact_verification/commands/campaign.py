@@ -40,7 +40,7 @@ def campaign(
     cluster: ClusterAddress = None,
     memory: Annotated[
         float | None,
-        typer.Option("--memory", metavar="GB", min=0.1, help="Of a solution by elements (6); on a cluster, of all."),
+        typer.Option("--memory", metavar="GB", min=0.1, help="For a finite-element solution (6); on a cluster, all."),
     ] = None,
     threads: TaskThreads = None,
     markdown: Annotated[
@@ -51,7 +51,7 @@ def campaign(
         ),
     ] = None,
     trade: Annotated[
-        bool, typer.Option("--trade", help="Write the costs of both sides there instead: error, time, memory.")
+        bool, typer.Option("--trade", help="Write error, time and memory of both methods there instead.")
     ] = False,
     as_json: AsJson = False,
     form: Form = False,

@@ -26,7 +26,7 @@ def check(
         typer.Option("--with", metavar="KEY=VALUE", help="A parameter: `--with radius='1 mm'`; repeatable."),
     ] = None,
     finite_elements: Annotated[
-        bool, typer.Option("--finite-elements", help="Also the slow check of a shape: ten seconds to two minutes.")
+        bool, typer.Option("--finite-elements", help="Also run the slow check of a shape: 10 s to 2 min.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
 ) -> None:
@@ -106,7 +106,7 @@ def _example(entry: Entry, parameters: list[str]) -> Any:
     ]
     if needed and not given:
         raise ValueError(
-            f"{entry.kind} {entry.key!r} must say with which parameters it is to be checked (got none); give --with "
+            f"{entry.kind} {entry.key!r} must have parameters for the check (got none); give --with "
             f"{needed[0]}=VALUE, or give its class an attribute example, a mapping with {', '.join(needed)}"
         )
     return make(entry.full_key, kind=entry.kind, **given)

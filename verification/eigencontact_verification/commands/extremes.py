@@ -22,7 +22,7 @@ def extremes(
     features: Annotated[
         list[str] | None, typer.Option("--feature", metavar="NAME", help="Only this feature; repeatable.")
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Only corners that take a tenth of a second or so.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Only fast corners (about 0.1 s each).")] = False,
     listed: Annotated[bool, typer.Option("--list", help="List the features and compute nothing.")] = False,
     output: Output = Path("extremes"),
     markdown: Annotated[

@@ -21,10 +21,10 @@ __all__ = [
 T = TypeVar("T")
 
 Name = Annotated[
-    str | None, typer.Argument(help="A bundled one, or a TOML file of your own; without a name they are listed.")
+    str | None, typer.Argument(help="Name of a bundled file, or a TOML file; without it the bundled files are listed.")
 ]
 Output = Annotated[
-    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the report; files of another origin stay.")
+    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the report; other files in it are kept.")
 ]
 Workers = Annotated[int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time.")]
 Coarse = Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")]
@@ -33,8 +33,8 @@ Errors = Annotated[
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
-Form = Annotated[bool, typer.Option("--form", help="Print the keys of such a file.")]
-Show = Annotated[bool, typer.Option("--show", help="Print the file of a bundled one, to start from.")]
+Form = Annotated[bool, typer.Option("--form", help="Print the keys of the file.")]
+Show = Annotated[bool, typer.Option("--show", help="Print a bundled file, as a template.")]
 
 
 def leave(problem: str, code: int) -> NoReturn:
@@ -78,7 +78,7 @@ def cluster_or_none(
     from eigencontact.errors import SceneError
 
     if address is not None and workers not in (None, 1):
-        raise SceneError(f"--workers must be without --cluster, which has its own (got {workers}); leave it out")
+        raise SceneError(f"--workers must be left out with --cluster, which sets its own number (got {workers})")
     return cluster_of(address, memory, threads, say=lambda words: typer.echo(words, err=True))
 
 

@@ -97,7 +97,7 @@ def study(
             )
             return
         if chapter is not None or figure is not None or pictures is not None:
-            raise SceneError(f"--chapter, --figure and --pictures must stand with the name {THESIS} (got {name!r})")
+            raise SceneError(f"--chapter, --figure and --pictures must be used with the study {THESIS} (got {name!r})")
         columns = {"study": lambda item: item.name, "what": lambda item: item.title, "after": _sources}
         item = chosen_file(STUDIES, name, show=show, columns=columns)
         if item is not None:

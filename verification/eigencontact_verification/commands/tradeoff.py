@@ -29,17 +29,17 @@ def tradeoff(
         list[str] | None, typer.Option("--only", metavar="KEY", help="Vary only this: `--only grid`; repeatable.")
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Half the cells each way, a reference with those of the scene.")
+        bool, typer.Option("--quick", help="Half the cells in each direction; the reference has those of the scene.")
     ] = False,
     reference: Annotated[
         float | None,
-        typer.Option("--reference", metavar="FACTOR", min=0.1, help="Cells each way of the reference; by default 2."),
+        typer.Option("--reference", metavar="FACTOR", min=0.1, help="Factor on the cells for the reference (2)."),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-tradeoff.")
     ] = None,
     time: Annotated[
-        float, typer.Option("--time", metavar="S", min=1.0, help="A variant that takes longer is left out.")
+        float, typer.Option("--time", metavar="S", min=1.0, help="Longest time of a variant; slower ones are left out.")
     ] = 600.0,
     memory: Annotated[
         float, typer.Option("--memory", metavar="GB", min=0.1, help="A variant predicted to need more is left out.")
@@ -128,7 +128,7 @@ def _check(planned: Any, only: list[str]) -> None:
         if key not in known:
             raise ValueError(
                 f"--only must be one of {', '.join(known)} (got {key!r}){nearest(key, known)}; "
-                "what can be varied follows from the scene"
+                "the scene determines these settings"
             )
 
 

@@ -61,21 +61,21 @@ def verify(
         int | None, typer.Option("--step", metavar="N", min=1, help="Step of a run, from 1; by default the last.")
     ] = None,
     contact: Annotated[
-        bool, typer.Option("--contact", help="Of a run of revolution: also solve the whole contact by finite elements.")
+        bool, typer.Option("--contact", help="For axisymmetric runs: also solve the whole contact by finite elements.")
     ] = False,
     kernel: Annotated[
         list[str] | None, typer.Option("--kernel", metavar="KEY", help="The same as KERNEL; repeatable.")
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements use as well; repeatable."),
+        typer.Option("--law", metavar="KEY", help="A constitutive law, also used in the finite elements; repeatable."),
     ] = None,
     plugin: Annotated[
         list[str] | None,
         typer.Option(
             "--plugin",
             metavar="FILE",
-            help="A plugin file; without names, what it registers is verified; repeatable.",
+            help="A plugin file; without names, its plugins are verified; repeatable.",
         ),
     ] = None,
     output: Output = Path("cross-check"),
@@ -83,7 +83,7 @@ def verify(
         int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time; by default one a core.")
     ] = None,
     limit: Annotated[
-        float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, as a part of the field.")
+        float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, relative to the field.")
     ] = 0.02,
     refine: Annotated[
         float,
@@ -106,7 +106,7 @@ def verify(
     cluster: ClusterAddress = None,
     threads: TaskThreads = None,
     pictures: Annotated[
-        bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
+        bool, typer.Option("--pictures", help="Also write mesh and field of one case per kernel (VTU, PNG).")
     ] = False,
     markdown: Annotated[
         Path | None,
@@ -117,7 +117,7 @@ def verify(
         ),
     ] = None,
     section: Annotated[
-        str, typer.Option("--section", metavar="SECTION", help="Name in these markers; a part has one of its own.")
+        str, typer.Option("--section", metavar="SECTION", help="Name in these markers; each part has its own.")
     ] = "coverage",
     figure: Annotated[
         list[str] | None,
@@ -217,11 +217,11 @@ def _refuse_together(
         return
     others = [*(name for name in names if name not in runs), *laws]
     if others:
-        raise ValueError(f"runs must be audited by themselves (got {runs[0]} and {others[0]}); leave one of them out")
+        raise ValueError(f"runs must be audited without kernels (got {runs[0]} and {others[0]}); use two commands")
     if refine != 1.0:
-        raise ValueError(f"--refine must be of kernels or laws (got {refine:g} with a run); refine the scene itself")
+        raise ValueError(f"--refine must be for kernels or laws (got {refine:g} with a run); refine the scene itself")
     if figures:
-        raise ValueError(f"--figure must be of kernels (got {figures[0]}); the report of an audit has its figures")
+        raise ValueError(f"--figure must be for kernels (got {figures[0]}); the report of an audit has its figures")
 
 
 def _cores() -> int:
@@ -244,7 +244,7 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
     if not (shapes or laws):
         raise ValueError(
             f"--plugin must register a shape or a law (got {', '.join(entry.kind for entry in own) or 'nothing new'}); "
-            "`eigencontact check` asks the conformance kit about other kinds"
+            "`eigencontact check` checks other kinds"
         )
     return shapes, laws
 
@@ -265,7 +265,7 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
     found = [case for key in known if not names or key in names for case in cases.cases_of(key)]
     if quick and not any(case.quick for case in found):
         raise ValueError(
-            f"--quick must be given a kernel with a quick case, as a shape of revolution about z has (got "
+            f"--quick must be used with a kernel that has a quick case, for example a shape of revolution (got "
             f"{', '.join(names)}); without --quick: {_cost(found)}"
         )
     return tuple(case for case in found if case.quick or not quick)
@@ -337,4 +337,4 @@ def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[G
     told = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
     told += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
     left = [key for key in cases.kernels() if some and key not in names]
-    return told + tuple(Gap(subject=key, what="everything", reason="not asked for in this run") for key in left)
+    return told + tuple(Gap(subject=key, what="everything", reason="not requested in this run") for key in left)

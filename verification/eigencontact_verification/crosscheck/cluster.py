@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from eigencontact.engines.cluster import Cluster
-from eigencontact.engines.engine import Lost, Share
+from eigencontact.engines.engine import DeadTask, Share
 from eigencontact_verification.crosscheck.worker import Outcome, Task, perform
 
 __all__ = ["on_cluster"]
@@ -32,7 +32,7 @@ def on_cluster(
 
     with engine:
         for task, answer in engine.map(_performed, tasks, partial(_begin, texts=texts_of(map(Path, plugins)))):
-            yield task, Outcome(status="failed", reason=answer.reason) if isinstance(answer, Lost) else answer
+            yield task, Outcome(status="failed", reason=answer.reason) if isinstance(answer, DeadTask) else answer
 
 
 def _performed(task: Task, _: None) -> Outcome:

@@ -38,7 +38,7 @@ def open_folder(folder: Path, names: Iterable[str]) -> None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file, complete or not at all."""
-    with replacing(path, path.name, lasting=False, kept=_AGAIN) as sink:
+    with replacing(path, path.name, lasting=False, consequence=_AGAIN) as sink:
         sink.write(text.encode())
 
 

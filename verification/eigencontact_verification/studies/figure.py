@@ -30,7 +30,7 @@ def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
     """Figure of all variants, with its source below."""
     panels = [one for panel in study.figure["panel"] for one in panels_of(study, panel, found)]
     if not panels:
-        raise SceneError(f"{study.name}: no panel has anything to show")
+        raise SceneError(f"{study.name}: a figure must have values in at least one panel (got none)")
     first = len(panels_of(study, study.figure["panel"][0], found))
     told = study.figure.get("columns", first if first > 1 else 4)
     columns = min(

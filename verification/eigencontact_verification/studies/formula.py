@@ -209,7 +209,7 @@ def _value(node: ast.expr, context: Context) -> Value:
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
             operands = _value(left, context), _value(right, context)
             if any(isinstance(operand, str) for operand in operands):
-                raise SceneError("texts of a formula must stand alone: there is no arithmetic on them")
+                raise SceneError("texts in a formula must not be used in arithmetic")
             return _BINARY[type(op)](*operands)
         case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _BINARY:
             return _BINARY[type(op)](_value(left, context), _value(right, context))
@@ -223,7 +223,7 @@ def _value(node: ast.expr, context: Context) -> Value:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
             return _of_call(name, arguments, context)
         case _:
-            raise SceneError(f"a formula may have numbers, names, + - * / **, comparisons and {', '.join(_known())}")
+            raise SceneError(f"a formula must have only numbers, names, + - * / **, comparisons, {', '.join(_known())}")
 
 
 def _part(node: ast.expr, context: Context) -> Any:
@@ -245,7 +245,7 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
         return context.dataset is not None and first in context.dataset
     if name in MOMENTS:
         if context.dataset is None:
-            raise SceneError(f"{name}() is of results, of which there are none here")
+            raise SceneError(f"{name}() requires results, which are not available here")
         *told, inner = arguments
         places = [_value(one, replace(context, at=slice(None), shifts=None)) for one in told]
         return _value(inner, replace(context, at=MOMENTS[name][0](context.dataset, *places)))
@@ -275,7 +275,7 @@ def _of_name(name: str, context: Context) -> Value:
         numbers = np.atleast_1d(dataset["step"].values[context.at])
         held = np.flatnonzero(np.isin(dataset["history_step"].values, numbers))
         if held.size == 0:
-            raise SceneError(f"{name} is not stored for the step asked for")
+            raise SceneError(f"{name} is not stored for the requested step")
         return found.isel(history_step=int(held[-1]))
     return found
 

@@ -38,7 +38,7 @@ def _unloading(dataset: xr.Dataset) -> slice:
 def _when(dataset: xr.Dataset, course: Any, value: float) -> int:
     values = np.asarray(course)
     if values.shape != dataset["step"].shape:
-        raise SceneError("when(course, value, formula) needs a number of each step as its course")
+        raise SceneError("the first argument of when(course, value, formula) must be a number of each step")
     return int(np.abs(values - float(value)).argmin())
 
 

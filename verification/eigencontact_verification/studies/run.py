@@ -49,9 +49,9 @@ def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
     labels = [one.label for one in found]
     twice = next((label for label in labels if labels.count(label) > 1), None)
     if twice is not None:
-        raise SceneError(f"{study.name}: label must tell variants apart (got {twice!r} twice)")
+        raise SceneError(f"{study.name}: label must be different for each variant (got {twice!r} twice)")
     if all(one.refused for one in found):
-        raise SceneError(f"{study.name}: every variant is refused; the first: {found[0].refused}")
+        raise SceneError(f"{study.name}: no variant is valid; the first error: {found[0].refused}")
     return found
 
 

@@ -102,7 +102,7 @@ class Study:
         symbols = [symbol for symbol, *_ in self.readings.values()]
         twice = next((name for name in (*names, *symbols) if name in dataset.variables), None)
         if twice is not None:
-            raise SceneError(f"{self.name}: names must not be those of results (got {twice!r}); choose another name")
+            raise SceneError(f"{self.name}: names must not be names of results (got {twice!r}); choose another name")
         for label, (symbol, formula, condition) in self.readings.items():
             if condition and not bool(evaluate(condition, Context(names, dataset), f"{self.name}: read.{label}.if")):
                 continue

@@ -27,16 +27,16 @@ History = Sequence[Mapping[str, float]]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Predicted price of a piece of work.
+    """Predicted memory and time of a piece of work.
 
     Attributes
     ----------
     memory : float
-        Held as long as the run [bytes].
+        Memory held until the end of the run [bytes].
     seconds_once, seconds_per_step : float
         Wall time per run and per step [s].
     transient : float
-        Held only while the work is done [bytes]: of several pieces the largest counts.
+        Memory held only during the work [bytes]. For several pieces of work the largest value counts.
     """
 
     memory: float = 0.0
@@ -58,17 +58,17 @@ class Cost:
         )
 
     def times(self, count: float) -> Cost:
-        """Price of the same work so many times."""
+        """Cost of the same work, repeated `count` times."""
         return Cost(count * self.memory, count * self.seconds_once, count * self.seconds_per_step, self.transient)
 
     @property
     def once(self) -> Cost:
-        """Cost of work that is done once for all steps and whose memory is then released."""
+        """Cost of work that is done once for all steps; its memory is released afterwards."""
         return Cost(seconds_once=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
     @property
-    def anew(self) -> Cost:
-        """Cost of work that is repeated in each step and whose memory is then released."""
+    def every_step(self) -> Cost:
+        """Cost of work that is repeated in each step; its memory is released afterwards."""
         return Cost(seconds_per_step=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
 
@@ -79,20 +79,20 @@ class Part:
     ----------
     name : str
         Unique in the plan.
-    why : str
-        What asked for it, in words.
+    reason : str
+        Reason why the plan contains it.
     kernels : sequence of KernelUse
-        Influence coefficients that it builds.
+        Influence coefficients that the block builds.
     cost : Cost
-        Prediction.
+        Predicted cost.
     precisions : sequence of Precision
-        Choices of a precision, where the scene leaves them to the plan.
+        Precision of each operator for which the scene leaves the choice to the plan.
     numbers : sequence of Number
-        Scalars that it puts into a step. As a class attribute: all that it may give, for the reference page.
+        Scalars that the block adds to a step. The class attribute lists all possible scalars for the reference page.
     """
 
     name: str
-    why: str
+    reason: str
     kernels: Sequence[KernelUse] = ()
     cost: Cost = Cost()
     precisions: Sequence[Precision] = ()
@@ -110,8 +110,8 @@ class Running(Protocol):
 class Run:
     """The started blocks of one run.
 
-    A plan declares blocks and holds no operators; a run starts each block once. Blocks that compute together reach each
-    other here. All memory of solvers ends with this object, and a plan can be run any number of times.
+    A plan declares blocks and holds no operators; a run starts each block once. Coupled blocks reach each other through
+    this object. Solver memory ends with it, so a plan can be run any number of times.
     """
 
     def __init__(self) -> None:
@@ -125,24 +125,24 @@ class Run:
 
 
 class Block(Part, ABC):
-    """Unit of work of a run: the planner declares it, the run starts it once, and it advances by load step.
+    """Unit of work of a run: the planner declares it, the run starts it once, and it advances step by step.
 
     Attributes
     ----------
     requires, provides : frozenset of str
         Quantities, by name.
-    wanted : mapping of str to str
-        Those among `provides` that are results by themselves, and who asked for them; the others are computed where
-        another block requires them.
+    requesters : mapping of str to str
+        Provided quantities that are results of the run, with the requester of each. Other provided quantities are
+        computed only if another block requires them.
     settles : bool
-        Whether a step depends on what it did in the one before, so that it takes part in steps that are not results.
+        Whether the block keeps state from step to step, so that it also takes part in steps that are not results.
     accumulated : frozenset of str
-        Surface fields that grow from solved step to solved step. Steps that are not results do not count in them.
+        Surface fields that accumulate over the solved steps. Steps that are not results do not add to them.
     """
 
     requires: frozenset[str] = frozenset()
     provides: frozenset[str] = frozenset()
-    wanted: Mapping[str, str] = MappingProxyType({})
+    requesters: Mapping[str, str] = MappingProxyType({})
     settles: bool = False
     accumulated: frozenset[str] = frozenset()
 

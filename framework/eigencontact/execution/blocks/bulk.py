@@ -19,7 +19,7 @@ from eigencontact.scene.holding import held_bulk
 __all__ = ["BulkStress"]
 
 _NAME = "bulk-stress"
-#: Strain that is not small.
+#: Strain beyond the small-strain assumption.
 _LARGE = 0.1
 
 
@@ -28,7 +28,7 @@ class BulkStress(Stateless):
 
     name, settles = _NAME, True
     provides = frozenset({_NAME})
-    wanted = dict.fromkeys((_NAME,), "[body1] or [body2] bulk-stress, or steps")
+    requesters = dict.fromkeys((_NAME,), "[body1] or [body2] bulk-stress, or steps")
     numbers = tuple(
         Number(name=name, unit="Pa", meaning=f"bulk stress {component} of body {body}, by a load far away")
         for body, names in BULK_NAMES.items()
@@ -41,7 +41,7 @@ class BulkStress(Stateless):
         self._history = [at_rest, *held_bulk(model.scene.ramps, at_rest)]
         largest = {name: max((values[name] for values in self._history), key=abs) for name in at_rest}
         words = (f"{name.replace('_', '-')} up to {readable(value, 'Pa')}" for name, value in largest.items())
-        self.why = f"uniform stress by a load far away: {', '.join(words)}"
+        self.reason = f"uniform stress by a load far away: {', '.join(words)}"
 
     def foreseen(self, model: Model) -> Iterator[Caution]:
         """See `Block.foreseen`: warns of large strains, for example by a wrong unit."""

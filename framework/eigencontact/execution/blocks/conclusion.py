@@ -24,11 +24,11 @@ class Findings:
     Attributes
     ----------
     numbers : mapping of str to float
-        Numbers of the run, which `Conclusion.numbers` declares; one that does not exist is left out.
+        Numbers of the run, declared by `Conclusion.numbers`; undefined numbers are left out.
     variables : sequence of Variable
-        Fields for the results, on dimensions that these have already, without ``step``.
+        Fields for the results. Their dimensions exist in the results already, without ``step``.
     cautions : sequence of Caution
-        Warnings about them.
+        Warnings about the numbers and fields.
     """
 
     numbers: Mapping[str, float]

@@ -25,7 +25,7 @@ _Control = TypeVar("_Control", Control, TangentialControl)
 _FORCES = ("normal_load", "moment_x", "moment_y", "tangential_load_x", "tangential_load_y", "torsion_moment")
 
 
-#: Of contacts whose displacements are joined, and of contacts over interiors.
+#: Residual of contacts with joint displacements, and of contacts over interiors.
 COUPLING_RESIDUAL = Number(
     name="coupling_residual", unit="1",
     meaning="last relative change of the displacement in the coupled iteration", role="certificate",
@@ -34,27 +34,28 @@ COUPLING_RESIDUAL = Number(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ContactAnswer:
-    """A solved increment.
+    """Solution of an increment.
 
     Attributes
     ----------
     tractions : mapping of str to (ny, nx)
         By surface field: ``pressure`` and, with friction, ``shear_x``, ``shear_y`` [Pa].
     displacement : mapping of str to (ny, nx)
-        What they displace, by direction [m]: along z both bodies summed, along the surface body 1 less body 2.
+        Surface displacement by the tractions, by direction [m]: sum of both bodies along z, body 1 minus body 2 along
+        the surface.
     memory : object
-        What the next increment needs of this one.
+        State for the next increment.
     solution : object
-        For the contact itself.
-    spent : mapping of str to float
-        Iterations and convolutions.
+        Solution in the form of the contact; only the contact reads it.
+    counts : mapping of str to float
+        Iterations and convolutions used.
     """
 
     tractions: Fields
     displacement: Fields
     memory: Any
     solution: Any
-    spent: Mapping[str, float]
+    counts: Mapping[str, float]
 
 
 class Contact(Part):
@@ -63,11 +64,11 @@ class Contact(Part):
     Attributes
     ----------
     directions : str
-        Of ``"xyz"``: along which a displacement of the surfaces by anything but the tractions matters.
+        Directions, out of ``"xyz"``, in which displacements by other causes than the tractions affect the contact.
     fields : frozenset of str
-        Surface fields that it gives.
+        Surface fields that the contact computes.
     requires : frozenset of str
-        Quantities that it needs.
+        Quantities that the contact requires.
     accumulated : frozenset of str
         See `Block`.
     """
@@ -84,8 +85,8 @@ class Contact(Part):
     def recall(self, last: StepRecord | None, offset: Fields, bulk: Mapping[str, float]) -> Any:
         """State of the contact after the last accepted step, from its stored record; before the first step at rest.
 
-        `offset` holds what displaced the surfaces besides the tractions at that time, by direction, and `bulk` the
-        bulk stress of the bodies [Pa], by name.
+        `offset` is the surface displacement by other causes than the tractions at that time, by direction. `bulk` is
+        the bulk stress of the bodies [Pa], by name.
         """
 
     @abstractmethod
@@ -104,23 +105,23 @@ class Contact(Part):
         Parameters
         ----------
         increment : Increment
-            What is prescribed.
+            Prescribed values.
         memory : object
-            Of the state at its start.
+            State of the contact at the start of the increment.
         offset : mapping of str to (ny, nx)
-            Displacement of the surfaces by anything but the tractions, by direction [m].
+            Surface displacement by other causes than the tractions, by direction [m].
         softer : float
-            The bodies are softer by this part: ``(1 + θ) S`` in place of the compliance S. Since that of tractions t
-            is S of ``(1 + θ) t``, loads and the bound of the shear are scaled, and the solver stays what it is.
+            Factor θ of a softer body: the compliance is ``(1 + θ) S`` in place of S. The solver keeps S and instead
+            scales loads and shear bound, because ``(1 + θ) S t`` is S applied to ``(1 + θ) t``.
         tolerance : float, optional
-            Instead of that of the numerics.
+            Replaces the tolerance of the numerics.
         start : ContactAnswer, optional
-            An answer near by.
+            Solution of a similar increment.
 
         Raises
         ------
         NotConverged, SceneError
-            No half result is returned.
+            The solve failed; a partial result is never returned.
         """
 
     @abstractmethod
@@ -137,15 +138,15 @@ class Contact(Part):
         Parameters
         ----------
         control : Control
-            What is prescribed along the normal.
+            Prescribed values along the normal.
         separation : (ny, nx)
-            With all that moves the surfaces but tractions [m].
+            Gap with all displacements except those by tractions [m].
         fields : mapping of str to (ny, nx)
-            Of a step near by: its shear stays.
+            Fields of a similar step: its shear is kept.
         springs : (ny, nx), optional
-            Compliance on top of that of the bodies [m/Pa].
+            Compliance in addition to that of the bodies [m/Pa].
         start : (ny, nx), optional
-            A pressure near by [Pa].
+            Pressure of a similar state [Pa].
         """
 
     @property
@@ -159,7 +160,7 @@ class Contact(Part):
 
 
 def normal_options(numerics: Numerics) -> NormalOptions:
-    """Options of the normal solver from the numerics of a scene; the edge is looked at when a step is accepted."""
+    """Options of the normal solver from the numerics; the window edge is checked when a step is accepted."""
     return NormalOptions(
         tolerance=numerics.tolerance,
         max_iterations=numerics.max_iterations,

@@ -21,7 +21,7 @@ _Control = TypeVar("_Control", Control, TangentialControl)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Increment:
-    """From one accepted state to the next, along straight lines.
+    """Path from one accepted state to the next, linear in all prescribed values.
 
     Attributes
     ----------
@@ -30,11 +30,11 @@ class Increment:
     begin : mapping of str to float
         Loads and motions at the start.
     control, tangential : Control, TangentialControl or None
-        What is prescribed at the end; None without contact, or without friction.
+        Prescribed values at the end; None without contact, or without friction.
     surface : Surface
-        The surfaces that the contact meets.
+        Surfaces of the contact in this increment.
     progress : callable or None
-        Told the residual of each iteration.
+        Receives the residual of each iteration.
     bulk : two mappings of str to float
         Bulk stress of the bodies at the start and at the end [Pa], by name.
     """
@@ -62,7 +62,7 @@ class Increment:
         )
 
     def at_start(self) -> Increment:
-        """Nothing but the start."""
+        """Increment without change: its end is its start."""
         return replace(self, times=(self.times[0], self.times[0]), bulk=(self.bulk[0], self.bulk[0]))
 
     def halves(self) -> tuple[Increment, Increment]:

@@ -1,6 +1,6 @@
 """Predicted time of the influence coefficients of layered bodies, with the measured time of the medium's response.
 
-The counts are those of tables that are computed: ones that are kept on disk take a tenth of it.
+The predicted times are those of new tables; reading a table from disk takes a tenth of them.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ from eigencontact.scene.schema import Numerics
 
 __all__ = ["layered_sampling_seconds", "layered_stress_cost", "layered_surface_cost"]
 
-#: Tables of displacement that a contact samples: the grids from coarse to fine, and the whole window.
+#: Number of displacement tables of a contact: one for each grid from coarse to fine, and one for the whole window.
 _TABLES = 5
-#: Memory held while a table is found, for each of its points [bytes].
+#: Memory during the computation of a table, per point [bytes].
 _POINT_BYTES = 300.0
-#: Times [s] of a field whatever its depths, of each depth more, of each table at it, of each point of a table of stress
-#: and of displacement: within a factor of 2 those of one and of four layers, moduli 0.05 to 1000, 1 to 128 depths,
-#: cells of 1/30 to 1/250 of a thickness. A table of stress that is shallow takes 0.12 us a point, a deep one 0.02.
+#: Times [s]: fixed part of a field; each depth; each table at a depth; each point of a stress table and of a
+#: displacement table. They agree within a factor of 2 with measurements on one and four layers, moduli 0.05 to 1000, 1
+#: to 128 depths, and cells of 1/30 to 1/250 of a thickness. A shallow stress table takes 0.12 us per point, a deep one
+#: 0.02 us.
 _FIELD, _DEPTH, _TABLE, _STRESS_POINT, _POINT = 2e-2, 1.3e-3, 2e-4, 4e-8, 2.5e-8
-#: Waves and depths that a medium is timed with. A field asks for some 1300 waves at two resolutions, and for half of
-#: the components at each.
+#: Number of waves and depths in the timing of a medium. A field needs about 1300 waves at two resolutions, each with
+#: half of the components.
 _WAVES, _ASKED, _DEPTHS = 256, 1300, 8
 
 
 @cache
 def _depth_seconds(medium: Any) -> float:
-    """Time of a field for each depth, mostly the response of the medium."""
+    """Time of a field per depth, mostly for the response of the medium."""
     reach = medium.interfaces[-1] if medium.interfaces else 1.0
     waves = np.geomspace(1e-3, 50.0, _WAVES) / reach, np.zeros(_WAVES)
     depths = np.linspace(0.0, 2.5 * reach, _DEPTHS)
@@ -49,7 +50,7 @@ def _depth_seconds(medium: Any) -> float:
 
 @cache
 def _periodic_point(medium: LayeredMedium) -> float:
-    """Time of six amplitudes of stress of one wave."""
+    """Time of six stress amplitudes of one wave."""
     depth = medium.interfaces[-1] if medium.interfaces else 1.0
     k = np.linspace(0.0, 8.0 / depth, 48)
     answer = timed(lambda: medium.response("stress", COMPONENTS, "p", k[None, :], k[:, None], 0.5 * depth), 2)
@@ -64,7 +65,7 @@ def layered_sampling_seconds(medium: LayeredMedium, *, periodic: bool) -> float:
 def layered_surface_cost(
     solids: Iterable[Solid | None], window: Window, tractions: Iterable[str], *, periodic: bool
 ) -> Cost:
-    """Tables of surface displacement of layered bodies, for tractions with a kernel each."""
+    """Cost of the surface displacement tables of layered bodies, for traction names with a kernel each."""
     shape, box = window.grid.shape, window.box
     lattice = (shape[0] + box[0]) * (shape[1] + box[1]) / (1 if periodic else 4)
     media = {body for body in solids if isinstance(body, LayeredMedium)}
@@ -79,10 +80,10 @@ def layered_surface_cost(
     return Cost(seconds_once=seconds, transient=memory)
 
 
-def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: bool = False) -> Cost:
-    """Predicted cost of the stress tables of a layered body, without that of their points.
+def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, every_step: bool = False) -> Cost:
+    """Predicted cost of the stress tables of a layered body, without the cost per point.
 
-    The cost of the points is that of homogeneous bodies. `anew` is for tables that are sampled at every step.
+    The points cost as much as those of homogeneous bodies. `every_step` is for tables that are sampled in every step.
     """
     if not isinstance(body, LayeredMedium) or numerics.boundary == "periodic":
         return Cost()
@@ -90,6 +91,6 @@ def layered_stress_cost(body: Solid, tables: int, numerics: Numerics, *, anew: b
     table_seconds = tables * _TABLE / (0.75 * min(numerics.threads or available_threads(), max(1, tables)))
     return (
         Cost(seconds_once=field_seconds, seconds_per_step=table_seconds)
-        if anew
+        if every_step
         else Cost(seconds_once=field_seconds + table_seconds)
     )

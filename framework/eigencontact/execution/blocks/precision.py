@@ -1,7 +1,8 @@
 """Choice of the precision of each operator for ``numerics.precision = "auto"``.
 
-Single precision is taken where its round-off, measured in one application beside one in double precision, with a
-margin, is below the error that the operator may make. Default is double: at the default tolerance nothing else is left.
+The program chooses single precision if its round-off is below the error allowed for the operator. One application in
+single precision, compared with one in double precision, gives the round-off; a margin is added. The default tolerance
+leaves only double precision.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ from eigencontact.scene.schema import Numerics
 
 __all__ = ["INNER", "Precision", "contact_precision", "plane_round_off", "settled", "volume_round_off"]
 
-#: Part of the tolerance of a scene that each operator may spend where several are iterated on together.
+#: Fraction of the scene's tolerance for each operator if several operators are iterated together.
 INNER = 0.3
-#: Round-off of one application may be exceeded so many times by another, and adds up over iterations: a pressure found
-#: on 64 to 256 cells was off by 2.3 to 3.4e-7 per cell across, where one convolution was by 1.5e-7.
+#: Margin on the round-off of one application: applications differ by up to this factor, and round-off accumulates over
+#: iterations. A pressure on 64 to 256 cells had an error of 2.3 to 3.4e-7 per cell across; one convolution had 1.5e-7.
 _MARGIN = 4.0
-#: Cells across the planes of the stand-ins that are measured; the round-off of sums over a volume follows their depth.
+#: Cells across the sample planes for the measurement. The round-off of volume sums depends on their depth, not on their
+#: width.
 _ACROSS = 8
 
 
@@ -35,12 +37,12 @@ class Precision:
     Attributes
     ----------
     operator : str
-        For people.
+        Name of the operator for messages.
     chosen : {"double", "single"}
     round_off : float
-        Error of single precision to be expected, margin included [-].
+        Expected error of single precision, margin included [-].
     bound : float
-        Error that it may make [-].
+        Allowed error [-].
     """
 
     operator: str
@@ -49,8 +51,8 @@ class Precision:
     bound: float
 
     def __str__(self) -> str:
-        how = "within" if self.chosen == "single" else "above"
-        return f"{self.operator} {self.chosen} (round-off of single, {self.round_off:.1e}, is {how} {self.bound:.1e})"
+        relation = "is within" if self.chosen == "single" else "is above"
+        return f"{self.operator} {self.chosen} (round-off of single, {self.round_off:.1e}, {relation} {self.bound:.1e})"
 
 
 def settled(
@@ -61,14 +63,14 @@ def settled(
     Parameters
     ----------
     numerics : Numerics
-        Of the scene.
+        Numerics of the scene.
     operator : str
-        For people.
+        Name of the operator for messages.
     round_off : callable
-        Relative error of its answer by single precision, None where it knows double alone; called where the scene
-        leaves the choice open.
+        Relative error of a result in single precision, or None if the operator exists only in double precision. The
+        function calls it if the scene leaves the choice open.
     share : float
-        Part of the tolerance that it may spend.
+        Fraction of the tolerance for this operator.
     """
     if numerics.precision != "auto":
         return numerics, ()
@@ -83,18 +85,18 @@ def settled(
 def contact_precision(
     numerics: Numerics, box: tuple[int, int], *, coupled: bool
 ) -> tuple[Numerics, tuple[Precision, ...]]:
-    """Precision of a contact on a box of cells; `coupled` if inhomogeneities are iterated together with it.
+    """Precision of a contact on a box of cells; `coupled` if inhomogeneities are iterated together with the contact.
 
-    The compliance of a wave falls with its number, so that round-off grows with the cells across.
+    The compliance of a wave falls with its wavenumber, so round-off grows with the number of cells across.
     """
     return settled(numerics, "contact", lambda: max(box) * plane_round_off(), share=INNER if coupled else 1.0)
 
 
 @cache
 def plane_round_off() -> float:
-    """Of a convolution in the plane, by the largest value.
+    """Round-off of a convolution in the plane, relative to the largest value.
 
-    The kernel hardly matters: with coefficients of stress of cells at any depth and of any aspect it was 0.9 to 2.7e-7.
+    It depends little on the kernel: stress coefficients of cells at any depth and any aspect ratio gave 0.9 to 2.7e-7.
     """
     n, fields = 64, []
     layout = Layout((n, n), (n, n))
@@ -122,20 +124,21 @@ def volume_round_off(
     cells: Lattice,
     depths: tuple[float, int] | None = None,
 ) -> float:
-    """Of a sum over a volume of cells, by the largest value.
+    """Round-off of a sum over a volume of cells, relative to the largest value.
 
-    The square of the depth of the points multiplies what is left of cells near the surface: it was 3.4e-6 for stress in
-    8 layers of cubes from the surface on, 1.6e-5 in 16, 7.6e-5 in 32, 3.2e-4 in 64, and 1.5e-7 below ten layers.
+    The mirror-image terms of cells near the surface are multiplied by the squared depth of the points. For stress in
+    layers of cubes from the surface on, the round-off was 3.4e-6 for 8 layers, 1.6e-5 for 16, 7.6e-5 for 32 and 3.2e-4
+    for 64; below the tenth layer it was 1.5e-7.
 
     Parameters
     ----------
     half_space : HalfSpace
-        Of the cells.
+        Half-space of the cells.
     quantity : {"stress", "strain", "displacement"}
     pitch : (float, float)
-        Of the cells along x and y [m].
+        Edges of a cell along x and y [m].
     cells : Lattice
-        Their layers count; some columns stand for all.
+        Lattice of the cells. The measurement keeps the number of layers and uses few columns.
     depths : (float, int), optional
         First depth of the points [m] and the number of their planes; by default the middles of the cells.
     """
@@ -156,7 +159,7 @@ def _volume_round_off(
     middles: tuple[float, int],
     points: tuple[float, int],
 ) -> float:
-    """See `volume_round_off`; depths are in heights of the cells."""
+    """See `volume_round_off`; depths are in units of the cell height."""
     from eigencontact.solvers.cells import Cells
     from eigencontact.solvers.eigenstrain import VolumeField
 

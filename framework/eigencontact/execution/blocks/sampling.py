@@ -42,7 +42,7 @@ def _homogeneous_point(influence: SurfaceInfluence, body: Material) -> float:
 def spectra_cost(
     layout: Layout, depths: int, sampling: float, numerics: Numerics, *, kernels: int = 6, tractions: int = 1
 ) -> Cost:
-    """So many components at so many depths: coefficients and spectra once, then one inverse transform each.
+    """Cost of `kernels` components at all depths: coefficients and spectra once, then one inverse transform each.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def spectra_cost(
     sampling : float
         Time of six coefficients at one lattice point [s].
     tractions : int
-        Components of traction that cause it, each with coefficients of its own.
+        Number of traction components, each with coefficients of its own.
     """
     pace, real = speed(numerics.precision, numerics.threads), (8 if numerics.precision == "double" else 4)
     y, x = layout.y, layout.x

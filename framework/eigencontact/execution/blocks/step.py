@@ -23,20 +23,20 @@ class CyclePlace:
     Attributes
     ----------
     number : int
-        Which repeat, from 1.
+        Number of the repetition, from 1.
     skipped : int
-        Repeats before it that are not solved.
-    left : int
-        Repeats after it.
+        Skipped repetitions before it.
+    repeats_after : int
+        Remaining repetitions after it.
     begins, ends : bool
-        Whether it is the first, or the last, increment of the cycle.
+        Whether it is the first or the last increment of the cycle.
     settling : bool
-        Whether it is of a cycle that is only gone through, after others have been skipped.
+        Whether its cycle follows skipped cycles and only restores the contact state; such a cycle is not a result.
     """
 
     number: int
     skipped: int
-    left: int
+    repeats_after: int
     begins: bool
     ends: bool
     settling: bool = False
@@ -49,27 +49,27 @@ class Step:
     Attributes
     ----------
     index, time : int, float
-        Number of the step from 1, and its place in the load history: 1 ends the first table of steps.
+        Number of the step from 1, and its position in the load history: time 1 is the end of the first table of steps.
     control : Control or None
-        What is prescribed of the contact; None without one.
+        Prescribed values of the contact; None without a contact.
     tangential : TangentialControl or None
-        What is prescribed along the surface; None without friction.
+        Prescribed values along the surface; None without friction.
     travel : (float, float)
-        Place (x, y) of the geometry [m].
+        Position (x, y) of the geometry [m].
     bulk : two mappings of str to float
         Bulk stress of the bodies before the step and at its end [Pa], by name.
     cycle : CyclePlace or None
-        Where in a cycle it lies; None outside of cycles.
+        Position in a cycle; None outside of cycles.
     surface : Surface
-        The surfaces that the contact of the step meets.
+        Surfaces of the contact in this step.
     previous : StepRecord or None
-        The last accepted step, as it is stored; None in the first.
+        Stored record of the last accepted step; None in the first step.
     fields, scalars, regions, observed, history
         Results, by name.
     looks
-        Regions that observers asked for; they are not stored.
+        Regions for observers; they are not stored.
     progress : callable or None
-        Told the residual of each iteration.
+        Receives the residual of each iteration.
     """
 
     index: int

@@ -1,4 +1,4 @@
-"""The surfaces that the contact of a step meets, as one value."""
+"""Surfaces of both bodies for the contact of a step, as one value."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ __all__ = ["Slide", "Surface"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Slide:
-    """Sliding all over the contact.
+    """Sliding of the whole contact.
 
     Attributes
     ----------
     distance : float
-        Path of body 2 on body 1 [m].
+        Sliding path of body 2 on body 1 [m].
     direction : (float, float)
-        Of its end, along x and y, of length 1.
+        Unit vector (x, y) of the sliding of body 2 at the end of the path.
     """
 
     distance: float
@@ -34,26 +34,26 @@ class Slide:
 class Surface:
     """Surfaces of both bodies before contact.
 
-    Blocks change a surface with `dataclasses.replace`: a step, its increments and the contact share one value.
+    Blocks change a surface with `dataclasses.replace`. A step, its increments and the contact share one value.
 
     Attributes
     ----------
     separation : (ny, nx) or None
-        Initial gap, lost depth included [m]; None without a contact.
-    lost : mapping of int to (ny, nx)
-        Depth that bodies have lost, in coordinates of the window [m].
+        Initial gap, worn depth included [m]; None without a contact.
+    worn_depths : mapping of int to (ny, nx)
+        Worn depth of each body in coordinates of the window [m].
     exposed : (ny, nx) int or None
-        Number of the topmost material; None where no law asks for it.
+        Number of the topmost material; None if no law needs it.
     slide : Slide or None
-        Sliding all over the contact; None where the solver computes the slip.
+        Sliding of the whole contact; None if the solver computes the slip.
     moved : bool
         Whether the surfaces have changed since the solver computed the last pressure.
     solids : Solids or None
-        Solids with layers that have become thinner; None where the bodies are those of the model.
+        Solids with the present thickness of worn layers; None if the bodies of the model are unchanged.
     """
 
     separation: FloatArray | None = None
-    lost: Mapping[int, FloatArray] = field(default_factory=dict)
+    worn_depths: Mapping[int, FloatArray] = field(default_factory=dict)
     exposed: NDArray[np.intp] | None = None
     slide: Slide | None = None
     moved: bool = False

@@ -21,15 +21,15 @@ from eigencontact.scene.schema import StressRequest
 
 __all__ = ["BulkField"]
 
-#: Points and weights of the integral of the strain across a layer, whose constants may change with depth.
+#: Points and weights of the integral of the strain across a layer with graded constants.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 class BulkField(Cause):
     """Field of one body.
 
-    Layers share the strain of the substrate; at the depth of an interface the constants of the deeper layer count. The
-    displacement is zero at the surface in the middle of the window.
+    All layers have the strain of the substrate. At the depth of an interface the constants of the deeper layer apply.
+    The displacement is zero at the surface in the middle of the window.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class BulkField(Cause):
     solid : Material or LayeredMedium
         The body.
     grid : Grid
-        Cells of the window, in whose middle the displacement is zero; in a line contact the strain is plane.
+        Cells of the window. The displacement is zero in its middle. In a line contact the strain is plane.
     """
 
     requires, kernels, cost, precisions = frozenset(), (), Cost(), ()
@@ -60,7 +60,7 @@ class BulkField(Cause):
         return {name: values.reshape(-1, *self._lattice.shape) for name, values in fields.items()}
 
     def _strain(self, values: Mapping[str, float]) -> FloatArray:
-        """Strain (xx, yy, xy) that all depths share."""
+        """Strain (xx, yy, xy), equal at all depths."""
         substrate = self._solid if isinstance(self._solid, Material) else self._solid.deep_material
         return in_plane_strain(bulk_of(values, self._body), substrate, self._grid)
 
@@ -81,10 +81,10 @@ class BulkField(Cause):
     def _displacement_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
         """Displacement ``(3, n)`` [m] along z at depths ``(n,)`` [m], relative to the surface."""
         out = np.zeros((3, depths.size))
-        out[2] = [self._sunk(strain, depth) for depth in depths]
+        out[2] = [self._settlement(strain, depth) for depth in depths]
         return out
 
-    def _sunk(self, strain: FloatArray, depth: float) -> float:
+    def _settlement(self, strain: FloatArray, depth: float) -> float:
         """Integral of the strain zz from the surface to a depth [m]."""
         faces = () if isinstance(self._solid, Material) else self._solid.interfaces
         knots = np.array([0.0, *(face for face in faces if face < depth), depth])

@@ -20,13 +20,13 @@ class Cause(ABC):
     Attributes
     ----------
     requires : frozenset of str
-        Quantities that it needs of a step.
+        Quantities that the cause needs from a step.
     kernels, cost, precisions
         See `Part`.
     note : str
-        Remark on its values, for `explain` and results; may be empty.
+        Remark on the values, for `explain` and results; may be empty.
     mean_above : float
-        Depth [m] above which its stress is a mean over each cell; 0 without means.
+        Depth [m] above which the stress is a mean over each cell; 0 if no means are taken.
     """
 
     requires: frozenset[str]
@@ -38,7 +38,7 @@ class Cause(ABC):
 
     @abstractmethod
     def fields(self, step: Step) -> dict[str, FloatArray]:
-        """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
+        """Fields of this cause by quantity, ``(3 or 6, *lattice.shape)``."""
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:  # noqa: B027
         """Correct the sum of all causes."""

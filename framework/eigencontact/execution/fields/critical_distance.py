@@ -18,7 +18,7 @@ _DEPTHS, _RADII, _ANGLES = 16, 8, 16
 
 
 def value_near(region: CycleOfRegion, value: FloatArray, length: float, method: str) -> float:
-    """Value near the largest one.
+    """Value of a damage parameter near its maximum.
 
     Parameters
     ----------
@@ -29,17 +29,18 @@ def value_near(region: CycleOfRegion, value: FloatArray, length: float, method: 
     length : float
         Critical distance L [m].
     method : {"point", "line", "volume"}
-        Value at L/2 below the largest one; mean down to 2 L; mean over the part of the body within L.
+        "point": value at L/2 below the maximum. "line": mean over a depth of 2 L. "volume": mean over the part of the
+        body within L.
 
     Raises
     ------
     SceneError
-        A region that does not hold these places.
+        The region does not contain these positions.
 
     References
     ----------
     D. Taylor, The Theory of Critical Distances, Elsevier, 2007 (point method L/2, line method 2 L). The radius of the
-    volume is the user's: it is not the L of the other methods.
+    volume is a parameter of the user: it differs from the L of the other methods.
     """
     axes = _axes(region)
     hot = int(value.argmax())
@@ -72,17 +73,17 @@ def value_near(region: CycleOfRegion, value: FloatArray, length: float, method: 
 
 
 def mean_of_ball(axes: Sequence[FloatArray], values: FloatArray, centre: FloatArray, radius: float) -> float:
-    """Mean over the part of a ball below the surface z = 0, of values interpolated linearly between grid points.
+    """Mean over the part of a ball below the surface z = 0; the values are interpolated linearly between grid points.
 
     Parameters
     ----------
     axes : three arrays
-        Places along z, y and x [m]. Above the first depth the values are those there.
+        Coordinates along z, y and x [m]. Above the first depth the values of the first depth apply.
     values : (nz, ny, nx)
     centre : (3,)
         z, y, x of the centre [m].
     radius : float
-        Of the ball [m].
+        Radius of the ball [m].
 
     Examples
     --------
@@ -114,7 +115,7 @@ def mean_of_ball(axes: Sequence[FloatArray], values: FloatArray, centre: FloatAr
 
 
 def _axes(region: CycleOfRegion) -> dict[str, FloatArray]:
-    """Places along each dimension of a region [m], in order."""
+    """Coordinates along each dimension of a region [m], in order."""
     names = [dim.removeprefix(f"{region.region}_") for dim in region.dims]
     grids = region.places.reshape(3, *region.shape)
     return {

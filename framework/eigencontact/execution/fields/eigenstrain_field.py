@@ -1,4 +1,4 @@
-"""Fields of all eigenstrain of a body at the points of a region, prescribed or computed."""
+"""Fields of all eigenstrain of a body, prescribed and computed, at the points of a region."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 component
 
 
 class EigenstrainField(Cause):
-    """Fields of one body; steps store the eigenstrain of inhomogeneities."""
+    """Fields of one body, with the eigenstrain of inhomogeneities from stored steps."""
 
     def __init__(self, subsurface: Subsurface, request: StressRequest, lattice: RegionLattice) -> None:
         where, inhomogeneities = lattice.words, subsurface.inhomogeneities
@@ -47,9 +47,9 @@ class EigenstrainField(Cause):
         self.kernels: list[KernelUse] = []
         self.cost = Cost()
         self._prescribed: dict[str, PrescribedField] = {}
-        self._solved: dict[str, Route] = {}
+        self._routes: dict[str, Route] = {}
         self.precisions: list[Precision] = []
-        self._caused: FloatArray | None = None
+        self._cell_stress: FloatArray | None = None
         for quantity in request.fields:
             if subsurface.prescribed and not subsurface.beside:
                 field = subsurface.prescribed_field(quantity, lattice)
@@ -62,9 +62,9 @@ class EigenstrainField(Cause):
                 label = repr(first.name) if len(inhomogeneities) == 1 else f"{len(inhomogeneities)} inhomogeneities"
                 layout = f"{where}, {route.words}"
                 self.kernels.append(KernelUse(_WORDS[quantity], f"eigenstrain of {label}", first.key, layout))
-                self._solved[quantity] = route
+                self._routes[quantity] = route
                 self._add(route)
-        if "stress" in self._solved and subsurface.in_cells and not subsurface.recedes:
+        if "stress" in self._routes and subsurface.in_cells and not subsurface.recedes:
             from eigencontact.execution.fields.material_points import cost_beside
 
             self.cost += cost_beside(subsurface, lattice.flat_points())
@@ -78,21 +78,21 @@ class EigenstrainField(Cause):
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
         fields = {quantity: field.at(step.time) for quantity, field in self._prescribed.items()}
-        if self._solved:
+        if self._routes:
             self._follow(step)
-        for quantity, route in self._solved.items():
+        for quantity, route in self._routes.items():
             eigenstrain = step.history[self._name].values
             values = route.field(eigenstrain)
             if quantity != "displacement" and self._within is not None:
                 values = values + self._within.difference(quantity, eigenstrain).reshape(values.shape)
             if quantity == "stress":
-                self._caused = values.reshape(6, -1)
+                self._cell_stress = values.reshape(6, -1)
             fields[quantity] = fields[quantity] + values if quantity in fields else values
         return fields
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct the fields of all sources: by the material at points in and near regions; zero stress in voids."""
-        if not self._solved or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
+        """Correct the sum of all causes by the material at points in and near regions; voids have zero stress."""
+        if not self._routes or self._subsurface.recedes or not {"stress", "strain"} & fields.keys():
             return
         subsurface, eigenstrain = self._subsurface, step.history[self._name].values
         if "stress" in fields and self._within is not None:
@@ -100,20 +100,20 @@ class EigenstrainField(Cause):
             read_by_own_laws(stress, self._within, eigenstrain, subsurface.inhomogeneities, material, step.time)
             fields["stress"] = stress.reshape(fields["stress"].shape)
         if self._material_points is not None:
-            self._material_points.amend(fields, self._caused, eigenstrain, step.time)
+            self._material_points.amend(fields, self._cell_stress, eigenstrain, step.time)
         if self._empty is not None and "stress" in fields:
             stress = fields["stress"].reshape(6, -1)
             fields["stress"] = np.where(self._empty, 0.0, stress).reshape(fields["stress"].shape)
 
     @cached_property
     def _empty(self) -> NDArray[np.bool_] | None:
-        """Points in voids, whose stress is zero."""
+        """Points in voids; their stress is zero."""
         return empty_points(self._subsurface.inhomogeneities, self._lattice)
 
     @cached_property
     def _within(self) -> WithinCells | None:
-        """Continuation of the eigenstrain between the cells of a region; None if it is not needed."""
-        content, route = self._content, next(iter(self._solved.values()))
+        """Continuation of the eigenstrain between the cells of a region; None if not needed."""
+        content, route = self._content, next(iter(self._routes.values()))
         if content is None or not (route.steps and content.whole.any()):
             return None
         from eigencontact.solvers.within_cells import WithinCells
@@ -145,7 +145,7 @@ class EigenstrainField(Cause):
         return content_of(subsurface.box, sources, grid, self._lattice.flat_points())
 
     def _follow(self, step: Step) -> None:
-        """Routes from the cells in the history of a step: the cells of the scene, or of a box that has grown."""
+        """Choose the routes for the cells of a step: those of the scene, or those of an extended box."""
         subsurface = self._subsurface.with_cells(step.history[self._name].coords)
         if subsurface is None:
             raise ResultsError(
@@ -156,4 +156,4 @@ class EigenstrainField(Cause):
             self._subsurface = subsurface
             for name in ("_content", "_within", "_material_points"):
                 self.__dict__.pop(name, None)
-            self._solved = {quantity: subsurface.route(quantity, self._lattice) for quantity in self._solved}
+            self._routes = {quantity: subsurface.route(quantity, self._lattice) for quantity in self._routes}

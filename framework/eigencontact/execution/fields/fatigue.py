@@ -35,9 +35,10 @@ __all__ = ["ROLE", "Damage", "EvaluateFatigue", "damage_in_parts", "damage_of", 
 
 #: Role of the variables of results that hold the utilisation of a criterion.
 ROLE = "fatigue"
-#: Points that a criterion is asked for at once: 20 000 take 4 % longer, and leave a thread without work.
+#: Points per call of a criterion: 20 000 take 4 % longer, and leave some threads without work.
 _PART = 5_000
-#: A hot spot is at the edge of the contact within so many cells of it, and less deep than one.
+#: A hot spot counts as being at the edge of the contact if the edge is within this many cells and the depth is below
+#: one cell.
 _EDGE = 2
 #: Time of a criterion with planes per point and step [s]: 30 000 points and 24 steps took 3.9 s of processor time.
 _SECONDS = 5.5e-6
@@ -54,7 +55,7 @@ class Damage:
     value : (points,)
         Damage parameter, in the unit of the criterion.
     normal : (points, 3) or None
-        Unit normals of the planes; None of a criterion without planes.
+        Unit normals of the critical planes; None for a criterion without planes.
     summary : dict
         Hot spot, value near it, life, warnings: plain data.
     """
@@ -73,9 +74,9 @@ def damage_of(
     Raises
     ------
     SceneError
-        A critical distance that the region does not hold.
+        The region does not contain the critical distance.
     PluginError
-        An answer of the criterion that is no damage parameter.
+        The criterion returned an invalid damage parameter.
     """
     value, normal = damage_in_parts(criterion, region.cycle, threads)
     hot = int(value.argmax())
@@ -117,7 +118,7 @@ def damage_of(
 def damage_in_parts(
     criterion: FatigueCriterion, cycle: StressCycle, threads: int
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Damage parameters (n,) of a criterion and the normals (n, 3) of its planes, with blocks of points in threads.
+    """Damage parameters (n,) of a criterion and normals (n, 3) of its planes, with blocks of points in threads.
 
     The normals are None for a criterion without planes.
     """
@@ -136,7 +137,7 @@ def damage_in_parts(
 
 
 def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> list[Caution]:
-    """Whether the hot spot is a number that finer cells or a larger region raise."""
+    """Warnings if finer cells or a larger region would increase the value at the hot spot."""
     hot = int(value.argmax())
     x, y, z = (float(at) for at in region.places[:, hot])
     place = ", ".join(readable(at, "m") for at in (x, y, z))
@@ -160,7 +161,7 @@ def _cautions(dataset: Results, region: CycleOfRegion, value: FloatArray) -> lis
 
 
 def _near_edge(dataset: Results, region: CycleOfRegion, x: float, y: float) -> bool:
-    """Whether cells near a place are in contact, and others not, at one step of the cycle."""
+    """Whether an edge of the contact is near a position: cells with and without contact, in one step of the cycle."""
     if "pressure" not in dataset:
         return False
     numbers = [int(number) for number in dataset["step"].values]
@@ -185,14 +186,14 @@ class EvaluateFatigue(Conclusion):
     model : FatigueModel
         Criterion, region, cycle.
     points, steps : int
-        Their numbers, for the cost.
+        Numbers of points and steps, for the cost.
     threads : int
-        Threads that share the points.
+        Threads for the points.
     """
 
     def __init__(self, model: FatigueModel, points: int, steps: int, threads: int) -> None:
         self._model, self._threads, label = model, threads, model.request.label
-        self.name, self.why = f"fatigue:{label}", f"[[fatigue]] {model.criterion.key!r} in {model.region.label!r}"
+        self.name, self.reason = f"fatigue:{label}", f"[[fatigue]] {model.criterion.key!r} in {model.region.label!r}"
         names = ["utilisation", "x", "y", "depth"]
         names += ["at_distance"] if model.request.distance else []
         names += ["cycles", "failure_probability"] if model.request.life else []

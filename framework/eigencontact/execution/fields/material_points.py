@@ -1,4 +1,4 @@
-"""Stress and strain at points in and near regions of other material, from the material at the point."""
+"""Stress and strain at points in and near regions of another material, by the constants at each point."""
 
 from __future__ import annotations
 
@@ -29,33 +29,35 @@ __all__ = ["MaterialPoints", "cost_beside"]
 
 Room = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]
 
-#: The eigenstrain of a region tells its stress where no strain takes a stress so near to that of the body.
+#: Smallest relative difference of stiffness from the body for which the eigenstrain determines the stress of a region.
 _DIFFERENT = 0.02
-#: A region is stiff where every strain takes this many times the stress of the body.
+#: A region is stiff if its stiffness exceeds that of the body by this factor for every strain.
 _STIFF = 3.0
-#: Cells of a region whose stress is made compatible: seconds and 100 MB; larger ones keep that of their cells.
+#: Largest number of cells of a region with compatible stress (seconds, 100 MB); larger regions keep the stress of the
+#: cells.
 _MOST = 200_000
-#: Bytes for a point: eight cells about it, their weights, and the eight that it lies in.
+#: Bytes per point: eight neighbouring cells, their weights, and up to eight cells that contain the point.
 _OF_POINT = 192.0
-#: Cells beyond the box that points between middles may need.
+#: Cells outside the box that the interpolation between cell centres may need.
 _ROOM = 2
 
 
 class _Region(NamedTuple):
-    """Region whose stress follows from its eigenstrain.
+    """Region with stress from its eigenstrain.
 
     Attributes
     ----------
     points : (n,)
-        Those in it, of the points near the cells.
+        Points in the region, as numbers among the points near the cells.
     place, share
-        Its cells with one more on each side, and its share of them.
+        Cells of the region with one more on each side, and the fraction of the region in each cell.
     stress_of_strain : (6, 6)
-        Stress by eigenstrain less prestrain [Pa].
+        Stress per difference of eigenstrain and prestrain [Pa].
     compliance : (6, 6) or None
-        [1/Pa]; None where strain is not told: in voids, and where other eigenstrain is prescribed.
+        Compliance [1/Pa]; None if the strain does not follow from the stress: in voids, and in other prescribed
+        eigenstrain.
     compatible : CompatibleStress or None
-        What makes the stress of a stiff region compatible.
+        Projection that makes the stress of a stiff region compatible.
     """
 
     source: Inhomogeneity
@@ -68,12 +70,12 @@ class _Region(NamedTuple):
 
 
 class MaterialPoints:
-    """Points of one lattice in and near the regions of a body.
+    """Points of one lattice, in and near the regions of a body.
 
     Parameters
     ----------
     subsurface : Subsurface
-        With inhomogeneities in cells.
+        Subsurface with inhomogeneities in cells.
     content : Content
         Region and share of each cell.
     points : three of (n,)
@@ -94,11 +96,11 @@ class MaterialPoints:
 
     @property
     def any(self) -> bool:
-        """Whether the stress of any point is to be amended."""
+        """Whether any point needs a correction of its stress."""
         return bool(self._regions or self._outside.size)
 
     def _split(self, points: Points, prescribed: Sequence[Source]) -> NDArray[np.intp]:
-        """Set up the regions that contain points, and the points outside of all regions near a cut boundary."""
+        """Set up the regions that contain points, and the points outside all regions near a cut boundary."""
         number, share, between = self._number.ravel(), self._share.ravel(), self._between
         point_region, own_share = number[between.on], share[between.on]
         inside = number_at(self._sources, points)  # also in slivers that the cells leave out
@@ -122,7 +124,7 @@ class MaterialPoints:
     def _region(
         self, source: Inhomogeneity, number: int, inside: BoolArray, cut: BoolArray, prescribed: Sequence[Source]
     ) -> _Region | None:
-        """Points of a region: all of them if its stress is made compatible, else those next to a cut cell."""
+        """Points of a region: all of them if its stress is made compatible, otherwise those next to a cut cell."""
         stiffness = _stiffness(source, self._half_space.material)
         if stiffness is None:
             return None
@@ -131,7 +133,7 @@ class MaterialPoints:
         ratio = stiffness @ compliance(self._half_space.material)
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
         without_prescribed = not any(bounds_meet(source, other) for other in prescribed)
-        # Cells that fill a region wholly leave no such stress in it.
+        # A region of whole cells has no self-balanced stress of this kind.
         projected = stiff and without_prescribed and bool(((share > 0.0) & (share < 1.0)).any())
         points = np.flatnonzero(inside if projected else inside & cut)
         if not points.size:
@@ -150,25 +152,25 @@ class MaterialPoints:
         return {number: place for number, place in enumerate(slices, 1) if place is not None}
 
     def amend(
-        self, fields: dict[str, FloatArray], caused: FloatArray | None, eigenstrain: FloatArray, time: float
+        self, fields: dict[str, FloatArray], cell_stress: FloatArray | None, eigenstrain: FloatArray, time: float
     ) -> None:
         """Replace stress and strain at points of the regions, and the stress near boundaries that cut cells.
 
         Parameters
         ----------
         fields : dict of (6, ...) arrays
-            ``"stress"`` [Pa] and ``"strain"`` of all causes, or one of them; replaced by amended ones.
-        caused : (6, n), optional
-            The part of the stress that the eigenstrain was computed to cause [Pa].
+            ``"stress"`` [Pa] and ``"strain"`` by all causes, or one of them; the method replaces the values.
+        cell_stress : (6, n), optional
+            Stress by the computed eigenstrain alone [Pa].
         eigenstrain : (6, nz, ny, nx)
-            Of the cells, prestrain included [-].
+            Eigenstrain of the cells, prestrain included [-].
         """
         amended = {name: fields[name].reshape(6, -1).copy() for name in ("stress", "strain") if name in fields}
         padded = np.pad(eigenstrain, ((0, 0), *self._room))
-        if caused is not None and self._outside.size:
+        if cell_stress is not None and self._outside.size:
             where = self._near[self._outside]
             outer = self._between.values(self._outer(eigenstrain, padded), self._outside)
-            amended["stress"][:, where] += outer - caused[:, where]
+            amended["stress"][:, where] += outer - cell_stress[:, where]
         field = np.zeros_like(padded)
         for region in self._regions:
             self._fill(field, region, padded, time)
@@ -181,7 +183,7 @@ class MaterialPoints:
         fields |= {name: values.reshape(fields[name].shape) for name, values in amended.items()}
 
     def _fill(self, field: FloatArray, region: _Region, eigenstrain: FloatArray, time: float) -> None:
-        """Write the stress of a region [Pa] to its cells of a field, and to neighbouring cells that its points need."""
+        """Write the stress of a region [Pa] to its cells of a field, and to the neighbouring cells needed there."""
         share, where = region.share, (slice(None), *region.place)
         strain = np.where(share > 0.0, eigenstrain[where] / np.where(share > 0.0, share, 1.0), 0.0)
         prestrain = region.source.uniform_eigenstrain(time).reshape(6, 1, 1, 1)
@@ -196,7 +198,7 @@ class MaterialPoints:
         field[where] = stress
 
     def _outer(self, eigenstrain: FloatArray, padded: FloatArray) -> FloatArray:
-        """Stress [Pa] by the eigenstrain in the body around, in the middles of cells about the points outside."""
+        """Stress [Pa] by the eigenstrain in the surrounding body, at the cell centres around the points outside."""
         place, route = self._middles
         out = np.zeros((6, *self._cells.shape))
         where = (slice(None), *place)
@@ -218,7 +220,7 @@ class MaterialPoints:
 
     @cached_property
     def _normals(self) -> FloatArray:
-        """Vectors out of the region of each cell."""
+        """Outward normals of the region in each cell."""
         out = np.zeros((3, *self._cells.shape))
         for number, place in self._places.items():
             cells = self._number[place] == number
@@ -244,7 +246,7 @@ def cost_beside(subsurface: Subsurface, points: Points) -> Cost:
 
 
 def _points_in(cells: Cells, points: Points) -> NDArray[np.intp]:
-    """Numbers of the points in a box of cells."""
+    """Indices of the points in a box of cells."""
     near = [
         (at >= first - 0.5001 * d) & (at <= first + (count - 0.4999) * d)
         for at, first, d, count in zip(points, cells.first, cells.pitch, cells.shape[::-1], strict=True)
@@ -253,7 +255,7 @@ def _points_in(cells: Cells, points: Points) -> NDArray[np.intp]:
 
 
 def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
-    """Cells of the box and around it, below the surface, and the number added on either side along z, y, x."""
+    """Cells of the box with a margin below the surface, and the number of added cells on either side along z, y, x."""
     half_space, layer = subsurface.half_space, subsurface.box.lattice.first[0]
     box, top = subsurface.box.cells(half_space.grid), _ROOM if half_space.full else min(_ROOM, layer)
     room = ((top, _ROOM), (_ROOM, _ROOM), (_ROOM, _ROOM))
@@ -263,7 +265,7 @@ def _with_room(subsurface: Subsurface) -> tuple[Cells, Room]:
 
 
 def _middles_in(subsurface: Subsurface, cells: Cells, place: Place) -> RegionLattice:
-    """Centres of a part of the cells as points of a region."""
+    """Centres of a part of the cells, as the points of a region."""
     k, j, i = place
     row, column = (at - _ROOM for at in subsurface.box.lattice.first[1:])
     x, y, z = (cells.centres(axis)[span] for axis, span in enumerate((i, j, k)))
@@ -273,13 +275,13 @@ def _middles_in(subsurface: Subsurface, cells: Cells, place: Place) -> RegionLat
 
 
 def _is_cut(source: Inhomogeneity) -> bool:
-    """Whether a region leaves out a corner of its bounds, so that its boundary cuts cells."""
+    """Whether the boundary of a region cuts cells, because the region does not fill its bounds."""
     low, high = (np.array(corner) for corner in source.shape.bounds)
     parts = np.array(list(product((1e-3, 1.0 - 1e-3), repeat=3)))
     return not np.all(source.shape.contains(*(low + parts * (high - low)).T))
 
 
 def _stiffness(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
-    """Mandel stiffness of a region with uniform stiffness and prestrain that differ from the body's; else None."""
+    """Mandel stiffness of a region with uniform constants and prestrain; None if equal to that of the body."""
     stiffness = stiffness_beside(source, matrix)
     return stiffness[0] if stiffness is not None and np.abs(stiffness[1] - 1.0).min() >= _DIFFERENT else None

@@ -1,4 +1,4 @@
-"""Fields at the points of a region, by tractions, eigenstrain and bulk stress, and the numbers that follow."""
+"""Fields at the points of a region, by tractions, eigenstrain and bulk stress, and numbers from these fields."""
 
 from __future__ import annotations
 
@@ -31,32 +31,32 @@ _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "hydrostatic": hydrostatic,
 }
 
-#: Causes of the fields of a region, made for an interface.
+#: Function from an interface to the causes of the fields of a region.
 CausesOf = Callable[[Interface | None], Iterator[Cause]]
 
 
 class Region(Block):
-    """Fields at the points of one region: by the tractions of a contact, and by all eigenstrain of its body.
+    """Fields at the points of one region, by the tractions of a contact and by all eigenstrain of its body.
 
-    A stored step is enough to evaluate it: surface fields are tractions, and history has the eigenstrain.
+    A stored step has all input: the surface fields are the tractions, and the history has the eigenstrain.
 
     Parameters
     ----------
     request : StressRequest
-        With limits and depths.
+        Requested quantities, limits and depths.
     lattice : RegionLattice
-        Its points.
+        Points of the region.
     causes : callable
-        Causes of its fields, made for an interface.
+        Function from an interface to the causes of the fields.
     interface : Interface or None
         None without a contact.
-    asker : str, optional
-        Observer that sees the region in each step; such a region is no result of the scene.
+    requester : str, optional
+        Observer that requested the region; such a region is not a result of the scene.
 
     Raises
     ------
     SceneError
-        Nothing causes a field there.
+        No field has a cause in this region.
     """
 
     numbers: Sequence[Number] = (
@@ -72,15 +72,15 @@ class Region(Block):
 
     def __init__(
         self, request: StressRequest, lattice: RegionLattice, causes: CausesOf, interface: Interface | None,
-        asker: str = "",
+        requester: str = "",
     ) -> None:  # fmt: skip
-        self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
+        self.numbers = Region.numbers if not requester and "stress" in request.fields else ()
         self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
-        self.stored, label = not asker, request.label
+        self.stored, label = not requester, request.label
         self.name = f"stress-{label}"
-        self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
+        self.reason = f"{requester or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
-        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
+        self.requesters = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
         parts = list(causes(interface))
         if not parts:
             raise SceneError(
@@ -90,7 +90,7 @@ class Region(Block):
         self.requires = frozenset().union(*(cause.requires for cause in parts))
         self.kernels = [kernel for cause in parts for kernel in cause.kernels]
         note = "; ".join(cause.note for cause in parts if cause.note)
-        self.why += f"; {note}" if note else ""
+        self.reason += f"; {note}" if note else ""
         self.cost = sum((cause.cost for cause in parts), Cost())
         self.precisions = [precision for cause in parts for precision in cause.precisions]
 
@@ -100,7 +100,7 @@ class Region(Block):
 
 
 class RunningRegion:
-    """Running block of a region, with the operators of its sources."""
+    """Running block of a region, with the operators of its causes."""
 
     def __init__(self, region: Region) -> None:
         self._region, self._interface = region, region.interface
@@ -129,7 +129,7 @@ class RunningRegion:
             note_largest(step, record, stress)
 
 
-def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
+def region_of(model: Model, request: StressRequest, requester: str = "") -> Region:
     """Region of a request in a model."""
     lattice = region_lattice(request, model.grid)
 
@@ -153,7 +153,7 @@ def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:
                 if subsurface.body == request.body:
                     yield EigenstrainField(subsurface, request, lattice)
 
-    return Region(request, lattice, causes, model.interface, asker)
+    return Region(request, lattice, causes, model.interface, requester)
 
 
 def regions_of(model: Model) -> Iterator[Region]:
@@ -164,7 +164,7 @@ def regions_of(model: Model) -> Iterator[Region]:
 def region_record(
     request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
 ) -> tuple[RegionRecord, FloatArray | None]:
-    """Record of a region for storage: requested fields and scalars of the stress; and the stress.
+    """Record of a region for storage, with the requested fields and scalars; and the stress.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def note_largest(step: Step, record: RegionRecord, stress: FloatArray) -> None:
 
 
 def _cut(values: FloatArray, request: StressRequest) -> FloatArray:
-    """Drop the axis of length one of a plane."""
+    """Remove the axis of length one of a plane."""
     if request.shape != "plane":
         return values
     return np.squeeze(values, axis={"z": 1, "y": 2, "x": 3}[request.normal])

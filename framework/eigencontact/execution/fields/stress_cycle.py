@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Cycle", "CycleOfRegion", "NewRegion", "cycle_of_region", "cycle_steps", "elastic_strain"]
 
-#: What `cycle_steps` accepts.
+#: Values that `cycle_steps` accepts.
 Cycle = Literal["last", "all"] | tuple[int, int]
-#: Name of a new region, and results with it by number of step, from these numbers.
+#: Function from step numbers to the name of a new region, and the results with this region by step number.
 NewRegion = Callable[[list[int]], tuple[str, Mapping[int, Any]]]
 
 
@@ -35,15 +35,15 @@ class CycleOfRegion:
     Attributes
     ----------
     region, body : str, int
-        Name of the region, and the body in which it lies.
+        Name of the region, and the body that contains it.
     dims, shape : tuple
-        Dimensions of its points as of results, and their sizes.
+        Dimensions of its points in the results, and their sizes.
     places : (3, points)
-        x, y, z of the points [m].
+        Coordinates x, y, z of the points [m].
     steps : tuple of int
         Numbers of the load steps of the cycle.
     cycle : StressCycle
-        Its stress, and strain if it was asked for.
+        Stress of the cycle, and strain if requested.
     """
 
     region: str
@@ -61,7 +61,7 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
     Raises
     ------
     SceneError
-        No closed cycle; steps that are not stored.
+        There is no closed cycle, or steps are not stored.
     """
     numbers = [int(number) for number in dataset["step"].values]
     if cycle == "all":
@@ -100,12 +100,12 @@ def cycle_of_region(
     cycle : str or (int, int)
         See `cycle_steps`.
     new : callable, optional
-        Gives a region that the results do not have: its name, and results with it by number of step.
+        Computes a missing region; returns its name and the results with it by step number.
 
     Raises
     ------
     SceneError
-        A region without stress; strain of a body that is not elastic throughout and did not store it.
+        The region has no stress, or strain is requested and the body is not elastic throughout and stores no strain.
     """
     steps = cycle_steps(dataset, cycle)
     if new is None:

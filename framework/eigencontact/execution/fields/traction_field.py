@@ -1,4 +1,4 @@
-"""Stress, strain and displacement that the tractions of a contact cause at the points of a region."""
+"""Stress, strain and displacement by the tractions of a contact, at the points of a region."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ from eigencontact.solvers.surface_means import depth_of_means
 __all__ = ["TractionField", "moves"]
 
 
-#: Note on a region that has points next to the surface.
+#: Note for a region with points next to the surface.
 _NOTE = "stress by tractions above a depth of {:.3g} m is a mean over each cell, linear between their centres"
 _WORDS = {"stress": "stress (6 components)", "displacement": "displacement x, y, z"}
-#: Tables for one mean over a cell, and means for one point between cells.
+#: Tables per mean over a cell; means per point between cells.
 _TABLES, _MEANS = 4, 4
-#: Depths of a close-up whose coefficients are held at once.
+#: Depths of a close-up with coefficients in memory at the same time.
 _AT_ONCE = 16
 
 
 class TractionField(Cause):
-    """Field of the tractions in one body; the spectra are valid while the contact stays in their box.
+    """Field of the tractions in one body; the spectra are valid as long as the contact stays in their box.
 
-    Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
-    stress is that of body 1 under those. Next to the surface of a window that is not periodic, stress is a mean over
-    cells (`eigencontact.solvers.surface_means`). The displacement is that against distant points of the body, in a
-    periodic window against the mean of the surface.
+    The load of body 2 is the same pressure and the opposite shear. In the axes of body 2, with z into that body, its
+    stress equals the stress of body 1 under this load. Stress next to the surface of a non-periodic window is a mean
+    over cells (`eigencontact.solvers.surface_means`). The displacement is relative to distant points of the body, in a
+    periodic window relative to the mean of the surface.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class TractionField(Cause):
             self._declare(interface, quantity)
 
     def _declare(self, interface: Interface, quantity: str) -> None:
-        """Add price and kernels of a quantity; three coefficients of displacement count as six of stress."""
+        """Add cost and kernels of a quantity; three displacement coefficients count as six of stress."""
         lattice, numerics, pressure = self._lattice, self._numerics, interface.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
         sampling *= tables_of_images(numerics)
@@ -111,8 +111,8 @@ class TractionField(Cause):
         if not isinstance(self._body, Material):
             from eigencontact.execution.blocks.layered_cost import layered_stress_cost
 
-            anew = lattice.points is not None
-            self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
+            every_step = lattice.points is not None
+            self.cost += layered_stress_cost(self._body, tables * count, numerics, every_step=every_step)
         self.kernels += tuple(
             KernelUse(
                 _WORDS[quantity], item.words, kernel_key(interface.influences[item.name], [self._body]), text,
@@ -123,7 +123,7 @@ class TractionField(Cause):
 
     @property
     def _in_section(self) -> bool:
-        """Whether the points are one row at each depth, of the pitch of the cells."""
+        """Whether the points form one row at each depth, with the pitch of the cells."""
         lattice = self._lattice
         return 1 in lattice.target and lattice.finer == (1, 1) and not self._periodic
 
@@ -148,7 +148,7 @@ class TractionField(Cause):
         return fields | ({"strain": self._strain(fields["stress"])} if "strain" in self._fields else {})
 
     def _strain(self, stress: FloatArray) -> FloatArray:
-        """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""
+        """Elastic strain; at the depth of an interface by the constants of the deeper layer, like the stress."""
         if isinstance(self._body, Material):
             return _hooke(stress, self._body)
         depths = self._lattice.depths if self._lattice.points is None else self._lattice.points[:, 2]
@@ -185,7 +185,7 @@ class TractionField(Cause):
         return values
 
     def _cached_operator(self, quantity: str, box: Box, *, near: bool) -> Any:
-        """Return the operator of points near the surface, or deeper; replace it when the contact leaves its box."""
+        """Operator of points near the surface, or of deeper points; replaced when the contact leaves its box."""
         operator = self._operators.pop((quantity, near), None)
         if operator is None or not operator.covers(box):
             margin = 0 if operator is None else max(2, max(box.shape) // 6)
@@ -198,7 +198,7 @@ class TractionField(Cause):
         return operator
 
     def _key(self, quantity: str, source: Box, *, near: bool) -> Hashable:
-        """Return all inputs of an operator; sweep variants with equal keys share the operator (`core.kept`)."""
+        """All inputs of an operator; sweep variants with equal keys share the operator (`core.kept`)."""
         lattice, numerics = self._lattice, self._numerics
         points = tuple(array.tobytes() for array in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
         influences = [kernel.influence for kernel in self._kernels[quantity]]
@@ -230,7 +230,7 @@ class TractionField(Cause):
         )
 
     def _close_up(self, quantity: str, tractions: list[FloatArray], box: Box, out: FloatArray) -> None:
-        """Field on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
+        """Field on points finer than the cells, by lattices of the cells' pitch, few depths at a time."""
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
         for begin in range(int(self._near[quantity].sum()), self._lattice.depths.size, _AT_ONCE):

@@ -1,4 +1,4 @@
-"""Regions of other material at points of a body: their cells, voids and softer laws."""
+"""Regions of another material at points of a body: their cells, voids and softer laws."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Content", "Points", "content_of", "empty_points", "number_at", "read_by_own_laws", "stiffness_beside"]
 
-#: A region is softer than the body where no strain takes more than this share of the body's stress.
+#: A region counts as softer if its stiffness is below this fraction of the body's for every strain.
 _SOFTER = 1.0 - 1e-9
 
-#: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
+#: Smaller fractions of a cell are neglected, as in `eigencontact.execution.interiors.material_cells`.
 _LEAST = 1e-3
 
 Points = tuple[FloatArray, FloatArray, FloatArray]
@@ -38,10 +38,10 @@ class Content(NamedTuple):
     Attributes
     ----------
     number : array of int
-        Number (from 1) of the one region in a cell, 0 where there is none. -1 are cells of several regions, or of one
-        whose stiffness is not the same all over.
+        Number (from 1) of the region in a cell, 0 without a region. -1 marks cells with several regions, or with a
+        region of variable stiffness.
     share : array
-        Part of the cell that it fills.
+        Fraction of the cell inside the region.
     """
 
     number: NDArray[np.int_]
@@ -49,12 +49,12 @@ class Content(NamedTuple):
 
     @property
     def whole(self) -> NDArray[np.int_]:
-        """Number of the region with uniform stiffness that fills a cell completely, else 0."""
+        """Number of the region with uniform stiffness that fills a cell completely, otherwise 0."""
         return np.where((self.number > 0) & (self.share == 1.0), self.number, 0)
 
 
 def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> Content:
-    """Content of the cells; cells of regions without a point in or next to them are empty."""
+    """Content of the cells; cells count as empty if no point is in or next to their region."""
     from eigencontact.execution.interiors.material_cells import share_of
 
     number, filled = np.zeros(box.lattice.shape, dtype=int), np.zeros(box.lattice.shape)
@@ -72,7 +72,7 @@ def content_of(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, point
 
 
 def number_at(sources: Sequence[Inhomogeneity], points: Points) -> NDArray[np.int_]:
-    """Number (from 1) of the region that contains each point, ``(n,)``, or 0; in overlaps the later region."""
+    """Number (from 1) of the region that contains each point, ``(n,)``, or 0; the later region counts in overlaps."""
     out = np.zeros(points[0].size, dtype=int)
     for number, source in enumerate(sources, 1):
         where = _near(source, points)
@@ -83,7 +83,7 @@ def number_at(sources: Sequence[Inhomogeneity], points: Points) -> NDArray[np.in
 
 
 def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> NDArray[np.bool_] | None:
-    """Whether points of a lattice lie in a void, ``(n,)``, or None; in overlaps the later region decides."""
+    """Whether points of a lattice are in a void, ``(n,)``, the later region in overlaps; None without voids."""
     if not any(source.is_empty for source in sources):
         return None
     empty = np.array([False, *(source.is_empty for source in sources)])
@@ -101,15 +101,15 @@ def read_by_own_laws(
 ) -> None:
     """Replace the stress in softer regions by the stress of their law, C_i (M σ + ε* - ε_p).
 
-    What cells leave of an error of the stress then counts by the ratio of the stiffnesses. In stiffer regions it would
-    grow by that: they are left.
+    The ratio of the stiffnesses, below one here, then reduces the discretization error of the stress. In stiffer
+    regions it would increase the error, so their stress is not changed.
 
     Parameters
     ----------
     stress : (6, n)
-        Of all causes, at the points of `within` [Pa]; changed.
+        Stress by all causes at the points of `within` [Pa]; the function changes it.
     eigenstrain : (6, nz, ny, nx)
-        ε* of the cells, prestrain ε_p included [-].
+        Eigenstrain ε* of the cells, prestrain ε_p included [-].
     """
     stiffnesses = {n: tensor for n, source in enumerate(sources, 1) if (tensor := _softer(source, matrix)) is not None}
     if not stiffnesses:
@@ -123,7 +123,7 @@ def read_by_own_laws(
 
 
 def stiffness_beside(source: Inhomogeneity, matrix: Material) -> tuple[FloatArray, FloatArray] | None:
-    """Finite Mandel stiffness of a region with one law and prestrain, and its six ratios to that of the body."""
+    """Finite Mandel stiffness of a region with one law, its prestrain, and its six ratios to the body's."""
     law = source.uniform_law
     if law is None or not source.field.uniform:
         return None
@@ -136,13 +136,13 @@ def stiffness_beside(source: Inhomogeneity, matrix: Material) -> tuple[FloatArra
 
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
-    """Mandel stiffness of a region of uniform stiffness that is softer than the body, else None."""
+    """Mandel stiffness of a region with uniform stiffness below that of the body, otherwise None."""
     stiffness = stiffness_beside(source, matrix)
     return stiffness[0] if stiffness is not None and stiffness[1].max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:
-    """Numbers of the points within the bounds of a region with a margin."""
+    """Indices of the points within the bounds of a region, with a margin."""
     low, high = source.shape.bounds
     inside = [(lo - room <= at) & (at <= hi + room) for lo, at, hi in zip(low, points, high, strict=True)]
     return np.flatnonzero(np.logical_and.reduce(inside))

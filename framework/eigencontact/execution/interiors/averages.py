@@ -1,4 +1,4 @@
-"""Means of the variables of cells, for laws that act by a neighbourhood."""
+"""Means of internal variables over a neighbourhood, for nonlocal laws."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Averages:
     laws : sequence of (law, cells)
         Flat indices of the cells of each law.
     shape : (int, int, int)
-        Of the box.
+        Shape of the box.
     edges : (float, float, float)
-        Of a cell along z, y, x [m].
+        Edges of a cell along z, y, x [m].
 
     Attributes
     ----------
     width : (int, int, int)
-        Cells along z, y, x that the outermost neighbourhoods are wide, 1 without any.
+        Width of the outermost neighbourhoods in cells along z, y, x; 1 without neighbourhoods.
     """
 
     def __init__(

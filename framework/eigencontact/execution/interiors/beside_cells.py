@@ -1,8 +1,8 @@
 """Interaction of whole inhomogeneities and cells of the same body.
 
-By reciprocity one table serves both: the stress at the centres of cells by each function of an inclusion, which is the
-work of the eigenstrain of a cell on that function too. In the ground of the inclusion cells have the material of the
-body and no eigenstrain; a cell that its boundary cuts sees the stress outside it.
+One table serves both directions by reciprocity: the stress at the cell centres by each function of an inclusion is also
+the work of a cell's eigenstrain on that function. Cells in the ground of the inclusion have the material of the body
+and no eigenstrain. A cell cut by the boundary of the inclusion receives the stress outside the inclusion.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from eigencontact.halfspace.moments import moment_field
 
 __all__ = ["BesideCells", "join_wholes"]
 
-#: Points along each edge of a cell of which those outside an inclusion count, where its boundary is near.
+#: Sample points along each edge of a cell near the boundary of an inclusion; only points outside the inclusion count.
 _POINTS = 3
 
 
 class BesideCells:
-    """Tables between the wholes and the cells of one body, both started."""
+    """Interaction tables between the whole inhomogeneities and the cells of one body, both started."""
 
     def __init__(self, wholes: PolynomialWholes, cells: Cells) -> None:
         self._wholes, self.cells = wholes, cells
@@ -53,7 +53,7 @@ class BesideCells:
         return system.matrix.shear_modulus * self._volume * np.concatenate(parts)
 
     def _table(self, number: int, at: Sequence[FloatArray]) -> FloatArray:
-        """Stress at the cells by the eigenstrains of its `span`, ``(r, 6, cells)``, in units of the shear modulus."""
+        """Stress at the cells by the eigenstrains of `span`, ``(r, 6, cells)``, in units of the shear modulus."""
         system = self._wholes.system
         shape, basis = self._wholes.sources[number].shape, system.bases[number]
         edges = self.cells.box.lattice.edges[::-1]
@@ -75,7 +75,7 @@ class BesideCells:
         return out
 
     def _near(self, number: int, at: Sequence[FloatArray]) -> IntArray:
-        """Cells in the box of an inclusion, extended by one cell."""
+        """Cells in the bounds of an inclusion, extended by one cell."""
         low, high = self._wholes.sources[number].shape.bounds
         edges = self.cells.box.lattice.edges[::-1]
         inside = [
@@ -94,7 +94,7 @@ class BesideCells:
 
 
 def join_wholes(interiors: Sequence[Interior]) -> None:
-    """Make interaction tables for the whole inhomogeneities and cells of one body that have none; all are started."""
+    """Make the missing interaction tables between whole inhomogeneities and cells of one body; all are started."""
     for wholes in interiors:
         if isinstance(wholes, PolynomialWholes):
             levels = [cells for cells in interiors if isinstance(cells, Cells) and cells.body == wholes.body]

@@ -25,9 +25,9 @@ def can_be_layer(law: ConstitutiveLaw) -> bool:
 def steepest(padded: FloatArray, edges: tuple[float, float, float]) -> FloatArray:
     """Unit vectors along the gradient, ``(3, n)`` in the order x, y, z, of the inner cells; zero for a zero gradient.
 
-    The derivative along each axis is a mean over neighbours across it with weights 1, 2, 1: in cells that a ball cuts,
-    of 3 to 8 cells a radius, it is 1 degree from the true normal in the mean, and 3 at most. Without that mean it is 7
-    and 17.
+    The derivative along each axis is a mean over the neighbouring rows with weights 1, 2, 1. In cells cut by a ball of
+    3 to 8 cells per radius, the mean error of the direction is 1 degree and the largest 3 degrees; without the weights
+    the errors are 7 and 17 degrees.
     """
     rows = []
     for axis in (2, 1, 0):

@@ -16,7 +16,7 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.interiors.interior import Remembered, loads
+from eigencontact.execution.interiors.interior import Records, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
@@ -36,18 +36,18 @@ if TYPE_CHECKING:
 __all__ = ["Cells"]
 
 
-#: Depth, in heights of a cell, that a surface may lose above a box that begins below it and stays in place.
+#: Allowed worn depth, in cell heights, above a fixed box that begins below the surface.
 _BURIED = 0.5
-#: Krylov iterations of one solve and rounds between it and the contact, typically, for the cost.
+#: Typical Krylov iterations per solve, and typical rounds between the solve and the contact, for the cost.
 _ITERATIONS, _ROUNDS = 15, 8
-#: Applications of the operator that a step takes, alone and under a contact.
+#: Applications of the operator per step, without and with a contact.
 _ALONE, _TOGETHER = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
-#: Times as many where some cells are empty: a void near the surface takes 340 under its contact.
+#: Factor on the applications if some cells are empty: a void near the surface takes 340 under its contact.
 _EMPTY = 5.0
-#: Seconds of one component of the stress by one function of a whole inclusion at one point.
+#: Seconds per component of the stress, function of a whole inclusion, and point.
 _FUNCTION = 3e-7
-#: Time of mean kernels by that of kernels at points, and seconds of a step for each cell of a law that has no answer of
-#: its own: 30 sweeps of 4 us (11760 cells that break under a contact).
+#: Time of mean kernels relative to kernels at points. Seconds per step and cell of a law without a `cell_answer`: 30
+#: sweeps of 4 us (11760 damaged cells under a contact).
 _MEANS, _ANSWER = 6.0, 1.2e-4
 
 
@@ -57,14 +57,14 @@ class Cells(Responding):
     Parameters
     ----------
     subsurface : Subsurface
-        With inhomogeneities in cells.
+        Subsurface with inhomogeneities in cells.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
 
     Attributes
     ----------
     beside : BesideCells or None
-        Wholes of the same body.
+        Interaction with the whole inhomogeneities of the same body.
     """
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
@@ -73,9 +73,9 @@ class Cells(Responding):
         super().__init__(subsurface, directions, self._box.centres(subsurface.half_space.grid))
         self._settle_precision()
         self._kernels, count = subsurface.kernels, len(self.sources)
-        self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
+        self.reason = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
         if subsurface.recedes:
-            self.why += ", which rise as the surface recedes"
+            self.reason += ", which rise as the surface recedes"
         self._declare()
 
     def _settle_precision(self) -> None:
@@ -95,7 +95,7 @@ class Cells(Responding):
         return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:
-        """Predicted time per step of laws that are solved by Newton's method with their `update`."""
+        """Predicted time per step of laws whose cells are solved by Newton's method with `update`."""
         slow = [source for source in self.sources if not isinstance(source.law, (LinearLaw, HasCellAnswer))]
         return _ANSWER * sum(source.lattice.cells for source in slow if source.lattice is not None)
 
@@ -105,7 +105,7 @@ class Cells(Responding):
         key = str(getattr(self._half_space.cell, "key", "cell"))
         label = f"eigenstrain of {self._box.names}"
         uses = [KernelUse("mean stress (6 components)", label, key, self._box.words, 58)]
-        # The solver keeps two vectors of six components an iteration.
+        # The solver stores two vectors of six components per iteration.
         cost = self._operator_cost(self._box.lattice) + Cost(
             memory=8.0 * 12 * self._box.lattice.cells * _ITERATIONS, seconds_per_step=self._seconds_of_laws()
         )
@@ -127,7 +127,7 @@ class Cells(Responding):
         self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
 
     def _operator_cost(self, lattice: Lattice) -> Cost:
-        """Price of the mean stress in the cells of a lattice by their eigenstrain."""
+        """Cost of the mean stress in the cells of a lattice by their eigenstrain."""
         nz, *across = lattice.shape
         volume = Pace.of(self._half_space, "stress").volume(lattice, (across[0], across[1]), (0.0, 0.0), nz)
         return Cost(
@@ -137,7 +137,7 @@ class Cells(Responding):
         )
 
     def _beside_wholes(self, wholes: Subsurface) -> Cost:
-        """Price of tables of the stress in the cells by each function of wholes."""
+        """Cost of the tables of stress in the cells by each function of whole inhomogeneities."""
         degrees = [source.degree.degree for source in wholes.inhomogeneities if source.degree is not None]
         values = sum(6 * functions_up_to(degree) * self._box.lattice.cells for degree in degrees)
         seconds = _FUNCTION * values
@@ -174,7 +174,7 @@ class Cells(Responding):
         )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
         self._content = MaterialCells(self._box, self.sources, grid, matrix_law(self._half_space.material))
-        self._lost = np.zeros(grid.shape)
+        self._worn_depth = np.zeros(grid.shape)
         self._fill()
         self._joint = None
         if self._kernels:
@@ -185,7 +185,7 @@ class Cells(Responding):
             )
 
     def _fill(self) -> None:
-        """Build the equations for the content of the cells; the operators do not change."""
+        """Build the equations of the present content of the cells; the operators do not change."""
         from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 
         linear = self._content.linear
@@ -199,26 +199,26 @@ class Cells(Responding):
             normal=linear.normal,
         )
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`; inclusions move up by the worn depth of the surface above them."""
-        lost = increment.surface.lost.get(self.body, self._lost)
-        if not np.array_equal(lost, self._lost):
-            self._refuse_buried(float(lost.max()))
-            self._lost = lost
+        worn_depth = increment.surface.worn_depths.get(self.body, self._worn_depth)
+        if not np.array_equal(worn_depth, self._worn_depth):
+            self._refuse_buried(float(worn_depth.max()))
+            self._worn_depth = worn_depth
             if not self._box.lattice.first[0]:
-                self._content.rise(lost)
+                self._content.rise(worn_depth)
                 self._fill()
         super().begin(increment, last)
 
-    def _refuse_buried(self, lost: float) -> None:
-        """Refuse to raise a box above its cells."""
+    def _refuse_buried(self, worn_depth: float) -> None:
+        """Refuse wear that would raise the content of a box above its cells."""
         layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
-        if layers and lost > _BURIED * height:
+        if layers and worn_depth > _BURIED * height:
             raise SceneError(
-                f"depth lost by body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, "
-                f"where inclusions lie in the depth alone (got {lost:.3g} m above {self._box.names}, whose cells begin "
-                f"{layers} layers below the surface); give larger cells by numerics.inclusion-pitch, or another "
-                "inclusion, of the body's own constants, that begins at the surface"
+                f"worn depth of body {self.body} must stay below {_BURIED:g} of the cell height of {height:.3g} m if "
+                f"all inclusions are below the surface (got {worn_depth:.3g} m above {self._box.names}, with {layers} "
+                "layers of cells above); set a larger numerics.inclusion-pitch, or add an inclusion at the surface "
+                "with the constants of the body"
             )
 
     def prestrain(self, time: float) -> FloatArray:
@@ -228,8 +228,8 @@ class Cells(Responding):
     def applied(self, tractions: Fields) -> FloatArray:
         """See `Responding.applied`."""
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
-            caused = self._joint.stress(loads(self.body, self._tractions, tractions))
-            total = np.ascontiguousarray(self.at_centres(caused))
+            contact_stress = self._joint.stress(loads(self.body, self._tractions, tractions))
+            total = np.ascontiguousarray(self.at_centres(contact_stress))
         else:
             total = np.zeros((6, *self._content.shape))
         if self._prescribed is not None:
@@ -241,7 +241,7 @@ class Cells(Responding):
         return total
 
     def at_centres(self, means: FloatArray) -> FloatArray:
-        """Values at the centres of cells from means ``(..., nz, ny, nx)``; cells of linear laws use the means."""
+        """Values at the cell centres from means ``(..., nz, ny, nx)``; cells of linear laws keep the means."""
         return means
 
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:

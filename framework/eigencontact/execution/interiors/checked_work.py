@@ -1,4 +1,4 @@
-"""Work of prescribed eigenstrain on the functions of whole inhomogeneities, by rules refined until two agree."""
+"""Work of prescribed eigenstrain on the functions of whole inhomogeneities, with refined quadrature rules."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckedWork"]
 
-#: Points of each rule in each direction, in parts of the first.
+#: Numbers of points of the rules in each direction, relative to the first rule.
 _FACTORS = (1.0, 1.5, 2.25, 3.5)
-#: Error of the eigenstrain, in parts of the largest that the work causes, that is accepted.
+#: Accepted error of the eigenstrain, relative to the largest eigenstrain by this work.
 _ACCEPTED = 1e-5
 
 
 class CheckedWork:
     """Work of prescribed eigenstrain.
 
-    An edge of a region close to an inhomogeneity asks for more points. The rules are refined at the first load step in
-    which there is eigenstrain, until two of them agree; the finer one is kept.
+    A region with an edge close to an inhomogeneity needs more points. At the first load step with eigenstrain the rules
+    are refined until two of them agree; the finer one is kept.
 
     Parameters
     ----------
     system : PolynomialInclusions
-        Its rules are refined.
+        System of the inhomogeneities; its rules are refined.
     subsurface : Subsurface
-        With prescribed eigenstrain.
+        Subsurface with prescribed eigenstrain.
 
     Attributes
     ----------
     present : (unknowns,)
         Work on every function [J].
     error : float
-        Difference of the eigenstrain by the two finest rules, in parts of the largest that the work alone causes.
+        Difference of the eigenstrain by the two finest rules, relative to the largest eigenstrain by this work alone.
     """
 
     def __init__(self, system: PolynomialInclusions, subsurface: Subsurface) -> None:
         self._system, self._subsurface = system, subsurface
-        self._field = self._made()
+        self._field = self._field_of_prescribed()
         self._checked = False
         self.present, self.error = np.zeros(system.size), 0.0
 
@@ -62,7 +62,7 @@ class CheckedWork:
         for factor in _FACTORS[1:]:
             before = amplitudes
             system.refine_rules(factor)
-            self._field = self._made()
+            self._field = self._field_of_prescribed()
             self.present = self._at(time)
             amplitudes = system.solve(self.present, start=before).amplitudes
             largest = system.difference(amplitudes, zero_field).max()
@@ -70,7 +70,7 @@ class CheckedWork:
             if self.error <= _ACCEPTED:
                 break
 
-    def _made(self) -> PrescribedField:
+    def _field_of_prescribed(self) -> PrescribedField:
         empty = np.empty(0)
         points = RegionLattice(
             target=(0, 0), origin=(0.0, 0.0), x=empty, y=empty, depths=empty, points=self._system.points.T.copy()

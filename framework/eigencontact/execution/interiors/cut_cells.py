@@ -1,4 +1,4 @@
-"""Cells cut by a boundary, with a law that is not linear: two laws combined to one."""
+"""Cells cut by a boundary with a nonlinear law: one law combined from two."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class CutStep(LawStep):
     found: dict[str, FloatArray] = field(default_factory=dict)
 
     def of(self, points: slice) -> CutStep:
-        """The same of some of the points."""
+        """Evaluation at some of the points."""
         names = "x", "y", "z", "fraction", "resistance", "difference"
         return replace(self, means={}, found={}, **{name: getattr(self, name)[..., points] for name in names})
 
@@ -46,7 +46,8 @@ class CutCells:
         """Cut cells of the content of a box."""
         pairs = []
         for first, second, cells in content.cuts():
-            # What degrades may lose its stiffness across a layer, and no answer is left: a ball around it resists.
+            # A degrading law may lose its stiffness across a layer; the equation then has no solution. The stiffness of
+            # a ball stays positive.
             layered = first.symmetric and second.symmetric
             normals = content.across(cells) if layered else np.zeros((3, cells.size))
             share = content.fraction.ravel()[cells]
@@ -54,7 +55,7 @@ class CutCells:
         return pairs
 
     def step(self, step: LawStep, content: MaterialCells) -> CutStep:
-        """Evaluation of these cells for the laminate."""
+        """Evaluation of these cells as laminates."""
         return CutStep(
             x=step.x, y=step.y, z=step.z, time=step.time, duration=step.duration, fraction=self.fraction,
             resistance=self.resistance, difference=content.difference(self.cells, step.time),

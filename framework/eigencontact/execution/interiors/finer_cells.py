@@ -1,10 +1,10 @@
 """Finer cells at the inclusions of a body with a nonlinear law, coupled with the other cells of the body.
 
-Both levels are interiors of their own; they are iterated on together. `eigencontact.solvers.two_levels` gives the
-stress in both. Stress of tractions in finer cells is interpolated from means over coarse cells, and eigenstrain of
-finer cells displaces the surface as that of the coarse cells that stand for it. The two are adjoint. Coarse cells of
-the patch have no eigenstrain of their own; results store means over the finer cells there, and the finer cells under
-names of their own.
+Each level is an interior of its own, and both are iterated together. `eigencontact.solvers.two_levels` gives the stress
+in both. The stress of tractions in finer cells is interpolated from means over coarse cells. The eigenstrain of finer
+cells displaces the surface through the coarse cells that represent it. These two operations are adjoint. Coarse cells
+of the patch have no eigenstrain of their own. Results store means over the finer cells in their place, and the values
+of the finer cells under separate names.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, loads
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction, loads
 from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
 from eigencontact.execution.routes.subsurface import Subsurface, ground_of
 from eigencontact.model.boxes import CellBox, box_of_inhomogeneities
@@ -38,24 +38,24 @@ _WHERE, _FINER = "numerics.inclusion-refinement", "_finer"
 class CoarseCells(SweptCells):
     """Cells of a body outside the patch of finer cells at its inclusions.
 
-    Joined with these before it begins; see `join_levels`.
+    `join_levels` joins them with the finer cells before the first increment.
     """
 
     def __init__(self, subsurface: Subsurface, directions: str) -> None:
         super().__init__(subsurface, directions)
-        self.why = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
+        self.reason = f"equivalent eigenstrain outside of the finer cells of body {self.body}, swept with the contact"
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`; coarse cells of the patch have the means of the finer cells and no state."""
         super().begin(increment, last)
         assert self.levels is not None
         self.eigenstrain = self._start = self.levels.without_patch(self.eigenstrain)
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`; with means over the finer cells."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`; the patch has means over the finer cells."""
         assert self.levels is not None
-        records = super().remembered()
-        for record in self.levels.fine.remembered().values():
+        records = super().state_records()
+        for record in self.levels.fine.state_records().values():
             name = record.name.replace(_FINER, "")
             if name not in records:
                 shape = (len(record.values), *self.box.lattice.shape)
@@ -68,7 +68,8 @@ class CoarseCells(SweptCells):
     def displaced_by(self, at_centres: FloatArray, means: FloatArray) -> dict[str, FloatArray]:
         """Displacement of the surface by eigenstrain ``(6, nz, ny, nx)`` in these cells, by direction [m].
 
-        Along tractions it follows from values at the centres of cells, along others from means over cells.
+        Along traction directions it follows from values at the cell centres, along other directions from means over
+        cells.
         """
         moved: dict[str, FloatArray] = {}
         if self._joint is not None:
@@ -92,9 +93,9 @@ class FinerCells(SweptCells):
     Parameters
     ----------
     subsurface : Subsurface
-        Of the finer cells, without tractions: these act by way of the coarse cells.
+        Subsurface of the finer cells, without tractions: tractions act on them through the coarse cells.
     patch : Lattice
-        Coarse cells that are divided, with their rim.
+        Coarse cells that are divided, and their rim.
     coarse_grid : Grid
         Cells of the surface.
     """
@@ -103,9 +104,9 @@ class FinerCells(SweptCells):
         self._patch, self._coarse_grid = patch, coarse_grid
         super().__init__(subsurface, "")
         self._stored = _finer(self._stored)
-        self.remembers = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
+        self.state_names = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
         ratio = self._numerics.inclusion_refinement
-        self.why = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer, at inclusions, swept with those"
+        self.reason = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer at inclusions, swept together"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None
 
     def _name(self, variable: str) -> str:
@@ -184,7 +185,7 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
     Raises
     ------
     SceneError
-        A body without inclusions or without a law that is not linear, or with what finer cells do not have yet.
+        The body has no inclusions or no nonlinear law, or it has a feature that finer cells do not support.
     """
     _refuse_others(subsurface)
     half_space, members = subsurface.half_space, subsurface.inhomogeneities
@@ -228,7 +229,7 @@ def _refuse_others(subsurface: Subsurface) -> None:
 
 
 def _layers(law: ConstitutiveLaw) -> list[ConstitutiveLaw]:
-    """Laws at a point that a law consists of."""
+    """Local laws of a composite law."""
     origin = np.zeros(1)
     return [layer for layer, _ in law.laws_at(origin, origin, origin)]
 

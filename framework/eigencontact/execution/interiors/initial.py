@@ -1,4 +1,4 @@
-"""State of an earlier run as the start of another: read from its results, and moved to other cells."""
+"""State of an earlier run as the initial state of a run: read from its results, and moved to other cells."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from eigencontact.scene.schema import Scene
 __all__ = ["initial_states", "moved_state"]
 
 
-#: Part of what was remembered that may lie where nothing is.
-_LOST = 1e-6
+#: Allowed fraction of a stored variable outside the cells of a law with this variable.
+_LARGEST_OMISSION = 1e-6
 
 
 def initial_states(scene: Scene) -> dict[int, InitialState]:
-    """States that the bodies of a scene begin with, by body; its paths are absolute.
+    """Initial states of the bodies of a scene, by body; the paths in the scene are absolute.
 
     Raises
     ------
     ResultsError
         Results that are missing, unfinished or damaged.
     SceneError
-        A step that they do not hold, or after which the body remembered nothing.
+        The results have no such step, or no state of the body after it.
     """
     states = {}
     for body, table in ((1, scene.body1.initial), (2, scene.body2.initial)):
@@ -66,7 +66,7 @@ def moved_state(
     ----------
     state : InitialState
     laws : list of (law, cells)
-        Which cells, as flat indices, have which law; what they remember is taken over.
+        Flat indices of the cells of each law; the variables of these laws are transferred.
     coords : mapping of str to (n,)
         Centres of the cells along z, y, x [m].
     edges : (float, float, float)
@@ -75,7 +75,7 @@ def moved_state(
     Raises
     ------
     SceneError
-        Something was remembered that no law of the new scene remembers, or in cells without such a law.
+        A stored variable has values in cells without a law for it.
     """
     weights = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
     whole_cells = all(np.array_equal(weight, weight.astype(bool)) for weight in weights)
@@ -97,11 +97,11 @@ def moved_state(
                 cells.ravel()[places] = True
         total = float(np.abs(values).sum())
         omitted = float(np.abs(values[:, ~cells]).sum())
-        if omitted > _LOST * total:
+        if omitted > _LARGEST_OMISSION * total:
             raise SceneError(
-                f"{plain!r} of {state.where} must lie where a law remembers it "
-                f"(got {100 * omitted / total:.2g} % of it elsewhere); "
-                f"give the body the law of the earlier run, {state.where.split('.')[0]}.law"
+                f"{plain!r} of {state.where} must be in cells with a law that has this variable "
+                f"(got {100 * omitted / total:.2g} % of it in other cells); "
+                f"set {state.where.split('.')[0]}.law as in the earlier run"
             )
         moved[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
     return moved

@@ -17,16 +17,16 @@ from eigencontact.results.records import HistoryRecord
 
 __all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
 
-Remembered = Mapping[str, HistoryRecord]
+Records = Mapping[str, HistoryRecord]
 
 
 class Outgrown(Exception):
-    """Error: an interior needs more cells than it has.
+    """Error: an interior needs more cells.
 
     Attributes
     ----------
     interior, larger : Interior
-        The one that does not suffice, and another to take its place, not yet started.
+        The interior with too few cells, and a larger one that replaces it, not yet started.
     """
 
     def __init__(self, interior: Interior, larger: Interior) -> None:
@@ -35,25 +35,25 @@ class Outgrown(Exception):
 
 
 class Interior(Part):
-    """Something below the surface of one body.
+    """Eigenstrain below the surface of one body.
 
     Attributes
     ----------
     body : int
         1 or 2.
     responds : bool
-        Whether it answers the tractions.
-    remembers : frozenset of str
-        Names of what is stored of its state: those of `remembered`.
+        Whether the eigenstrain depends on the tractions.
+    state_names : frozenset of str
+        Names of the stored state variables: the keys of `state_records`.
     is_beside : bool
-        Whether it answers another interior of its body.
+        Whether the eigenstrain depends on another interior of the same body.
     estimates_degree : bool
-        Whether `normal_displacement_by_less` tells something.
+        Whether `normal_displacement_by_less` returns an estimate.
     """
 
     body: int = 1
     responds: bool = True
-    remembers: frozenset[str] = frozenset()
+    state_names: frozenset[str] = frozenset()
     estimates_degree: bool = False
     is_beside: bool = False
 
@@ -61,22 +61,22 @@ class Interior(Part):
         """Build the operators."""
 
     @abstractmethod
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """Set the state of the last accepted increment from its record; an empty `last` is the rest state.
 
         Raises
         ------
         Outgrown
-            The state fills more cells than this interior has.
+            The state needs more cells than this interior has.
         """
 
-    def adopted(self) -> Remembered:
+    def adopted(self) -> Records:
         """Stored variables of an earlier run in the form of this interior, as its initial state."""
         return {}
 
     @property
     def unknown(self) -> FloatArray:
-        """Unknown of the coupled iteration; empty if one image is the exact response to the tractions."""
+        """Unknown of the coupled iteration; empty if one `image` is the exact response to the tractions."""
         return np.zeros(0)
 
     def answer_as_a_whole(self) -> bool:
@@ -91,27 +91,27 @@ class Interior(Part):
         """Surface displacement by the present state, by direction [m]; along the surface body 1 minus body 2."""
 
     def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
-        """New value of the unknown under these tractions, and the relative residual of the present one.
+        """New value of the unknown under these tractions, and the relative residual of the present value.
 
-        Without an unknown the interior answers here, to the tolerance, and what it displaces follows.
+        An interior without an unknown solves for its eigenstrain here, to the tolerance; `displacement` then uses it.
         """
         raise NotImplementedError
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """Variables of the present state to store, for the next increment and for other regions."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """Variables of the present state to store, for the next increment and for regions."""
         return {}
 
-    def flowed(self, before: Remembered, after: Remembered) -> bool:  # noqa: ARG002
+    def flowed(self, before: Records, after: Records) -> bool:  # noqa: ARG002
         """Whether an increment has changed the internal variables of the cells."""
         return False
 
-    def distance(self, state: Remembered, reference: Remembered) -> float:  # noqa: ARG002
-        """Difference of the strains of two states under the present load, relative to the strain by that load."""
+    def distance(self, state: Records, reference: Records) -> float:  # noqa: ARG002
+        """Difference of the strains of two states under the present load, relative to the strain by this load."""
         return 0.0
 
     @property
     def tries_elastic(self) -> bool:
-        """Whether most increments leave the unknown unchanged, so that the contact is first solved to the tolerance."""
+        """Whether most increments leave the unknown unchanged; the contact is then first solved to the tolerance."""
         return False
 
     def trouble(self) -> str:
@@ -124,18 +124,18 @@ class Interior(Part):
         Raises
         ------
         Outgrown
-            Outermost cells, which were to stay elastic, did not.
+            The law is not elastic in the outermost cells.
         """
 
     def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
-        """Normal surface displacement with one degree less, and with two.
+        """Normal surface displacement with a polynomial degree lower by one, and by two.
 
         Returns
         -------
         float
-            Factor from the change by the last degree to that by all higher ones; 0 where an interior tells nothing.
+            Factor from the change by the last degree to the change by all higher degrees; 0 without an estimate.
         sequence of (ny, nx)
-            Displacement into the body [m] less the present one.
+            Displacement into the body [m] minus the present one.
         """
         return 0.0, ()
 
@@ -154,7 +154,7 @@ def eigenstrain_name(body: int, *, beside: bool = False) -> str:
 
 
 def by_direction(body: int, directions: Sequence[str], rows: FloatArray) -> dict[str, FloatArray]:
-    """Displacement of one body ``(n, ny, nx)`` as its share in that of both, by direction."""
+    """Displacement of one body ``(n, ny, nx)`` as its contribution to that of both bodies, by direction."""
     return {name: side(body, name) * row for name, row in zip(directions, rows, strict=True)}
 
 

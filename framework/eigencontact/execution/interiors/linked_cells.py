@@ -17,10 +17,10 @@ from eigencontact.solvers.second_order import Faces, linked_faces
 
 __all__ = ["linked_cells"]
 
-#: A law has the constants of the matrix where its stress is this close to theirs, at this part of Young's modulus.
+#: Relative difference below which a law has the constants of the matrix, at a stress of this part of Young's modulus.
 _SAME = 1e-6
 _SMALL = 1e-9
-#: Cells of a law that are tested.
+#: Number of cells of a law that are tested.
 _TESTED = 64
 
 
@@ -30,9 +30,9 @@ def linked_cells(
     places: tuple[FloatArray, FloatArray, FloatArray],
     matrix: Material,
 ) -> Faces | None:
-    """Faces between whole cells of one law that begins with the constants of the matrix.
+    """Faces between whole cells of one law that has the constants of the matrix at the start.
 
-    All other cells keep means: with means alone a contact over cells of other constants is well posed.
+    All other cells keep means: a contact over cells of other constants is well posed only with means.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The content of the cells of inhomogeneities: laws, shares of cut cells, normals of boundaries, prestrain."""
+"""Content of the cells of inhomogeneities: laws, fractions of cut cells, normals of boundaries, prestrain."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ __all__ = ["LinearContent", "MaterialCells", "risen", "share_of"]
 
 IntArray = NDArray[np.int_]
 
-#: A share of a cell smaller than this is left out.
+#: Smaller fractions of a cell are neglected.
 _LEAST = 1e-3
-#: A law that is not linear fills cells of which it has this share at least, where no laminate stands for both.
+#: Smallest fraction for which a nonlinear law fills the whole cell, if a laminate cannot represent both laws.
 _HALF = 0.5
-#: A smaller share is merged with the rest of its cell: a sliver flows along its boundary at no cost.
+#: Smaller fractions are merged with the other material of the cell: a thin sliver would flow along the boundary without
+#: resistance.
 _SLIVER = 0.05
 
 
@@ -47,27 +48,27 @@ class LinearContent:
 
 
 class MaterialCells:
-    """Content of the cells of one box; where inhomogeneities overlap the later one wins.
+    """Content of the cells of one box; the later inhomogeneity counts in overlaps.
 
     Attributes
     ----------
     laws : list of ConstitutiveLaw
-        Each once.
+        Laws, each listed once.
     index, beside : (nz, ny, nx) of int
-        Number (from 1; 0 is the matrix) of the law, other than the matrix's, that fills most of a cell, and of that
-        beside it.
+        Number (from 1; 0 is the matrix) of the law with the largest fraction of a cell other than the matrix, and of
+        the second law of the cell.
     fraction : (nz, ny, nx)
-        Share of the first.
+        Fraction of the first law.
     normal : (3, nz, ny, nx)
-        Across the boundary in cut cells.
+        Normal of the boundary in cut cells.
     cut : (nz, ny, nx) of bool
-        Cells that a boundary cuts beside a law that is not linear, and of which `cuts` tells.
+        Cells cut by a boundary of a nonlinear law; `cuts` lists them.
 
     Parameters
     ----------
     box, sources, grid
     matrix : ConstitutiveLaw, optional
-        Law of the matrix beside laws that are not linear; without it such laws fill whole cells there.
+        Law of the matrix beside nonlinear laws; without it nonlinear laws fill whole cells at the boundary.
     """
 
     def __init__(
@@ -86,29 +87,29 @@ class MaterialCells:
                 rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
                 require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
-    def rise(self, lost: FloatArray) -> None:
+    def rise(self, worn_depth: FloatArray) -> None:
         """Move the content up by the worn depth ``(ny, nx)`` [m] of the surface since the start.
 
-        Everything linear rises by that depth, column by column, and what rises above the surface is gone. A law that
-        remembers stays where it is.
+        Linear materials rise by that depth, column by column; material above the surface disappears. History-dependent
+        laws stay in place.
         """
-        self._risen = self._cells_risen(lost)
+        self._risen = self._cells_risen(worn_depth)
         self._mix()
 
-    def _cells_risen(self, lost: FloatArray) -> dict[int, FloatArray]:
-        """Depth that each linear source rises by, in its columns [cells]."""
+    def _cells_risen(self, worn_depth: FloatArray) -> dict[int, FloatArray]:
+        """Rise of each linear source in its columns [cells]."""
         padded = np.zeros(self.shape[1:])
-        (_, row, column), (ny, nx) = self._box.lattice.first, lost.shape
+        (_, row, column), (ny, nx) = self._box.lattice.first, worn_depth.shape
         rows, columns = (np.arange(n) + first for n, first in zip(padded.shape, (row, column), strict=True))
         inside = np.ix_((rows >= 0) & (rows < ny), (columns >= 0) & (columns < nx))
-        padded[inside] = lost[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
+        padded[inside] = worn_depth[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
         padded /= self._box.lattice.edges[0]
         return {
             member: padded[place[1:]] for member, (place, _) in enumerate(self._new) if self._sources[member].law.linear
         }
 
     def _risen_to(self, member: int, values: FloatArray) -> tuple[Place, FloatArray]:
-        """Values in the cells of a source at their moved positions, and their new part of the box."""
+        """Values in the cells of a source at their moved positions, and the new part of the box."""
         place = self._new[member][0]
         by = self._risen.get(member)
         if by is None or not by.any():
@@ -118,7 +119,7 @@ class MaterialCells:
         return (slice(None), *place[1:]), risen(whole, by)
 
     def _mix(self) -> None:
-        """Main material of each cell, second material, and the boundary between them."""
+        """Find the main and second material of each cell, and the boundary between them."""
         left = np.ones(self.shape)
         shares = np.zeros((2, *self.shape))
         names = np.zeros((2, *self.shape), dtype=int)
@@ -137,7 +138,7 @@ class MaterialCells:
         self.cut = self._cut()
 
     def _cut(self) -> NDArray[np.bool_]:
-        """Cells of two materials of which at least one is not linear, without slivers."""
+        """Cells of two materials of which at least one is nonlinear, without slivers."""
         out = np.zeros(self.shape, dtype=bool)
         curved = np.array([False, *(not law.linear for law in self.laws)])
         if curved.any():
@@ -147,7 +148,7 @@ class MaterialCells:
         return out
 
     def cuts(self) -> Iterator[tuple[ConstitutiveLaw, ConstitutiveLaw, IntArray]]:
-        """First and second law of cut cells, and the flat indices of these cells; laws of composites each by itself."""
+        """First and second law of cut cells, and the flat indices of these cells; composite laws by local law."""
         places = self._box.centres(self._grid).flat_points()
         names = np.stack([self.index, self.beside]).reshape(2, -1)
         for first, second in np.unique(names[:, self.cut.ravel()], axis=1).T:
@@ -167,9 +168,9 @@ class MaterialCells:
         return law.laws_at(*places)
 
     def across(self, cells: IntArray) -> FloatArray:
-        """Unit normals ``(3, n)`` of the boundaries in cut cells of one pair of laws; their sign means nothing.
+        """Unit normals ``(3, n)`` of the boundaries in cut cells of one pair of laws, with arbitrary sign.
 
-        Where regions overlap the later one wins: their boundary is that of the later one.
+        In overlaps the boundary is that of the later region.
         """
         pair = {int(names.ravel()[cells[0]]) for names in (self.index, self.beside)}
         later = next(number for number in reversed(self._numbers) if number in pair)
@@ -184,7 +185,7 @@ class MaterialCells:
 
     @property
     def linear(self) -> LinearContent:
-        """Cells of linear laws, with cut cells; nonlinear laws fill whole cells, or are in `cuts`."""
+        """Cells of linear laws, cut cells included; nonlinear laws fill whole cells, or are in `cuts`."""
         linear = [law for law in self.laws if law.linear]
         numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
         nonlinear = self.cut | np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
@@ -192,8 +193,8 @@ class MaterialCells:
         return LinearContent(linear, index, numbers[self.beside], np.where(nonlinear, 1.0, self.fraction), self.normal)
 
     @property
-    def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
-        """Nonlinear laws, or their component laws, and the cells that they fill at least by half."""
+    def nonlinear(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+        """Nonlinear laws, or their local laws, and the cells that they fill at least by half."""
         places = self._box.centres(self._grid).flat_points()
         groups = []
         for number, law in enumerate(self.laws, 1):
@@ -203,10 +204,10 @@ class MaterialCells:
         return [(law, cells) for law, cells in groups if cells.any()]
 
     def rim(self, width: tuple[int, int, int] = (1, 1, 1)) -> NDArray[np.bool_]:
-        """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound.
+        """Outermost cells ``(nz, ny, nx)`` of the regions with estimated bounds; the surface does not count as a bound.
 
-        A rim of several cells along z, y, x is one of all neighbourhoods that reach beyond the bounds; one row of
-        cells without end along y has none there, 0.
+        A rim of several cells along z, y, x contains all neighbourhoods that extend beyond the bounds. A single row of
+        infinite cells along y has no rim in that direction (0).
         """
         out = np.zeros(self.shape, dtype=bool)
         for source in self._sources:
@@ -244,7 +245,7 @@ class MaterialCells:
         return np.stack([along_x, along_y, along_z]) * min(dx, dy, dz)
 
     def prestrain(self, time: float, number: int | None = None) -> FloatArray:
-        """Mean Mandel prestrain ``(6, nz, ny, nx)`` of each cell; with a number only the contribution of one law."""
+        """Mean Mandel prestrain ``(6, nz, ny, nx)`` of each cell; with `number` only the contribution of this law."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
         for member, (source, (place, share)) in enumerate(zip(self._sources, self._new, strict=True)):
@@ -255,7 +256,7 @@ class MaterialCells:
         return out
 
     def difference(self, cells: IntArray, time: float) -> FloatArray:
-        """Prestrain of the first material less that of the second ``(6, n)``, in cut cells of one pair of laws."""
+        """Prestrain of the first material minus that of the second ``(6, n)``, in cut cells of one pair of laws."""
         share, out = self.fraction.ravel()[cells], np.zeros((6, cells.size))
         for names, weight in ((self.index, share), (self.beside, share - 1.0)):
             out += self.prestrain(time, int(names.ravel()[cells[0]])).reshape(6, -1)[:, cells] / weight
@@ -268,12 +269,12 @@ def share_of(sources: Sequence[Inhomogeneity], member: int, grid: Grid) -> Float
     Raises
     ------
     SceneError
-        The cells do not find it.
+        The region is smaller than a cell, so that no cell contains a part of it.
     """
     source = sources[member]
     assert source.lattice is not None
     later = [other.shape for other in sources[member + 1 :] if bounds_meet(source, other)]
-    # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
+    # The law of a body fills all cells of its lattice, which may be larger than the first estimate of its region.
     region = _filled(source.lattice, grid) if source.guessed else source.shape
     fractions = fractions_in(source, _Without(region, later) if later else region, grid)
     if not later:
@@ -324,9 +325,9 @@ def _add(shares: FloatArray, names: IntArray, share: FloatArray, number: int) ->
 
 
 def risen(values: FloatArray, by: FloatArray) -> FloatArray:
-    """Means over the cells of columns ``(..., nz, ny, nx)`` that have risen by ``(ny, nx)`` cells.
+    """Means over the cells of columns ``(..., nz, ny, nx)`` after a rise by ``(ny, nx)`` cells.
 
-    Within a cell the value is taken as uniform; what rises above the first cell is lost, and zero follows the last.
+    Values are uniform within a cell. Material above the first cell is lost, and zero follows below the last cell.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Inhomogeneities of one body with a polynomial eigenstrain each: no cells, no quadrature of the contact's stress."""
+"""Inhomogeneities with a polynomial eigenstrain each, in one body: no cells, no integration of the contact's stress."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.checked_work import CheckedWork
-from eigencontact.execution.interiors.interior import Remembered, loads
+from eigencontact.execution.interiors.interior import Records, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.halfspace.cloud import likeness
@@ -36,20 +36,20 @@ if TYPE_CHECKING:
 
 __all__ = ["PolynomialWholes"]
 
-#: Seconds of one function in one cell of the surface on one thread, four points each.
+#: Seconds per function and surface cell on one thread, with four points in each cell.
 _TABLE = 4e-7
 
 
 class PolynomialWholes(Responding):
     """Polynomial eigenstrain of each inhomogeneity.
 
-    The mean displacement of every surface cell by each function of an inclusion gives the work of tractions on that
-    function too (Betti); see `eigencontact.solvers.whole_surface`.
+    One table has the mean displacement of every surface cell by each function of an inclusion. By Betti's theorem it
+    also gives the work of tractions on that function; see `eigencontact.solvers.whole_surface`.
 
     Raises
     ------
     SceneError
-        Inclusions that overlap, or an error that no degree reaches.
+        Inclusions overlap, or no degree reaches the allowed error.
     """
 
     numbers: Sequence[Number] = (
@@ -76,11 +76,11 @@ class PolynomialWholes(Responding):
                 "numerics.inclusion-resolution (got ground that both hold); set it to 'cells'"
             )
         self._degrees = [source.degree for source in self.sources if source.degree is not None]
-        # Below degree 0 there is nothing to compare with.
+        # There is no lower degree for a comparison with degree 0.
         self.estimates_degree = max(item.degree for item in self._degrees) > 0
         if not self.estimates_degree:
             self.numbers = Responding.numbers
-        self.why = self._reason()
+        self.reason = self._reason()
         self._declare()
 
     def _reason(self) -> str:
@@ -135,7 +135,7 @@ class PolynomialWholes(Responding):
         if self._subsurface.prescribed:
             self._work = CheckedWork(self._system, self._subsurface)
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
         if self._stored not in last:
@@ -208,7 +208,7 @@ class PolynomialWholes(Responding):
         return super().scalars() | errors
 
     def _lower(self) -> tuple[FloatArray, FloatArray]:
-        """Amplitudes with one degree less, and with two, under the present load."""
+        """Amplitudes of the solutions with a degree lower by one, and by two, under the present load."""
         if self._below is None:
             start, prestrain = self._amplitudes, self._prestrain
             first, second = (
@@ -218,7 +218,7 @@ class PolynomialWholes(Responding):
         return self._below
 
     def _error(self) -> float:
-        """Estimated error of the worst inclusion, relative to the largest eigenstrain."""
+        """Estimated error of the inclusion with the largest error, relative to the largest eigenstrain."""
         system = self._system
         largest = float(system.difference(self._amplitudes, np.zeros(system.size)).max())
         if largest == 0.0:
@@ -229,7 +229,7 @@ class PolynomialWholes(Responding):
 
     @property
     def _beyond(self) -> FloatArray:
-        """Predicted change by all higher degrees, relative to the change by the last degree, of each inclusion."""
+        """Predicted change by all higher degrees of each inclusion, relative to the change by the last degree."""
         return np.array([max(item.quality / (1.0 - item.quality), 0.1) for item in self._degrees])
 
     def normal_displacement_by_less(self) -> tuple[float, Sequence[FloatArray]]:
@@ -243,8 +243,8 @@ class PolynomialWholes(Responding):
         ]
         return max(float(self._beyond.max()), 1.0), changes
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
         name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities per density of their shapes, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
@@ -253,7 +253,7 @@ class PolynomialWholes(Responding):
 def _matrix_cost(degree: int, *, ball: bool) -> tuple[float, float]:
     """Memory [bytes] and time [s] of the matrix of one pair, or of one inclusion and its image, on one thread.
 
-    Fitted to voids half a radius below the surface, degrees 4 to 12 of a ball and 2 to 6 of an ellipsoid.
+    Fitted to voids at a depth of half a radius, degrees 4 to 12 for a ball and 2 to 6 for an ellipsoid.
     """
     weights = 24.0 * functions_up_to(degree) * densities_up_to(degree)
     if ball:

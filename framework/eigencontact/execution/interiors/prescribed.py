@@ -1,10 +1,10 @@
-"""Prescribed eigenstrain: displaces the surface whatever the tractions are."""
+"""Prescribed eigenstrain: its surface displacement does not depend on the tractions."""
 
 from __future__ import annotations
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.regions import surface_lattice
 
@@ -12,14 +12,14 @@ __all__ = ["PrescribedEigenstrain", "names_of"]
 
 
 class PrescribedEigenstrain(Interior):
-    """The regions of one body with prescribed eigenstrain.
+    """Regions of one body with prescribed eigenstrain.
 
     Parameters
     ----------
     subsurface : Subsurface
-        With prescribed eigenstrain.
+        Subsurface with prescribed eigenstrain.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
     """
 
     responds = False
@@ -28,7 +28,7 @@ class PrescribedEigenstrain(Interior):
         body, grid = subsurface.body, subsurface.half_space.grid
         self.body, self._directions = body, directions
         self.name = "residual-displacement" if body == 1 else f"residual-displacement-{body}"
-        self.why = "displacement of the surface by " + names_of([source.name for source in subsurface.prescribed])
+        self.reason = "displacement of the surface by " + names_of([source.name for source in subsurface.prescribed])
         rows = tuple("xyz".index(name) for name in directions)
         self._field = subsurface.prescribed_field("displacement", surface_lattice(grid), rows)
         self.cost, self.precisions = self._field.cost, self._field.precisions
@@ -36,7 +36,7 @@ class PrescribedEigenstrain(Interior):
         self.kernels = self._field.uses(f"displacement {', '.join(directions)}", points)
         self._time = 0.0
 
-    def begin(self, increment: Increment, last: Remembered) -> None:  # noqa: ARG002
+    def begin(self, increment: Increment, last: Records) -> None:  # noqa: ARG002
         """See `Interior.begin`."""
         self._time = increment.times[1]
 
@@ -47,6 +47,6 @@ class PrescribedEigenstrain(Interior):
 
 
 def names_of(names: list[str]) -> str:
-    """Names of regions for people, the first four of many."""
+    """Names of regions for messages, at most the first four."""
     shown = ", ".join(map(repr, names[:4]))
     return shown if len(names) <= 4 else f"{shown} and {len(names) - 4} more"

@@ -1,4 +1,4 @@
-"""Inhomogeneities of one body, whose equivalent eigenstrain follows from the tractions."""
+"""Inhomogeneities of one body with an equivalent eigenstrain that depends on the tractions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from eigencontact.core.bulk import bulk_of, in_plane_strain, plane_stress
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
+from eigencontact.execution.interiors.interior import Interior, Records, by_direction, eigenstrain_name
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import Route
 from eigencontact.execution.routes.subsurface import Subsurface
@@ -27,16 +27,16 @@ __all__ = ["Responding"]
 class Responding(Interior):
     """Equivalent eigenstrain of the inhomogeneities of one body.
 
-    Prescribed eigenstrain and bulk stress of the same body act on them by their stress. In an inhomogeneity prescribed
-    eigenstrain adds to the prestrain.
+    Prescribed eigenstrain and bulk stress of the same body load the inhomogeneities by their stress. Prescribed
+    eigenstrain inside an inhomogeneity adds to its prestrain.
 
     Parameters
     ----------
     subsurface : Subsurface
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement.
+        Directions of the surface displacement, out of ``"xyz"``.
     points : RegionLattice or None
-        Points at which the stress of prescribed eigenstrain acts; None where `start` chooses them.
+        Points for the stress of prescribed eigenstrain; None if `start` chooses them.
 
     Attributes
     ----------
@@ -63,9 +63,10 @@ class Responding(Interior):
         self._numerics, self._grid = self._half_space.numerics, self._half_space.grid
         self.sources, self._tractions = subsurface.inhomogeneities, subsurface.tractions
         self._stored = eigenstrain_name(body, beside=subsurface.beside)
-        self.remembers = frozenset({self._stored})
+        self.state_names = frozenset({self._stored})
         self._coords = subsurface.coords
-        # Along tractions the mean over each cell belongs to the mean stress by these; elsewhere the centre counts.
+        # Along traction directions the mean over each cell is reciprocal to the mean stress; other directions use the
+        # centre.
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
         self._centres = "".join(name for name in directions if name not in self._means)
         self._prescribed: PrescribedField | None = None
@@ -76,13 +77,13 @@ class Responding(Interior):
         if self._centres:
             rows = tuple("xyz".index(name) for name in self._centres)
             self._surface = subsurface.route("displacement", surface_lattice(self._grid), rows)
-        self._time, self._spent, self._residual = 0.0, 0.0, 0.0
+        self._time, self._operator_calls, self._residual = 0.0, 0.0, 0.0
         self._lifted: tuple[FloatArray, FloatArray] | None = None
         self._progress: Progress | None = None
 
     @abstractmethod
     def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
-        """Mean displacement of this body's surface cells along all tractions, ``(n, ny, nx)`` [m]."""
+        """Mean displacement of the surface cells of this body along all tractions, ``(n, ny, nx)`` [m]."""
 
     @abstractmethod
     def applied(self, tractions: Fields) -> FloatArray:
@@ -96,14 +97,14 @@ class Responding(Interior):
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
         """Solve for the eigenstrain; the result has ``eigenstrain`` and ``report``."""
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         self._time, self._progress = increment.times[1], increment.progress
         self._prestrain = self.prestrain(self._time)
         self._bulk = self._bulk_stress(increment.bulk[1])
         record = last.get(self._stored)
         self.eigenstrain = self._prestrain if record is None else self.fitted(record)
-        self._spent, self._residual = 0.0, 0.0
+        self._operator_calls, self._residual = 0.0, 0.0
 
     def _bulk_stress(self, values: Mapping[str, float]) -> FloatArray | None:
         """Mandel bulk stress ``(6,)`` [Pa]; None without bulk stress."""
@@ -120,7 +121,7 @@ class Responding(Interior):
         """See `Interior.image`."""
         solution = self.solve(self.applied(tractions), self._prestrain, tolerance)
         self.eigenstrain, self._residual = solution.eigenstrain, solution.report.residual
-        self._spent += solution.report.iterations
+        self._operator_calls += solution.report.iterations
         return self.unknown, self._residual
 
     def displacement(self, directions: str) -> dict[str, FloatArray]:
@@ -140,8 +141,8 @@ class Responding(Interior):
         """Callback for the residual of each iteration."""
         return self._progress
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
         name = self._stored
         meaning = "eigenstrain equivalent to the inhomogeneities, prestrain included, Mandel components"
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
@@ -152,4 +153,4 @@ class Responding(Interior):
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""
-        return {"inclusion_iterations": self._spent, "inclusion_residual": self._residual}
+        return {"inclusion_iterations": self._operator_calls, "inclusion_residual": self._residual}

@@ -1,14 +1,14 @@
-"""Cells of one body that are updated within the coupled iteration: nonlinear laws, and linear laws if that is cheaper.
+"""Cells that are updated within the coupled iteration: nonlinear laws, and linear laws if this is cheaper.
 
-Found on a ball under a contact, one of a third of the contact radius, tolerance 1e-6, without and with friction
-(applications of the volume operator by rounds of Krylov solves, by sweeps):
+Applications of the volume operator by rounds of Krylov solves and by sweeps, without and with friction, for a ball of a
+third of the contact radius below a contact, tolerance 1e-6:
 
 | ratio of stiffness | 0 | .05 | .2 | .5 | 2 | 5 | 20 | 1e4 |
 |---|---|---|---|---|---|---|---|---|
 | solves | 92, 166 | 74, 119 | 46, 85 | 29, 49 | 26, 50 | 47, 83 | 70, 113 | 90, 150 |
 | sweeps | 48, 92 | 24, 48 | 13, 27 | 7, 15 | 8, 14 | 13, 26 | 28, 58 | 54, 95 |
 
-Voids beside stiff inclusions, or in clusters, take hundreds of sweeps: beyond a ratio of 20 solves are safe.
+Voids beside stiff inclusions or in clusters take hundreds of sweeps. Beyond a ratio of 20 only solves are reliable.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.cut_cells import CutCells
 from eigencontact.execution.interiors.initial import moved_state
-from eigencontact.execution.interiors.interior import Outgrown, Remembered
+from eigencontact.execution.interiors.interior import Outgrown, Records
 from eigencontact.execution.interiors.linked_cells import linked_cells
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.growth import enlarged, lattice_of
@@ -45,11 +45,11 @@ if TYPE_CHECKING:
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
 
-#: Ratios of stiffness between which sweeps take a third to a half of the applications that solves take.
+#: Range of stiffness ratios in which sweeps take a third to a half of the applications of Krylov solves.
 _MODERATE = (0.05, 20.0)
-#: Sweeps of a step, typically.
+#: Typical number of sweeps per step.
 _SWEEPS = 15
-#: Points at which constants that depend on the place are looked at.
+#: Number of sample points for constants that depend on position.
 _LOOKS = 512
 
 
@@ -59,7 +59,7 @@ class SweptCells(Cells):
     Attributes
     ----------
     levels : Levels or None
-        These cells and finer ones in a part of the box.
+        Levels of these cells and of finer cells in a part of the box.
     """
 
     numbers = (
@@ -74,12 +74,12 @@ class SweptCells(Cells):
         super().__init__(subsurface, directions)
         self.levels: Levels | None = None
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
-        self.remembers |= {self._name(name) for source in self.sources for name in source.law.variables}
+        self.state_names |= {self._name(name) for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
-        self.why += ", swept with the contact" if self._kernels else ", swept"
+        self.reason += ", swept with the contact" if self._kernels else ", swept"
 
     def _name(self, variable: str) -> str:
-        """Name of the stored variable of a law."""
+        """Name of a stored variable of a law."""
         return f"{variable}_{self.body}"
 
     @property
@@ -92,7 +92,7 @@ class SweptCells(Cells):
         from eigencontact.solvers.law_cells import LawCells
 
         super()._fill()
-        whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
+        whole = [(law, np.flatnonzero(filled)) for law, filled in self._content.nonlinear]
         self._cut = CutCells.all_of(self._content, self._half_space.material)
         self._laws = [*whole, *((cut.law, cut.cells) for cut in self._cut)]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
@@ -113,7 +113,7 @@ class SweptCells(Cells):
             return means
         return centre_values(means, self._faces, self._numerics.threads or available_threads())
 
-    def begin(self, increment: Increment, last: Remembered) -> None:
+    def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
         self._sweeping, self._start = True, self.eigenstrain
@@ -130,7 +130,7 @@ class SweptCells(Cells):
         start, end = increment.times
         return LawStep(x=x, y=y, z=z, time=end, duration=end - start)
 
-    def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Remembered) -> dict[str, FloatArray]:
+    def _variables(self, law: ConstitutiveLaw, cells: NDArray[np.intp], last: Records) -> dict[str, FloatArray]:
         """Variables of the cells of a law in stored records; zero in the rest state."""
         variables = {}
         for name, variable in law.variables.items():
@@ -139,7 +139,7 @@ class SweptCells(Cells):
             variables[name] = whole if record is None else whole[:, cells]
         return variables
 
-    def adopted(self) -> Remembered:
+    def adopted(self) -> Records:
         """See `Interior.adopted`."""
         state = self._subsurface.initial
         return {} if state is None else moved_state(state, self._laws, self._coords, self._box.lattice.edges)
@@ -169,14 +169,14 @@ class SweptCells(Cells):
             return super().image(tractions, tolerance)
         before, self._load = self._applied, self.applied(tractions)
         sweep = self._sweeps.sweep(
-            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
+            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._joint_stress()
         )
-        self._after, self._residual, self._size = sweep.remembered, sweep.residual, sweep.size
-        self._spent += self._applied - before
+        self._after, self._residual, self._size = sweep.variables, sweep.residual, sweep.size
+        self._operator_calls += self._applied - before
         self._change = sweep.image - self.eigenstrain
         if not self._about.size:
             return sweep.image, sweep.residual
-        means = self._averages.of(sweep.remembered)
+        means = self._averages.of(sweep.variables)
         size = float(np.linalg.norm(means))
         change = float(np.linalg.norm(means - self._about)) / size if size > 0.0 else 0.0
         self._residual = max(sweep.residual, change)
@@ -184,10 +184,10 @@ class SweptCells(Cells):
 
     @property
     def _applied(self) -> int:
-        """Number of operator applications so far; the first level counts those of both."""
+        """Number of operator applications so far; for two levels, those of both."""
         return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
 
-    def _caused(self) -> FloatArray | None:
+    def _joint_stress(self) -> FloatArray | None:
         """Stress in these cells by the eigenstrain of both levels; None with a single level."""
         return None if self.levels is None else self.levels.stress_in(self)
 
@@ -195,12 +195,13 @@ class SweptCells(Cells):
         """See `Interior.scalars`; with the certificate of nonlinear laws."""
         scalars = super().scalars()
         if self._sweeping and self._laws:
+            stress = self._joint_stress()
             scalars["law_residual"] = self._sweeps.misfit(
-                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._caused()
+                self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, stress
             )
         return scalars
 
-    def flowed(self, before: Remembered, after: Remembered) -> bool:
+    def flowed(self, before: Records, after: Records) -> bool:
         """See `Interior.flowed`."""
         names = {
             self._name(n) for law, _ in self._laws for n, variable in law.variables.items() if not variable.elastic
@@ -210,8 +211,8 @@ class SweptCells(Cells):
             for name in names & after.keys()
         )
 
-    def distance(self, state: Remembered, reference: Remembered) -> float:
-        """See `Interior.distance`; relative to the reference strain if it is larger than the strain of the load."""
+    def distance(self, state: Records, reference: Records) -> float:
+        """See `Interior.distance`; relative to the reference strain if it exceeds the strain by the load."""
         first, second = (records[self._stored].values for records in (state, reference))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
@@ -245,11 +246,11 @@ class SweptCells(Cells):
             raise self._outgrown(enlarged(self._box.lattice, cells, self._width))
 
     def _outgrown(self, lattice: Lattice) -> Outgrown:
-        """Event of a box that must grow to fill a lattice as well."""
+        """Exception for a box that must also contain the cells of a lattice."""
         return Outgrown(self, type(self)(self._subsurface.grown(lattice), self._directions))
 
     def fitted(self, record: HistoryRecord) -> FloatArray:
-        """See `Responding.fitted`: cells outside the stored ones are in the rest state."""
+        """See `Responding.fitted`; cells outside the stored ones are in the rest state."""
         lattice = self._box.lattice
         if record.values.shape[1:] == lattice.shape or not record.coords:
             return record.values
@@ -263,7 +264,7 @@ class SweptCells(Cells):
         return values
 
     def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float, FloatArray | float]]:
-        """See `Interior.states`; a cell counts with its whole volume, a part of a cut cell with its fraction."""
+        """See `Interior.states`; a whole cell counts with its volume, a material of a cut cell with its fraction."""
         volume = float(np.prod(self._box.cells(self._grid).pitch))
         whole = len(self._laws) - len(self._cut)
         for (law, _), variables in zip(self._laws[:whole], self._after[:whole], strict=True):
@@ -272,9 +273,9 @@ class SweptCells(Cells):
             for law, share, law_variables in cut.parts(variables):
                 yield law, law_variables, volume, share
 
-    def remembered(self) -> dict[str, HistoryRecord]:
-        """See `Interior.remembered`."""
-        records = super().remembered()
+    def state_records(self) -> dict[str, HistoryRecord]:
+        """See `Interior.state_records`."""
+        records = super().state_records()
         for (law, cells), variables in zip(self._laws, self._after, strict=True):
             for name, variable in law.variables.items():
                 key, shape = self._name(name), (variable.components, *self._content.shape)
@@ -287,8 +288,8 @@ class SweptCells(Cells):
 def should_sweep(subsurface: Subsurface) -> bool:
     """Whether sweeps solve the inhomogeneities of a body.
 
-    Nonlinear laws need them. Linear laws take fewer applications of the operator by sweeps where they lie under a
-    contact and the ratios of stiffness are moderate.
+    Nonlinear laws need sweeps. Linear laws take fewer applications of the operator with sweeps if they are below a
+    contact and the stiffness ratios are moderate.
     """
     sources = subsurface.inhomogeneities
     laws = [law for n, law in enumerate(s.law for s in sources) if law not in [s.law for s in sources[:n]]]
@@ -300,12 +301,12 @@ def should_sweep(subsurface: Subsurface) -> bool:
 
 
 def stiffness_ratios(matrix: Material, law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> tuple[float, float]:
-    """Least and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
+    """Smallest and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
     return shear_ratios(_somewhere(law, sources), matrix.shear_modulus)  # type: ignore[arg-type]
 
 
 def _somewhere(law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> ConstitutiveLaw:
-    """Uniform law, or the law at some points in the bounds of its regions."""
+    """The law if uniform, otherwise the law at sample points in the bounds of its regions."""
     if not law.varies:
         return law
     bounds = np.array([source.shape.bounds for source in sources if source.law == law])

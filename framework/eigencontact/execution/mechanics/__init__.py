@@ -1,1 +1,1 @@
-"""The contact of two bodies over their interiors, and the fields that a contact has besides pressure and shear."""
+"""Contact of two bodies over their interiors, and fields of a contact other than pressure and shear."""

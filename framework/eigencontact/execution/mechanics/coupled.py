@@ -1,14 +1,19 @@
 """Coupled solution of a contact and the interiors below it, by fixed-point iteration with acceleration.
 
-Let S be the compliance of the bodies without inhomogeneities and R what those add. A round solves the contact on bodies
-of the compliance (1 + θ) S under an offset o of the surface, then the interiors under its tractions t, and gives the
-offset R t - θ S t that would have been right. The share θ is the middle of the values of R relative to S that
-changes from round to round have shown: errors then shrink by a fixed factor whatever cells are in contact, for stiff
-(-1 < R / S < 0) and for soft inhomogeneities (R / S > 0, up to any size). Between changes of the contact Anderson's
-combination of the last rounds speeds it up. Tolerances of the solves in a round follow the smallest error so far; what
-is accepted is solved to the tolerance of the scene.
+Let S be the compliance of the bodies without inhomogeneities and R the additional compliance of the inhomogeneities. A
+round has three steps:
 
-An interior that is swept is iterated on with the offset: its eigenstrain is part of what goes in and comes out.
+1. It solves the contact on bodies of compliance (1 + θ) S, with an offset o of the surface.
+2. It solves the interiors under the tractions t of this contact.
+3. It computes the offset R t - θ S t, for which the contact would have been correct.
+
+The factor θ is the middle of the estimated range of R relative to S; the changes between rounds give the estimates.
+Errors then shrink by a fixed factor for any set of cells in contact, for stiff (-1 < R / S < 0) and for soft
+inhomogeneities (R / S > 0, any size). While the set of cells in contact does not change, Anderson acceleration combines
+the last rounds. The tolerance of the solves in a round follows the smallest error so far; the accepted solution meets
+the tolerance of the scene.
+
+The eigenstrain of a swept interior is an unknown of the iteration together with the offset.
 """
 
 from __future__ import annotations
@@ -33,52 +38,54 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
 
-__all__ = ["Coupled", "Solved"]
+__all__ = ["Coupled", "Solution"]
 
 
-#: Rounds of one attempt, and where every interior is swept: what softens under friction takes a hundred.
+#: Largest number of rounds, and the same if every interior is swept: softening under friction takes a hundred rounds.
 _ROUNDS, _ROUNDS_SWEPT = 60, 150
-#: Tolerance of the first round, and of later ones as part of the last change.
+#: Tolerance of the first round, and tolerance of later rounds relative to the last change.
 _LOOSEST, _SHARE = 1e-3, 0.01
-#: The same where every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
+#: The same if every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
 _LOOSEST_SWEPT, _SHARE_SWEPT = 1e-2, 0.03
 _TIGHTEST = 1e-13
-#: Times that wholes and cells of one body answer each other without tractions: a pass leaves less than a third.
+#: Largest number of passes between wholes and cells of one body without tractions: the residual falls by more than a
+#: factor of 3 per pass.
 _PASSES = 12
-#: Residual that may be left then, in tolerances.
+#: Allowed residual after these passes, in tolerances.
 _AGREED = 10.0
-#: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
+#: Rounds in the Anderson combination; bound of the additional compliance of the inhomogeneities, relative to the
+#: bodies.
 _DEPTH, _EXTREME = 8, 64.0
-#: Part of an error that a round may leave.
+#: Largest allowed ratio of the error after a round to the error before it.
 _SHRINKS = 0.9
-#: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
+#: Displacements along the surface are relative to their own size, but to no less than this part of the normal one.
 _ALONG = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Solved:
-    """A solved increment.
+class Solution:
+    """Solution of an increment.
 
     Attributes
     ----------
     contact : ContactAnswer or None
-        None where the scene has no contact.
+        Solution of the contact; None if the scene has no contact.
     displacement : mapping of str to (ny, nx)
-        Of the surfaces by the interiors, by direction [m]; all that were asked for.
-    remembered : mapping of str to HistoryRecord
-        What the interiors remember.
+        Surface displacement by the interiors, in all requested directions [m].
+    records : mapping of str to HistoryRecord
+        State variables of the interiors.
     scalars : mapping of str to float
         Numbers of the iteration.
     """
 
     contact: ContactAnswer | None
     displacement: dict[str, FloatArray]
-    remembered: dict[str, HistoryRecord]
+    records: dict[str, HistoryRecord]
     scalars: dict[str, float] = field(default_factory=dict)
 
 
 class Coupled:
-    """Contact, if there is one, coupled with interiors.
+    """Contact (optional) coupled with interiors.
 
     Parameters
     ----------
@@ -87,9 +94,9 @@ class Coupled:
     numerics : Numerics
         Tolerance and precision.
     directions : str
-        Along which the displacement of the surfaces is wanted.
+        Directions in which the surface displacement is requested.
     shape : (int, int)
-        Of surface fields.
+        Shape of surface fields.
     """
 
     def __init__(
@@ -102,45 +109,45 @@ class Coupled:
     ) -> None:
         self._contact, self._interiors, self._directions, self._shape = contact, interiors, directions, shape
         self._tolerance = numerics.tolerance
-        # Single precision has nothing to spare below the tolerance of a scene.
+        # Round-off of single precision exceeds the margin below the tolerance of a scene.
         share = 1.0 if numerics.precision == "single" else INNER
         self._least = max(share * numerics.tolerance, _TIGHTEST)
         self._responding = [interior for interior in interiors if interior.responds]
 
-    def at_rest(self, increment: Increment) -> Solved:
-        """Interiors without load, at the start of the first step; None if this has no effect."""
+    def at_rest(self, increment: Increment) -> Solution:
+        """Interiors without load, at the start of the first step; None if they have no effect."""
         adopted = {name: record for interior in self._interiors for name, record in interior.adopted().items()}
         if not self._responding and (self._contact is None or self._contact.directions == "z"):
-            return Solved(contact=None, displacement={}, remembered=adopted)
+            return Solution(contact=None, displacement={}, records=adopted)
         for interior in self._interiors:
             interior.begin(increment.at_start(), adopted)
         return self._solve_interiors()
 
-    def solve(self, increment: Increment, memory: Any, before: Solved) -> Solved:
+    def solve(self, increment: Increment, memory: Any, before: Solution) -> Solution:
         """Solve one increment.
 
         Parameters
         ----------
         increment : Increment
-            What is prescribed.
+            Prescribed values.
         memory : object
-            Of the contact.
+            State of the contact.
         before : Solved
-            The state at the start: what the interiors remember, and what they displace.
+            State at the start: stored variables of the interiors, and their surface displacement.
 
         Raises
         ------
         NotConverged
-            The increment is too large, or has no answer.
+            The increment is too large, or has no solution.
         """
         for interior in self._interiors:
-            interior.begin(increment, before.remembered)
+            interior.begin(increment, before.records)
         if self._contact is None:
             return self._solve_interiors()
         if not self._responding:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
-            return self._solved(answer, dict(answer.spent))
+            return self._solution(answer, dict(answer.counts))
         try:
             return self._iterated(self._contact, increment, memory)
         except NotConverged:
@@ -148,11 +155,11 @@ class Coupled:
             if len(stubborn) == len(self._responding):
                 raise
         for interior in stubborn:
-            interior.begin(increment, before.remembered)
+            interior.begin(increment, before.records)
         return self._iterated(self._contact, increment, memory)
 
-    def _solve_interiors(self) -> Solved:
-        """Solve the interiors without tractions; the bodies do not interact then, wholes and cells of one body do."""
+    def _solve_interiors(self) -> Solution:
+        """Solve the interiors without tractions; only wholes and cells of one body interact then."""
         passes = _PASSES if any(interior.is_beside for interior in self._responding) else 1
         for interior in self._responding * passes:
             mixer = Anderson(_DEPTH)
@@ -173,15 +180,15 @@ class Coupled:
                     f"interiors of one body: residual {left:.1e} after {passes} passes without a contact (tolerance "
                     f"{_AGREED * self._tolerance:.1e}); use a larger tolerance, or one kind of cells"
                 )
-        return self._solved(None, {})
+        return self._solution(None, {})
 
-    def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
+    def _solution(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solution:
         for interior in self._interiors:
             interior.check()
             accumulate(by_name(interior.numbers), scalars, interior.scalars())
-        remembered = {name: item for interior in self._interiors for name, item in interior.remembered().items()}
-        return Solved(
-            contact=answer, displacement=self._displaced(self._directions), remembered=remembered, scalars=scalars
+        records = {name: item for interior in self._interiors for name, item in interior.state_records().items()}
+        return Solution(
+            contact=answer, displacement=self._displaced(self._directions), records=records, scalars=scalars
         )  # fmt: skip
 
     def _displaced(self, directions: str) -> dict[str, FloatArray]:
@@ -193,16 +200,16 @@ class Coupled:
             else {}
         )
 
-    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solution:
         """Iterate contact and interiors until the residual meets the tolerance."""
-        names, mixer, history, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
+        names, mixer, history, counts = contact.directions, _Mixer(), _ComplianceRatio(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
         loosest, tolerance_ratio = (_LOOSEST, _SHARE) if answering else (_LOOSEST_SWEPT, _SHARE_SWEPT)
         if swept and all(interior.tries_elastic for interior in swept):
             loosest = self._least
-        # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
+        # Unknowns: the displacement by all interiors with a direct response, and the unknowns of the swept interiors.
         offset = self._stacked(whole, names)
         share, best, last, loaded = 0.0, np.inf, np.inf, None
         answer: ContactAnswer | None = None
@@ -211,37 +218,37 @@ class Coupled:
             inner = float(np.clip(tolerance_ratio * best, self._least, loosest))
             fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
-            spent.update(answer.spent)
+            counts.update(answer.counts)
             images = [interior.image(answer.tractions, inner) for interior in (*whole, *swept) if interior.responds]
             images = images[len(images) - len(swept) :]
-            now = _Round(
+            current = _Round(
                 traction=np.stack([answer.tractions[ALONG[name].field] for name in names]),
                 elastic=np.stack([answer.displacement[name] for name in names]),
                 residual=self._stacked(whole, names),
             )
-            image, scales = now.residual - share * now.elastic, now.scales(names.index("z"))
+            image, scales = current.residual - share * current.elastic, current.scales(names.index("z"))
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
-                scalars = dict(spent) | {"coupling_iterations": float(number), "coupling_residual": residual}
-                return self._solved(answer, scalars)
+                scalars = dict(counts) | {"coupling_iterations": float(number), "coupling_residual": residual}
+                return self._solution(answer, scalars)
             if not np.isfinite(residual):
                 break
             loosest = _LOOSEST if answering else _LOOSEST_SWEPT
             if residual <= self._tolerance and not answering:
-                continue  # what was swept stays: only the contact has to be solved to the tolerance
-            # Bodies can be softened where every displacement by the tractions can be offset.
-            softness = history.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
+                continue  # swept interiors keep their values: only the contact must be solved to the tolerance
+            # Softening of the bodies requires an offset for every displacement by the tractions.
+            softness = history.share(current) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
             moved = loaded is None or not np.array_equal(pressed, loaded)
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(tractions for tractions, _ in images)]
             if answering and (softness != share or moved or residual > last):
                 mixer, share = _Mixer(), softness
-                mixed = [now.residual - share * now.elastic, *answers[1:]]
+                mixed = [current.residual - share * current.elastic, *answers[1:]]
             else:
                 sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
                 mixed = mixer.next(guess, answers, sizes)
@@ -264,7 +271,7 @@ class Coupled:
 
 
 def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> list[FloatArray]:
-    """Largest unknown of each interior and of all others in its body, if their yield onsets may differ."""
+    """Largest unknown of each interior and of all others in its body, if their onsets of yielding may differ."""
     largest = [
         (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
@@ -272,18 +279,19 @@ def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> l
 
 
 class _Mixer:
-    """Anderson's combination of several arrays as one vector, each in its unit and weighed by its number of entries.
+    """Anderson combination of several arrays as one vector.
 
-    The units are those of the first round in which an array is not zero. They stay, as what is remembered is in them:
-    with units that follow the arrays the combination stalls. Entries that were always zero, as those of cells that do
-    not flow, are not remembered.
+    Each array has a unit of its own and a weight by its number of entries. The unit of an array is its size in the
+    first round in which it is not zero. Units stay fixed, because the stored vectors are in these units; with variable
+    units the combination stalls. Entries that were always zero, for example of cells without plastic flow, are not
+    stored.
     """
 
     def __init__(self) -> None:
         self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
-        #: Entries that moved, in the order of their first move: number of the array, and flat indices in it.
+        #: Entries that have been nonzero, in order of their first change: number of the array, and flat indices in it.
         self._moving: list[tuple[int, NDArray[np.intp]]] = []
-        self._known: list[NDArray[np.bool_]] = []
+        self._nonzero: list[NDArray[np.bool_]] = []
 
     def next(
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
@@ -316,13 +324,13 @@ class _Mixer:
 
     def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
         """Append the newly nonzero entries to the stored ones."""
-        if not self._known:
-            self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
+        if not self._nonzero:
+            self._nonzero = [np.zeros(array.shape, dtype=bool) for array in guess]
         for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
             fresh = before != 0.0
             fresh |= after != 0.0
-            fresh &= ~self._known[number]
-            self._known[number] |= fresh
+            fresh &= ~self._nonzero[number]
+            self._nonzero[number] |= fresh
             self._moving.append((number, np.flatnonzero(fresh)))
 
 
@@ -341,27 +349,28 @@ class _Round:
         return np.asarray(np.maximum(sizes, max(_ALONG * float(sizes[normal]), np.finfo(float).tiny)))
 
 
-class _Seen:
+class _ComplianceRatio:
     """Compliance of the interiors relative to the bodies, estimated from changes between iterations."""
 
     def __init__(self) -> None:
         self._last: _Round | None = None
         self._ratios: list[float] = []
 
-    def share(self, now: _Round) -> float:
+    def share(self, current: _Round) -> float:
         """Fraction of the bodies' compliance to add in the contact: middle of the estimated range, in few steps."""
-        before, self._last = self._last, now
+        before, self._last = self._last, current
         if before is not None:
-            change = now.traction - before.traction
-            work = float(np.sum(change * (now.elastic - before.elastic)))
-            added = float(np.sum(change * (now.residual - before.residual)))
+            change = current.traction - before.traction
+            work = float(np.sum(change * (current.elastic - before.elastic)))
+            added = float(np.sum(change * (current.residual - before.residual)))
             if work > 0.0 and abs(added) < _EXTREME * work:
                 self._ratios.append(added / work)
         if not self._ratios:
             return 0.0
         middle = max(1.0 + 0.5 * (min(self._ratios) + max(self._ratios)), 1.0 / _EXTREME)
         softer = float(2.0 ** (0.5 * round(2.0 * np.log2(middle))))
-        # A round leaves |R - θ S| / (1 + θ) S of an error. Rounded down, θ may miss that the largest ratio shrinks.
+        # A round leaves |R - θ S| / (1 + θ) S of an error. A θ that is rounded down may not reduce errors of the
+        # largest ratio.
         if 1.0 + max(self._ratios) > (1.0 + _SHRINKS) * softer:
             softer *= 2.0**0.5
         return softer - 1.0

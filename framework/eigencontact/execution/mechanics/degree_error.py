@@ -1,4 +1,4 @@
-"""Error of the contact pressure by the degree of whole inhomogeneities, estimated from two degrees less."""
+"""Error of the contact pressure by the polynomial degree of whole inhomogeneities, estimated from two lower degrees."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ PRESSURE_ERROR = Number(
     meaning="estimated error of the contact pressure by the degree of whole inhomogeneities",
 )  # fmt: skip
 
-#: Cells from the edge of the contact in which its error is not asked for: a moved edge would hide it.
+#: Cells next to the edge of the contact that the estimate leaves out: a moved edge would dominate it.
 _EDGE = 2
 
 
-def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, sunk: FloatArray) -> float:
-    """Estimated error [Pa] of the pressure of a solved step; `sunk` is the normal displacement by the interiors [m].
+def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, displacement_z: FloatArray) -> float:
+    """Estimated error [Pa] of the pressure of a solved step; `displacement_z` is that by the interiors [m].
 
-    With one degree less, and with two, the surface of an interior moves and the pressure follows; what that does to the
-    interior in turn is left out. The largest change, or half of the one before if that is larger, stands for all higher
-    degrees.
+    A degree lower by one, and by two, changes the surface displacement by an interior, and therefore the pressure. The
+    estimate neglects the effect of this pressure on the interior. It is the largest change by the last degree, or half
+    of the change by the degree before if that is larger; it represents all higher degrees.
     """
     from scipy.ndimage import binary_erosion
 
@@ -37,7 +37,7 @@ def pressure_error(contact: Contact, interiors: Sequence[Interior], step: Step, 
     assert step.control is not None
     pressure = step.fields["pressure"]
     loaded = binary_erosion(pressure > 0.0, iterations=_EDGE)
-    moved, total = step.surface.separation + sunk, 0.0
+    moved, total = step.surface.separation + displacement_z, 0.0
     for interior in interiors:
         factor, changes = interior.normal_displacement_by_less()
         pressures = [pressure]

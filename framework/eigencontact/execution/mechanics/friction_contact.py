@@ -64,15 +64,15 @@ __all__ = ["ContactWithFriction", "friction_cost", "friction_fields"]
 
 #: Values of the stored field ``contact_zone``.
 _SLIP, _STICK = 1.0, 2.0
-#: Applications of the tangential kernels that one solve takes, and rounds of normal and tangential solves, typically.
-#: The bundled scenes take 18 to 25 applications an increment where the pressure does not feel the shear, else 10 to 28
-#: a round and 3 to 5 rounds.
+#: Typical applications of the tangential kernels per solve, and typical rounds of normal and tangential solves. The
+#: bundled scenes take 18 to 25 applications per increment if the pressure does not depend on the shear, otherwise 10 to
+#: 28 per round and 3 to 5 rounds.
 _APPLICATIONS, _ROUNDS = 20, 4
-#: What a step prescribes that can change the pressure where the shear does not.
+#: Prescribed values that can change the pressure if it does not depend on the shear.
 _NORMAL = (*(name for pair in NORMAL_MODES for name in pair), *TRAVEL)
 
 
-#: Scalars that friction adds to those of every contact.
+#: Scalars of a contact with friction, in addition to those of every contact.
 FRICTION_NUMBERS = (
     Number(name="tangential_load_x", unit="N", meaning="tangential load along x, on body 1"),
     Number(name="tangential_load_y", unit="N", meaning="tangential load along y, on body 1"),
@@ -118,12 +118,12 @@ def friction_fields(components: str) -> frozenset[str]:
 
 
 class ContactWithFriction(Contact):
-    """Pressure, shear, stick and slip. A step needs nothing of the last one but its stored record.
+    """Pressure, shear, stick and slip. A step needs only the stored record of the last step.
 
     Parameters
     ----------
     interface : Interface
-        With a friction law.
+        Interface with a friction law.
     window : Window
     numerics : Numerics
     exposed : Exposed or None
@@ -131,10 +131,10 @@ class ContactWithFriction(Contact):
     ramps : sequence of Step
         Load history, for the predicted time.
     coupled : bool
-        Whether inhomogeneities are iterated on with the contact.
+        Whether inhomogeneities are iterated together with the contact.
     """
 
-    name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
+    name, reason = "frictional-contact", "pressure and shear with friction, stick and slip"
     numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
     accumulated = frozenset({"slip_distance", "dissipated_energy_density"})
 
@@ -179,7 +179,7 @@ class ContactWithFriction(Contact):
         self._material: NDArray[np.intp] | None = None
 
     def _bound(self, pressure: FloatArray, before: Sliding) -> FloatArray:
-        """Bound of the law for scaled tractions."""
+        """Shear bound of the law for scaled tractions."""
         y, x = self._grid.axes()
         state = FrictionState(
             pressure=pressure / self._scale if self._scale != 1.0 else pressure,
@@ -210,7 +210,7 @@ class ContactWithFriction(Contact):
             dissipated=last.fields["dissipated_energy_density"],
         )
 
-    def _way(self, slide: Slide | None) -> FloatArray | None:
+    def _sliding_path(self, slide: Slide | None) -> FloatArray | None:
         """Sliding path of body 2 on body 1 for sliding of the whole contact, along the shear directions [m]."""
         if slide is None:
             return None
@@ -255,7 +255,7 @@ class ContactWithFriction(Contact):
             offset=self._moved(offset, increment.bulk[1]),
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
-            slide=self._way(surface.slide),
+            slide=self._sliding_path(surface.slide),
             moved=surface.moved,
             progress=increment.progress,
         )
@@ -273,7 +273,7 @@ class ContactWithFriction(Contact):
             },
             memory=solution.sliding,
             solution=solution,
-            spent={
+            counts={
                 "iterations": normal_work(solution.normal)["iterations"],
                 "convolutions": float(solution.normal_convolutions),
                 "tangential_convolutions": float(solution.tangential_convolutions),
@@ -384,7 +384,7 @@ def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
 
 
 def _pressed(ramps: Sequence[Step]) -> float:
-    """Share of the increments that change the pressure."""
+    """Fraction of the increments that change the pressure."""
     if any(ramp.slides for ramp in ramps):
         return 1.0
     counts, changed, before = 0, 0, None
@@ -401,9 +401,9 @@ def friction_cost(
 ) -> Cost:
     """Predicted cost of normal and tangential contact, from the pairs of displacement and traction with a kernel.
 
-    The counts are those of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their rough
-    inverse per round, and `_ROUNDS` rounds where the pressure feels the shear. `pressed` is the part of the steps in
-    which the pressure changes where it does not.
+    The counts are typical of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their
+    approximate inverse per round, and `_ROUNDS` rounds if the pressure depends on the shear. `pressed` is the fraction
+    of the steps that change the pressure if it does not.
     """
     pace, periodic, pairs = speed(numerics.precision, numerics.threads), numerics.boundary == "periodic", coupling.pairs
     normal = normal_cost(shape, box, numerics)
@@ -415,7 +415,7 @@ def friction_cost(
     iteration_seconds = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
     iteration_seconds += 1.4e-8 * count * by * bx + 1.5e-4  # the vectors of the iteration, cell by cell
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
-    # Coefficients of the cross terms cost more than those of p.
+    # Coefficients of the cross terms cost more than those of the pressure.
     once = len(pairs) * tables_of_images(numerics) * 3e-7 * (ny + by) * (nx + bx) / 4
     solve = (
         rounds * (_APPLICATIONS * iteration_seconds + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step

@@ -1,4 +1,4 @@
-"""Blocks for comparison in a contact with friction: shear bound of the law, closed form of monotonic loading."""
+"""Reference blocks of a contact with friction: shear bound of the law, closed form of monotonic loading."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from eigencontact.results.records import StepRecord
 __all__ = ["ReferenceShear", "ShearBound"]
 
 
-#: Loads that differ by no more than this part of what friction carries are the same.
+#: Loads are equal if they differ by less than this fraction of the friction limit.
 _SAME = 1e-9
-#: Sine of the angle between two loads of one direction.
+#: Sine of the largest angle between two loads of equal direction.
 _TURN = 1e-4
-#: Bounds that are in proportion to the pressure to this part have one coefficient.
+#: Relative deviation from proportionality to the pressure up to which a bound has one coefficient of friction.
 _UNIFORM = 1e-9
 
 
 class ShearBound(Stateless):
-    """The largest shear that the friction law allows at each cell, with the pressure of the step."""
+    """Largest shear allowed by the friction law in each cell, for the pressure of the step."""
 
-    name, why = "shear-bound", "what the friction law allows, drawn beside the shear"
+    name, reason = "shear-bound", "what the friction law allows, drawn beside the shear"
     requires = frozenset({"pressure", "slip_distance"})
     provides = frozenset({"shear_bound"})
-    wanted = dict.fromkeys(("shear_bound",), "pictures")
+    requesters = dict.fromkeys(("shear_bound",), "pictures")
 
     def __init__(self, law: FrictionLaw, grid: Grid, exposed: Exposed | None) -> None:
         self._law, self._axes, self._facts = law, grid.axes(), partial(exposed_facts, exposed)
@@ -54,16 +54,16 @@ class ShearBound(Stateless):
 
 
 class ReferenceShear(Stateless):
-    """Closed form of the shear of a geometry with a closed-form pressure, while it is valid.
+    """Closed form of the shear, for a geometry with a closed form of the pressure, as long as it is valid.
 
-    Under a constant normal load P and a tangential load Q that rises from zero in one direction, and with one
-    coefficient of friction f, the shear is f times the pressure under P less the pressure under P - Q/f: Cattaneo and
-    Mindlin's for a sphere, any shape's by Ciavarella and Jaeger. The theorem leaves out the normal displacement by
-    shear and what shear does across its own direction, as most of "none" and "partial" coupling do. Where a step
-    leaves that path, by unloading, turning, twisting or another normal load, neither it nor any later one has a
-    closed form here.
+    It requires a constant normal load P, a tangential load Q that rises from zero in one direction, and one coefficient
+    of friction f. The shear is f times the pressure under P minus the pressure under P - Q/f: the solution of Cattaneo
+    and Mindlin for a sphere, and of Ciavarella and Jaeger for any shape. The theorem neglects the normal displacement
+    by shear, and displacement by shear across its direction, as most pairs of "none" and "partial" coupling do. A step
+    that leaves this load path (unloading, change of direction, torsion, another normal load) ends the closed form for
+    itself and all later steps.
 
-    Whether the path was kept so far is told by the last step having the field, so that resumed runs agree.
+    The stored field of the last step shows whether the path has been kept, so resumed runs agree.
 
     References
     ----------
@@ -74,12 +74,12 @@ class ReferenceShear(Stateless):
     name = "reference-shear"
     requires = frozenset({"pressure", "shear_bound"})
     provides = frozenset({"reference_shear_x", "reference_shear_y"})
-    wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
+    requesters = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
     def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids) -> None:
         self._grid, self._geometry = grid, geometry
         self._modulus = contact_modulus(*without_layers(solids))
-        self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
+        self.reason = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
@@ -119,7 +119,7 @@ def _coefficient(pressure: FloatArray, bound: FloatArray) -> float | None:
 
 
 def _path_kept(load: FloatArray, normal_load: float, capacity: float, last: StepRecord | None) -> bool:
-    """Whether the tangential load still increases from zero in one direction under one normal load."""
+    """Whether the tangential load still increases from zero in one direction under a constant normal load."""
     still = float(np.hypot(*load)) <= _SAME * capacity
     if last is None:
         return still
@@ -131,7 +131,8 @@ def _path_kept(load: FloatArray, normal_load: float, capacity: float, last: Step
         return True
     if abs(normal_load - last.scalars["normal_load"]) > _SAME * normal_load:
         return False
-    # Rising along one line: no part across the last load, none against it. What the solver leaves across is no turn.
+    # Increase along one line: no component across the last load, none against it. Small components by the solver's
+    # error are allowed.
     across = abs(before[0] * load[1] - before[1] * load[0])
     return bool(
         reached <= _SAME * capacity

@@ -19,7 +19,7 @@ from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
-from eigencontact.execution.mechanics.coupled import Coupled, Solved
+from eigencontact.execution.mechanics.coupled import Coupled, Solution
 from eigencontact.execution.mechanics.degree_error import PRESSURE_ERROR, pressure_error
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["Mechanics", "RunningMechanics", "mechanics_of"]
 
 
-#: Scalars of a contact, of surfaces that eigenstrain displaces, of bodies with laws, and of `numerics.plastic-error`.
+#: Scalars of contacts, of surfaces displaced by eigenstrain, of bodies with laws, and of `numerics.plastic-error`.
 _OF_CONTACT = (
     Number(
         name="substeps", unit="1", role="effort", over="sum",
@@ -81,27 +81,27 @@ _PLASTIC_ERROR = Number(
     meaning="estimated error of the strain of yielding cells by halving, relative to the strain of the load",
 )  # fmt: skip
 
-#: Times that a load step may be halved.
+#: Largest number of halvings of a load step.
 _HALVINGS = 5
 
 
 class Mechanics(Block):
-    """Planned contact, interiors, or both.
+    """Block of a contact, of interiors, or of both.
 
-    A run makes a contact and interiors of its own: those of the plan only state kernels and prices.
+    Each run makes its own contact and interiors; those of the plan only state kernels and costs.
 
     Parameters
     ----------
     interface : Interface or None
         None without a contact.
     contact_of : callable
-        Contact of an interface.
+        Function from an interface to its contact.
     subsurfaces : sequence of Subsurface
-        At least one where there is no contact.
+        Subsurfaces with eigenstrain; at least one without a contact.
     directions : str
-        Directions, of ``"xyz"``, of the surface displacement by the interiors.
+        Directions of the surface displacement by the interiors, out of ``"xyz"``.
     laws : sequence of ConstitutiveLaw
-        Laws whose numbers are stored.
+        Laws with stored numbers.
     grid : Grid
     numerics : Numerics
     """
@@ -119,15 +119,15 @@ class Mechanics(Block):
         contact, interiors = self._make()
         self.numbers = tuple(self._numbers(contact, interiors))
         self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
-        self.name, self.why = self._parts[0].name, self._parts[0].why
+        self.name, self.reason = self._parts[0].name, self._parts[0].reason
         self.kernels = [kernel for member in self._parts for kernel in member.kernels]
         self.cost = sum((member.cost for member in self._parts), Cost())
         self.requires = frozenset() if contact is None else contact.requires
         self.accumulated = frozenset() if contact is None else contact.accumulated
         lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in directions if interiors}
         surface = frozenset() if contact is None else contact.fields
-        self.wanted = {**dict.fromkeys(sorted(surface), "every run"), **lifts}
-        self.provides = surface | frozenset(lifts).union(*(interior.remembers for interior in interiors))
+        self.requesters = {**dict.fromkeys(sorted(surface), "every run"), **lifts}
+        self.provides = surface | frozenset(lifts).union(*(interior.state_names for interior in interiors))
 
     @property
     def wholes_beside_cells(self) -> bool:
@@ -176,19 +176,20 @@ class Mechanics(Block):
 
 
 class RunningMechanics:
-    """A contact, interiors, or both together, in one run.
+    """Contact, interiors, or both together, in one run.
 
-    An increment that does not converge is halved; what the first half leaves behind is the start of the second. So is
-    one in which cells flow, where `numerics.plastic-error` asks for it: the whole and its halves differ by the error
-    that the halves still have (implicit steps are of first order), and where that is too large each is halved again.
+    An increment that does not converge is halved; the second half starts from the state after the first. With
+    `numerics.plastic-error`, increments with plastic flow are halved as well. The difference between the whole
+    increment and its halves estimates the remaining error of the halves (implicit steps are of first order). If the
+    error is too large, each half is halved again.
 
     Parameters
     ----------
     plan : Mechanics
     contact : Contact or None
-        Started.
+        Contact, already started.
     interiors : sequence of Interior
-        Started; larger ones take their place as they grow.
+        Interiors, already started; larger ones replace them when the cells must be extended.
     """
 
     def __init__(self, plan: Mechanics, contact: Contact | None, interiors: Sequence[Interior]) -> None:
@@ -197,7 +198,7 @@ class RunningMechanics:
         self._contact, self._interiors = contact, list(interiors)
         self._solids = None if plan.interface is None else plan.interface.solids
         self._directions = plan.directions if interiors else ""
-        self._tried: list[Solved] = []
+        self._trials: list[Solution] = []
         self._error = 0.0
         self._couple()
 
@@ -227,28 +228,28 @@ class RunningMechanics:
         increments = self._with_enough_cells(step)
         last = increments[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
-        step.history |= last.remembered
-        spent: dict[str, float] = {}
+        step.history |= last.records
+        scalars: dict[str, float] = {}
         for increment in increments:
-            accumulate(self._declared, spent, increment.scalars)
-        for increment in self._tried:
+            accumulate(self._declared, scalars, increment.scalars)
+        for increment in self._trials:
             efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
-            accumulate(self._declared, spent, efforts)
+            accumulate(self._declared, scalars, efforts)
         answers = [increment.contact for increment in increments if increment.contact is not None]
         if self._contact is not None:
             self._store(step, self._contact, answers)
             if any(interior.estimates_degree for interior in self._interiors):
-                sunk = last.displacement["z"]
-                spent[PRESSURE_ERROR.name] = pressure_error(self._contact, self._interiors, step, sunk)
-            spent["solve_seconds"] = perf_counter() - began
-            spent["substeps"] = len(increments)
+                displacement_z = last.displacement["z"]
+                scalars[PRESSURE_ERROR.name] = pressure_error(self._contact, self._interiors, step, displacement_z)
+            scalars["solve_seconds"] = perf_counter() - began
+            scalars["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
-            spent["plastic_error"] = self._error
-        step.scalars |= spent
+            scalars["plastic_error"] = self._error
+        step.scalars |= scalars
         if "z" in last.displacement:
-            sunk = last.displacement["z"]
-            step.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
-            step.scalars["max_sink"] = max(0.0, float(sunk.max()))
+            displacement_z = last.displacement["z"]
+            step.scalars["max_uplift"] = max(0.0, -float(displacement_z.min()))
+            step.scalars["max_sink"] = max(0.0, float(displacement_z.max()))
         if self._of_laws:
             states = (state for interior in self._interiors for state in interior.states())
             step.scalars |= dict.fromkeys(self._of_laws, 0.0) | measured(states)
@@ -266,13 +267,13 @@ class RunningMechanics:
     ) -> FloatArray:
         """Pressure under displaced surfaces, with unchanged interiors; see `Contact.pressed`.
 
-        `fields` are those of a step near by; none before the first.
+        `fields` are those of a similar step; empty before the first step.
         """
         self._follow(surface.solids)
         assert self._contact is not None
         assert surface.separation is not None
-        sunk = fields.get("residual_displacement_z")
-        moved = surface.separation if sunk is None else surface.separation + sunk
+        displacement_z = fields.get("residual_displacement_z")
+        moved = surface.separation if displacement_z is None else surface.separation + displacement_z
         return self._contact.pressed(control, moved, fields, springs, start)
 
     def softness(self, solids: Solids | None) -> float:
@@ -281,8 +282,8 @@ class RunningMechanics:
         assert self._contact is not None
         return self._contact.softness
 
-    def _with_enough_cells(self, step: Step) -> list[Solved]:
-        """Solved increments of the step, on interiors whose cells are extended if necessary."""
+    def _with_enough_cells(self, step: Step) -> list[Solution]:
+        """Solved increments of the step; the cells of the interiors are extended if necessary."""
         while True:
             try:
                 increment = Increment.of(step)
@@ -290,9 +291,9 @@ class RunningMechanics:
                 memory = None
                 if self._contact is not None:
                     memory = self._contact.recall(step.previous, before.displacement, increment.bulk[0])
-                self._tried, self._error = [], 0.0
+                self._trials, self._error = [], 0.0
                 if self._numerics.plastic_error is None:
-                    return self._solved(increment, memory, before, 0)
+                    return self._increments_of(increment, memory, before, 0)
                 return self._accurate(increment, memory, before, None, 0)
             except Outgrown as short:
                 short.larger.start()
@@ -309,15 +310,15 @@ class RunningMechanics:
         step.fields |= fields
         step.scalars |= scalars
 
-    def _before(self, step: Step, increment: Increment) -> Solved:
+    def _before(self, step: Step, increment: Increment) -> Solution:
         """State of the interiors before the step, from the record of the last step."""
         if step.previous is None:
             return self._coupled.at_rest(increment)
         fields, history = step.previous.fields, step.previous.history
         displaced = {name: fields[f"residual_displacement_{name}"] for name in self._directions}
-        return Solved(contact=None, displacement=displaced, remembered=dict(history))
+        return Solution(contact=None, displacement=displaced, records=dict(history))
 
-    def _solved(self, increment: Increment, memory: Any, before: Solved, depth: int) -> list[Solved]:
+    def _increments_of(self, increment: Increment, memory: Any, before: Solution, depth: int) -> list[Solution]:
         """Solved increments: the increment itself, or its halves if it does not converge."""
         try:
             return [self._coupled.solve(increment, memory, before)]
@@ -325,36 +326,36 @@ class RunningMechanics:
             if depth == _HALVINGS:
                 raise
         first, second = increment.halves()
-        increments = self._solved(first, memory, before, depth + 1)
-        return increments + self._solved(second, _memory(increments), increments[-1], depth + 1)
+        increments = self._increments_of(first, memory, before, depth + 1)
+        return increments + self._increments_of(second, _memory(increments), increments[-1], depth + 1)
 
     def _accurate(
-        self, increment: Increment, memory: Any, before: Solved, whole: list[Solved] | None, depth: int
-    ) -> list[Solved]:
+        self, increment: Increment, memory: Any, before: Solution, whole: list[Solution] | None, depth: int
+    ) -> list[Solution]:
         """Solve an increment, halved as often as the allowed error of the plastic strain requires.
 
-        `whole` is the increment in one, where it is known. Those that are tried and not taken cost as much as others.
+        `whole` is the undivided increment, if already solved. The work of rejected solutions is counted as well.
         """
         limit = self._numerics.plastic_error
         assert limit is not None
-        whole = whole or self._solved(increment, memory, before, depth)
-        flowed = any(interior.flowed(before.remembered, whole[-1].remembered) for interior in self._interiors)
+        whole = whole or self._increments_of(increment, memory, before, depth)
+        flowed = any(interior.flowed(before.records, whole[-1].records) for interior in self._interiors)
         if depth == _HALVINGS or not flowed:
             return whole
         first, second = increment.halves()
-        first_half = self._solved(first, memory, before, depth + 1)
-        second_half = self._solved(second, _memory(first_half), first_half[-1], depth + 1)
-        error = max(interior.distance(whole[-1].remembered, second_half[-1].remembered) for interior in self._interiors)
-        self._tried += whole
+        first_half = self._increments_of(first, memory, before, depth + 1)
+        second_half = self._increments_of(second, _memory(first_half), first_half[-1], depth + 1)
+        error = max(interior.distance(whole[-1].records, second_half[-1].records) for interior in self._interiors)
+        self._trials += whole
         if error <= limit or depth + 1 == _HALVINGS:
             self._error = max(self._error, error)
             return first_half + second_half
-        self._tried += second_half
+        self._trials += second_half
         increments = self._accurate(first, memory, before, first_half, depth + 1)
         return increments + self._accurate(second, _memory(increments), increments[-1], None, depth + 1)
 
 
-def _memory(increments: Sequence[Solved]) -> Any:
+def _memory(increments: Sequence[Solution]) -> Any:
     """Record of solved increments for the contact."""
     last = increments[-1].contact
     return None if last is None else last.memory

@@ -86,7 +86,7 @@ NORMAL_FIELDS = frozenset({"pressure", "gap", "displacement_z"})
 
 
 class NormalContact(Contact):
-    """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load.
+    """Pressure and gap; surface displacement by eigenstrain changes the gap before loading.
 
     Parameters
     ----------
@@ -94,10 +94,10 @@ class NormalContact(Contact):
     window : Window
     numerics : Numerics
     coupled : bool
-        Whether inhomogeneities are iterated on with the contact.
+        Whether inhomogeneities are iterated together with the contact.
     """
 
-    name, why = "normal-contact", "pressure, contact area, approach"
+    name, reason = "normal-contact", "pressure, contact area, approach"
     fields = NORMAL_FIELDS
     numbers = NORMAL_NUMBERS
 
@@ -143,7 +143,7 @@ class NormalContact(Contact):
             displacement={"z": solution.displacement},
             memory=memory,
             solution=solution,
-            spent=normal_work(solution),
+            counts=normal_work(solution),
         )
 
     def pressed(
@@ -171,7 +171,7 @@ class NormalContact(Contact):
 
 
 def layers_cost(interface: Interface, window: Window, tractions: Sequence[str], *, periodic: bool) -> Cost:
-    """Price of the surface coefficients of layered bodies, for traction names with a kernel each."""
+    """Cost of the surface coefficients of layered bodies, for traction names with a kernel each."""
     if not layered_bodies(interface.solids):
         return Cost()
     from eigencontact.execution.blocks.layered_cost import layered_surface_cost
@@ -229,9 +229,9 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
 def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics) -> Cost:
     """Cost of a normal contact on a box of the window: finest grid, coarser grids, certificate, coefficients.
 
-    The counts are those of smooth contacts (8 iterations of two convolutions and one preconditioner, each grid a
-    quarter of the next); rough contacts take up to three times as many. What does not grow with the size was measured
-    on grids of 24 to 96 cells along a side, solved again and again: .1 ms an iteration, 1 ms a grid.
+    The counts are typical of smooth contacts (8 iterations of two convolutions and one preconditioner, each grid with a
+    quarter of the cells of the next finer one); rough contacts take up to three times as many. The fixed part was
+    measured by repeated solves on grids of 24 to 96 cells per side: .1 ms per iteration, 1 ms per grid.
     """
     pace, periodic = speed(numerics.precision, numerics.threads), numerics.boundary == "periodic"
     ny, nx = shape

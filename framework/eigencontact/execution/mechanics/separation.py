@@ -36,22 +36,22 @@ __all__ = [
 ]
 
 
-#: Cells of which a closed form is evaluated at a time: what it needs besides its result stays in the cache.
+#: Cells per evaluation of a closed form: its temporary arrays stay in the cache.
 _BAND = 2**17
 
 
 class Separation(Block):
-    """Initial gap; for a geometry that rolls or slides, at its present position, and stored.
+    """Initial gap; if the geometry rolls or slides, at its present position, and stored.
 
     Parameters
     ----------
     interface : Interface
-        The separations of its geometries add up.
+        Interface; the separations of its geometries are added.
     grid : Grid
     travels : bool
         Whether the geometry moves along the surface.
     slides : bool, optional
-        Whether it then slides; by default where there is friction.
+        Whether the moving geometry slides; by default if there is friction.
     """
 
     name = "separation"
@@ -64,8 +64,8 @@ class Separation(Block):
     def __init__(self, interface: Interface, grid: Grid, *, travels: bool, slides: bool | None = None) -> None:
         self._interface, self._grid, self._travels = interface, grid, travels
         slides = interface.friction is not None if slides is None else slides
-        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
-        self.why += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
+        self.reason = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
+        self.reason += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
         self.numbers = Separation.numbers if travels else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
@@ -93,12 +93,12 @@ class _TravellingGap:
 
 
 class TangentialDisplacement(Block):
-    """Displacement along the surface under the pressure."""
+    """Displacement along the surface by the pressure."""
 
-    name, why = "tangential-displacement", "output.tangential-displacement = true"
+    name, reason = "tangential-displacement", "output.tangential-displacement = true"
     requires = frozenset({"pressure"})
     provides = frozenset({"displacement_x", "displacement_y"})
-    wanted = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
+    requesters = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
 
     def __init__(self, interface: Interface, grid: Grid, numerics: Numerics) -> None:
         self._grid, periodic = grid, numerics.boundary == "periodic"
@@ -144,7 +144,7 @@ class _ConvolvedPressure:
 class ReferencePressure(Stateless):
     """Closed form of the pressure, if the geometry has one that is valid for this step.
 
-    For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
+    For a body with layers, inclusions or eigenstrain it is the pressure without them, stored under another name.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class ReferencePressure(Stateless):
     grid : Grid
     solids : Solids
     simpler : str
-        Phrase for what the closed form leaves out; empty where it leaves out nothing.
+        Phrase for the features that the closed form neglects; empty if there are none.
     """
 
     requires = frozenset({"pressure"})
@@ -163,9 +163,9 @@ class ReferencePressure(Stateless):
         from eigencontact.core.material import contact_modulus
 
         self.name = "homogeneous-pressure" if simpler else "reference-pressure"
-        self.why = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
+        self.reason = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
         self._field = self.name.replace("-", "_")
-        self.provides, self.wanted = frozenset({self._field}), {self._field: "pictures"}
+        self.provides, self.requesters = frozenset({self._field}), {self._field: "pictures"}
         self._grid, self._geometry = grid, geometry
         self._modulus = contact_modulus(*without_layers(solids))
 
@@ -184,7 +184,7 @@ class ReferencePressure(Stateless):
 
 
 def separation_blocks(model: Model, gap: Separation | None = None) -> Iterator[Block]:
-    """Blocks of the gap, by default that of new surfaces, and of the material at the surface."""
+    """Blocks of the gap, by default of new surfaces, and of the material at the surface."""
     assert model.interface is not None
     yield gap or Separation(model.interface, model.grid, travels=any(ramp.travels for ramp in model.scene.ramps))
     if model.exposed is not None:
@@ -194,7 +194,7 @@ def separation_blocks(model: Model, gap: Separation | None = None) -> Iterator[B
 
 
 def blocks_beside_contact(model: Model) -> Iterator[Block]:
-    """Blocks of a contact besides its mechanics and its gap."""
+    """Blocks of a contact other than its mechanics and its gap."""
     interface, grid = model.interface, model.grid
     if interface is None:
         return

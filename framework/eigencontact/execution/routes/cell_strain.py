@@ -23,13 +23,13 @@ Place = tuple[slice, slice, slice]
 
 
 class CellStrain:
-    """Mandel eigenstrain of a group of sources in its cells: the value at the middle times the fraction inside."""
+    """Mandel eigenstrain of a group of sources in cells: centre value times volume fraction."""
 
     def __init__(self, box: CellBox, grid: Grid) -> None:
         self._box, self._grid = box, grid
 
     def __call__(self, time: float) -> FloatArray:
-        """``(6, nz, ny, nx)`` at one time [-]."""
+        """Mandel eigenstrain ``(6, nz, ny, nx)`` at one time [-]."""
         total = np.zeros((6, *self._box.lattice.shape))
         z, y, x = self._box.lattice.axes(self._grid)
         for source, (place, fractions) in zip(self._box.sources, self._fractions, strict=True):
@@ -39,7 +39,7 @@ class CellStrain:
 
     @cached_property
     def _fractions(self) -> list[tuple[Place, FloatArray]]:
-        """Part of the box of a source, and the volume fraction of each of its cells."""
+        """Part of the box for each source, and the volume fraction of the source in each of its cells."""
         fractions = []
         for source in self._box.sources:
             assert source.lattice is not None

@@ -23,19 +23,20 @@ from eigencontact.solvers.cells import Cells
 __all__ = ["Between", "CloseUp", "Columns", "Planes", "Volume", "cheapest"]
 
 
-#: Places of the surface up to which points have sums of their own: each takes some 0.3 s and 20 MB over 35 000 cells.
+#: Largest number of surface positions with separate sums for each column of points: each takes about 0.3 s and 20 MB
+#: for 35 000 cells.
 _PLACES = 256
-#: Places of the surface that are priced one by one; more are priced like these.
+#: Number of surface positions with a predicted cost of their own; further positions count with the mean.
 _PRICED = 16
-#: Middles of cells that may be computed for those between them, in cells of the box.
+#: Allowed number of extra cell centres for interpolation, relative to the cells of the box.
 _ROOM = 64
 
 
 class Planes(CellRoute):
     """Transforms in the plane, for each depth and each layer of cells."""
 
-    #: What tells its operator from others.
-    way: ClassVar[str] = ""
+    #: Name of the method, which distinguishes its operators from those of other methods.
+    name: ClassVar[str] = ""
     steps: ClassVar[bool] = True
 
     def round_off(self) -> float | None:
@@ -44,7 +45,7 @@ class Planes(CellRoute):
 
     @cached_property
     def _settled(self) -> tuple[HalfSpace, tuple[Precision, ...]]:
-        numerics, precisions = settled(self.half_space.numerics, f"{self.quantity} by cells{self.way}", self.round_off)
+        numerics, precisions = settled(self.half_space.numerics, f"{self.quantity} by cells{self.name}", self.round_off)
         return replace(self.half_space, numerics=numerics), precisions
 
     @property
@@ -109,7 +110,7 @@ class Planes(CellRoute):
 class Volume(Planes):
     """Route by transforms in space, for planes at the spacing of the cell layers; the surface separately."""
 
-    way = ", in space"
+    name = ", in space"
 
     @property
     def words(self) -> str:
@@ -124,7 +125,7 @@ class Volume(Planes):
 
     @staticmethod
     def fits(lattice: RegionLattice, height: float) -> bool:
-        """Whether the planes of a lattice are two or more, a height apart; one in the surface does not count."""
+        """Whether a lattice has two or more planes below the surface, one cell height apart."""
         inner = _below(lattice.depths)
         return inner.size > 1 and bool(np.allclose(np.diff(inner), height, rtol=1e-6, atol=0.0))
 
@@ -175,7 +176,7 @@ class Volume(Planes):
 
 
 class Columns(Planes):
-    """Route point by point, with a shared computation for points above each other."""
+    """Route point by point; points above each other share a computation."""
 
     @property
     def words(self) -> str:
@@ -188,7 +189,7 @@ class Columns(Planes):
         count = len(self._columns)
         depths = -(-len(self._points) // count)
         sample = self._columns[:: -(-count // _PRICED)]
-        # A place in the middle of the cells sees them symmetric, and holds a quarter of the spectra.
+        # For a position in the middle, the cells are symmetric; it stores a quarter of the spectra.
         prices = [
             self.pace.planes(self.box.lattice, (1, 1), self._offset(column), depths, len(self.rows))
             for column in sample
@@ -212,7 +213,7 @@ class Columns(Planes):
         return [self.planes((1, 1), self._offset(where), self._points[where, 2]) for where in self._columns]
 
     def _offset(self, where: NDArray[np.intp]) -> tuple[float, float]:
-        """Place (y, x) of a column, in cells from the first."""
+        """Position (y, x) of a column relative to the first cell, in cells."""
         cells = self.box.cells(self.half_space.grid)
         (x0, y0, _), (dx, dy, _) = cells.first, cells.pitch
         x, y = self._points[where[0], :2]
@@ -249,7 +250,7 @@ class Between(Planes):
 
     @staticmethod
     def fits(lattice: RegionLattice, box: CellBox, grid: Grid) -> bool:
-        """Whether the points are so many and so close together that the cell centres are fewer."""
+        """Whether there are fewer cell centres around the points than points."""
         if lattice.points is None or len(np.unique(lattice.points[:, :2], axis=0)) <= _PLACES:
             return False
         return int(np.prod(_about(lattice.points, box, grid).shape)) <= _ROOM * box.lattice.cells
@@ -336,7 +337,7 @@ class CloseUp(Planes):
         return np.asarray(values[list(self.rows)], dtype=float)
 
     def _shifted(self, eigenstrain: FloatArray) -> FloatArray:
-        """Return the field at depths other than those of the cells, on lattices with the pitch of the cells."""
+        """Field at depths between those of the cells, on lattices with the pitch of the cells."""
         out, first = np.empty(self.shape), self.box.lattice.first
         for (rows, columns), sublattice in self.lattice.shifted:
             origin = (sublattice.origin[0] - first[1], sublattice.origin[1] - first[2])
@@ -355,5 +356,5 @@ def cheapest(make: Callable[[type[Planes]], Planes], lattice: RegionLattice, hei
 
 
 def _below(depths: FloatArray) -> FloatArray:
-    """Depths without one in the surface."""
+    """Depths below the surface."""
     return depths[1:] if depths.size and depths[0] == 0.0 else depths

@@ -1,4 +1,4 @@
-"""Route for shapes with potentials: closed forms at the points, many shapes summed as a cloud of point sources."""
+"""Route for shapes with potentials: closed forms at the points; many shapes are summed as a cloud of point sources."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from eigencontact.model.sources import Source
 __all__ = ["ClosedForms"]
 
 
-#: From so many closed forms on they are summed as a cloud of point sources where that is exact.
+#: Smallest number of closed forms that are summed as a cloud of point sources, if this is exact.
 _CLOUD = 16
-#: Points on which the closed form of a shape is timed, spread over those wanted.
+#: Number of points for the timing of the closed form of a shape, spread over the requested points.
 _SAMPLE = 1024
-#: What a second thread adds: some eighty short numpy calls a chunk wait for the interpreter.
+#: Gain by a second thread: about eighty short numpy calls per chunk wait for the interpreter.
 _GAIN = 0.2
-#: Seconds of one pair of a point source and a field point on one thread; and once, to load the compiled loop.
+#: Seconds per pair of a point source and a field point on one thread, and seconds to load the compiled loop.
 _PAIR, _LOAD = 2e-8, 0.5
-#: Share of the pairs that are left where regions reach points by expansions.
+#: Fraction of the pairs that remain if distant regions contribute by expansions.
 _EXPANDED = 0.06
 
 _KNOWN: dict[tuple[object, ...], float] = {}
@@ -42,7 +42,7 @@ class ClosedForms(Route):
 
     @property
     def cost(self) -> Cost:
-        """See `Route.cost`; only the field is stored, so the whole cost recurs in every step."""
+        """See `Route.cost`; only the field is stored, so every step costs the same."""
         count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads, _GAIN)
         memory = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
         if len(self.sources) >= _CLOUD:
@@ -52,7 +52,7 @@ class ClosedForms(Route):
         return Cost(memory=memory, seconds_per_step=count * seconds / workers + 1e-3 * len(self.sources))
 
     def _cloud_pace(self, source: Source) -> float:
-        """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""
+        """Time per point on one thread [s] for one of many shapes: point sources far away, potentials near it."""
         from eigencontact.halfspace.cloud import cloud_sources, is_large, relaxed
 
         shape = cast("HasPotentials", source.shape)
@@ -92,7 +92,7 @@ class ClosedForms(Route):
         return (1.0 + 1.0 / APART) * float(np.cbrt(2.0 * expansion_size(tolerance) * room))
 
     def _point_pace(self, source: Source) -> float:
-        """Measured time of one point on one thread [s]; like shapes of a scene at like points are timed once."""
+        """Measured time per point on one thread [s]; equal shapes at similar points are timed once."""
         mandel = source.uniform_eigenstrain(1.0)
         key = (type(source.shape), self.quantity, self.half_space.space, tuple(mandel != 0), self.lattice.shape)
         if key not in _KNOWN:

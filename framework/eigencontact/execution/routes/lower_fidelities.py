@@ -23,9 +23,9 @@ from eigencontact.solvers.image_pressure import ImagePressure, reflected
 __all__ = ["FieldInTime", "ImagePressureField", "Periodic"]
 
 
-#: Waves beyond those of the grid, each way, that the periodic half-space sums for eigenstrain in cells.
+#: Additional waves in each direction, beyond those of the grid, for eigenstrain that is uniform in each cell.
 _ALIASES = 2
-#: Seconds that one wave takes at one layer or depth, on one thread; and one component of one loaded cell at one point.
+#: Seconds per wave and layer or depth on one thread, and seconds per component, loaded cell and point.
 _WAVE, _CELL = 2e-7, 1.5e-7
 
 
@@ -39,7 +39,7 @@ class Periodic(CellRoute):
 
     @property
     def cost(self) -> Cost:
-        """See `Route.cost`; the waves are computed at each time."""
+        """See `Route.cost`; the waves are computed for each time."""
         grid, layers, planes = self.half_space.grid, self.box.lattice.shape[0], self.lattice.depths.size
         waves, count = grid.ny * (grid.nx // 2 + 1), 3 if self.quantity == "displacement" else 6
         workers = working_threads(self.half_space.threads)
@@ -81,7 +81,7 @@ class FieldInTime(Protocol):
 
     @property
     def cost(self) -> Cost:
-        """Cost of its set-up, and of one time."""
+        """Cost of the set-up, and of the field at one time."""
         ...
 
     def at(self, time: float) -> FloatArray:
@@ -95,7 +95,7 @@ class ImagePressureField:
     Parameters
     ----------
     half_space : HalfSpace
-        The body, without its surface.
+        Body; its surface is not used.
     find : callable
         Field of the same sources in full space, from a quantity and a lattice.
     """
@@ -116,7 +116,7 @@ class ImagePressureField:
 
     @property
     def cost(self) -> Cost:
-        """Price of the image pressure, summed at points or convolved on planes, and of the full-space fields."""
+        """Cost of the image pressure, summed at points or convolved on planes, and of the full-space fields."""
         grid, lattice, numerics = self.half_space.grid, self.lattice, self.half_space.numerics
         count, workers = 3 if self.quantity == "displacement" else 6, working_threads(self.half_space.threads)
         cells = grid.nx * grid.ny

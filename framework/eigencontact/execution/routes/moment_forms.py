@@ -1,4 +1,4 @@
-"""Route for whole inhomogeneities with polynomial eigenstrain: potentials of polynomials at the points."""
+"""Route for whole inhomogeneities with polynomial eigenstrain, by potentials of polynomials at the points."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from eigencontact.model.sources import Inhomogeneity
 
 __all__ = ["MomentForms"]
 
-#: Seconds of one point on one thread, and of each function of a degree there: fitted to balls of degree 2 to 6.
+#: Seconds per point on one thread, and per point and function: fitted to balls of degree 2 to 6.
 _POINT, _FUNCTION = 1.5e-6, 4e-8
-#: Functions of degree N: about (N + 6)², twice.
+#: A degree N has about 2 (N + 6)² functions.
 _ABOVE = 6
 
 

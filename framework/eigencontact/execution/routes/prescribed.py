@@ -29,7 +29,7 @@ Rows = tuple[int, ...] | None
 class PrescribedField:
     """Field of the prescribed eigenstrain of one body at the points of a lattice.
 
-    What does not change with time is evaluated once, and the operators that it took are forgotten.
+    Constant eigenstrain is evaluated once, and its operators are then released.
     """
 
     def __init__(
@@ -40,32 +40,32 @@ class PrescribedField:
         steady, moving = ([s for s in sources if bool(s.field.varies) is varies] for varies in (False, True))
         find = partial(_terms, half_space, quantity=quantity, lattice=lattice, rows=rows)
         self._still, self._moving = find(steady), find(moving)
-        #: Price of all steps.
+        #: Cost of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._regions = [region for term in (*self._still, *self._moving) for region in term.regions()]
         #: See `Part`.
         self.precisions = [precision for term in (*self._still, *self._moving) for precision in term.precisions]
-        #: What must be known of its values, in words, or nothing.
+        #: Remark on the values; may be empty.
         self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")
         self._once: FloatArray | None = None
 
-    def uses(self, what: str, where: str) -> list[KernelUse]:
-        """Influence coefficients; equal regions are counted together.
+    def uses(self, field: str, where: str) -> list[KernelUse]:
+        """Influence coefficients for `explain`; equal regions are counted together.
 
         Parameters
         ----------
-        what : str
-            The field in words: ``"stress (6 components)"``.
+        field : str
+            Name of the field, for example ``"stress (6 components)"``.
         where : str
-            The points in words.
+            Description of the points.
         """
         uses: dict[tuple[str, str], KernelUse] = {}
-        for source, label, how in self._regions:
-            like = (source.key, how)
+        for source, label, method in self._regions:
+            like = (source.key, method)
             if like in uses:
                 uses[like] = replace(uses[like], count=uses[like].count + 1)
             else:
-                uses[like] = KernelUse(what, f"eigenstrain of {label}", source.key, f"{where}, {how}")
+                uses[like] = KernelUse(field, f"eigenstrain of {label}", source.key, f"{where}, {method}")
         return list(uses.values())
 
     def at(self, time: float) -> FloatArray:
@@ -81,7 +81,7 @@ class PrescribedField:
 
 
 class _Term(ABC):
-    """Field of some regions, and words for `explain`."""
+    """Field of some regions, and its description for `explain`."""
 
     cost: Cost
     note = ""
@@ -89,7 +89,7 @@ class _Term(ABC):
 
     @abstractmethod
     def regions(self) -> list[tuple[Source, str, str]]:
-        """Regions, each with its name and its method in words."""
+        """Regions, each with its name and the description of its method."""
 
     @abstractmethod
     def at(self, time: float) -> FloatArray:
@@ -113,7 +113,7 @@ def _terms(
 def cell_route(
     half_space: HalfSpace, box: CellBox, quantity: str, lattice: RegionLattice, rows: Rows = None
 ) -> CellRoute:
-    """Route from the eigenstrain in a box of cells: that of the numerics, or the cheapest exact one."""
+    """Route from the eigenstrain in a box of cells: the method of the numerics, or the cheapest exact one."""
     if half_space.numerics.half_space == "periodic":
         from eigencontact.execution.routes.lower_fidelities import Periodic
 
@@ -128,7 +128,7 @@ def cell_route(
 
 
 class _InCells(_Term):
-    """Regions that are divided into cells."""
+    """Regions divided into cells."""
 
     def __init__(self, route: CellRoute) -> None:
         self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)
@@ -144,8 +144,8 @@ class _InCells(_Term):
 class _Uniform(_Term):
     """Shapes with uniform eigenstrain.
 
-    Their field is linear in the eigenstrain: where all of it only changes by one factor, the field at the end of the
-    first step is scaled (always that one, so that a resumed run gives the same numbers to the last digit).
+    Their field is linear in the eigenstrain. If all eigenstrain changes by one common factor, the route scales the
+    field at the end of the first step. It always scales this field, so that a resumed run gives identical numbers.
     """
 
     def __init__(self, route: ClosedForms) -> None:
@@ -171,7 +171,7 @@ class _Uniform(_Term):
 
 
 class _ByImage(_Term):
-    """Regions in a half-space of image and pressure."""
+    """Regions in a half-space by image and pressure."""
 
     def __init__(
         self, half_space: HalfSpace, sources: Sequence[Source], quantity: str, lattice: RegionLattice, rows: Rows

@@ -30,8 +30,9 @@ from eigencontact.scene.schema import Numerics
 __all__ = ["CellRoute", "HalfSpace", "Pace", "Route"]
 
 
-#: Seconds of the interpreter, whatever the sizes, for each kernel of some layers and each spectrum: fitted to sections
-#: of 31 and 61 depths through boxes of 8 to 21 layers, which held 40 000 spectra in 10 s where points alone told 3.
+#: Seconds of interpreter time, independent of sizes, per kernel of a group of layers and per spectrum. Fitted to
+#: sections of 31 and 61 depths through boxes of 8 to 21 layers; their 40 000 spectra took 10 s, the estimate by points
+#: alone was 3 s.
 _CALLS, _SPECTRUM = 1.5e-4, 6e-5
 #: Components of each quantity.
 _ROWS = {"displacement": 3, "strain": 6, "stress": 6}
@@ -46,9 +47,9 @@ class HalfSpace:
     body : int
         1 or 2.
     full : bool
-        Without the free surface.
+        Whether the body has no free surface.
     steps : int
-        How often its fields are computed.
+        Number of steps in which the fields are computed.
     """
 
     body: int
@@ -61,12 +62,12 @@ class HalfSpace:
 
     @property
     def space(self) -> str:
-        """Its name in `eigencontact.halfspace`."""
+        """Name of the space in `eigencontact.halfspace`."""
         return "full" if self.full else "half"
 
     @property
     def threads(self) -> int:
-        """Threads that work may use."""
+        """Threads for the computation."""
         return self.numerics.threads or available_threads()
 
     @cached_property
@@ -101,11 +102,11 @@ class Route(ABC):
     sources : tuple of Source
         The regions, all in one body.
     rows : tuple of int
-        Components that are wanted; all by default.
+        Requested components; all by default.
     note : str
-        What must be known of the values, in words, or nothing.
+        Remark on the values; may be empty.
     steps : bool
-        Class attribute; whether stress and strain step where the eigenstrain does, from cell to cell.
+        Class attribute: whether stress and strain are discontinuous between cells, like the eigenstrain.
     """
 
     note: str = ""
@@ -125,7 +126,7 @@ class Route(ABC):
     @property
     @abstractmethod
     def cost(self) -> Cost:
-        """Cost of its set-up, and of its application in every step."""
+        """Cost of the set-up, and of the application in every step."""
 
     @property
     def precisions(self) -> Sequence[Precision]:
@@ -139,7 +140,7 @@ class Route(ABC):
 
     @abstractmethod
     def field(self, eigenstrain: FloatArray) -> FloatArray:
-        """Field of Mandel eigenstrains ``(6, ...)``, of each region or of each cell: ``(rows, *lattice.shape)``."""
+        """Field of Mandel eigenstrains ``(6, ...)`` of each region or cell, ``(rows, *lattice.shape)``."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -173,9 +174,9 @@ class Pace:
     sampling : float
         Seconds for all of them at one node on one thread.
     fft : Speed
-        Of convolutions in the plane.
+        Speed of convolutions in the plane.
     workers : float
-        Threads, as far as they help.
+        Effective number of threads.
     """
 
     real: int
@@ -212,7 +213,7 @@ class Pace:
         transform = (self.fft.convolution(y.length, x.length) - self.fft.per_call) / 2
         kernels = self.real + self.image
         tables = planes * layers * nodes * (self.sampling + 0.5e-9 * components * 6 * kernels / 3)
-        # Calls that are made one after the other, in the layers taken together and for each spectrum.
+        # Calls in sequence: for each group of layers, and for each spectrum.
         calls = planes * ceil(layers / 8) * kernels * _CALLS + spectra * _SPECTRUM
         once = (tables + spectra * stored * 6e-9) / self.workers + calls
         step = 6 * layers * transform + planes * components * transform + spectra * (points * 1.2e-9 + 4e-6)
@@ -222,7 +223,7 @@ class Pace:
         return Cost(memory=memory, seconds_once=once, seconds_per_step=step)
 
     def volume(self, cells: Lattice, target: tuple[int, int], origin: tuple[float, float], planes: int) -> Cost:
-        """Kernel tables and spectra on the padded box once; per step the transforms in space."""
+        """Cost of kernel tables and spectra on the padded box, and of the transforms in space per step."""
         layout = Layout(cells.shape[1:], target, origin)
         y, x, layers = layout.y, layout.x, cells.shape[0]
         depth = layers + planes

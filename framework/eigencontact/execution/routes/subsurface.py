@@ -1,4 +1,4 @@
-"""Subsurface of one body: half-space, eigenstrain and tractions."""
+"""Subsurface of one body: half-space, eigenstrain and influence of tractions."""
 
 from __future__ import annotations
 
@@ -38,17 +38,19 @@ class Subsurface:
     ----------
     half_space : HalfSpace
     prescribed, inhomogeneities : tuple of Source
-        Regions in the body: with prescribed eigenstrain, and with a law of their own.
+        Regions in the body with prescribed eigenstrain, and regions with a material law.
     influences : tuple of SurfaceInfluence
-        Of the tractions on the body, the pressure first; none without a contact.
+        Influences of the tractions on the body, the pressure first; empty without a contact.
     recedes : bool
-        Whether the surface loses depth, so that linear inhomogeneities rise towards it.
+        Whether the surface wears, so that linear inhomogeneities rise towards it.
     initial : InitialState or None
         State of an earlier run at the start.
     beside : bool
-        Whether these are wholes beside cells of the same body, which stand for all else in it.
+        Whether the regions are whole inhomogeneities in a body that also has cells; the subsurface of the cells then
+        has all other properties of the body.
     wholes : Subsurface or None
-        Of the wholes beside these cells, among which their ground is of the material of the body.
+        Subsurface of the whole inhomogeneities beside these cells; the cells in their ground have the material of the
+        body.
     """
 
     half_space: HalfSpace
@@ -67,7 +69,7 @@ class Subsurface:
 
     @classmethod
     def of(cls, model: Model, body: int) -> Subsurface:
-        """Subsurface of a body (1 or 2) of a model, with eigenstrain in it."""
+        """Subsurface of a body (1 or 2) of a model, with the eigenstrain in it."""
         surface, numerics = model.interface, model.numerics
         half_space = HalfSpace(
             body=body,
@@ -110,7 +112,7 @@ class Subsurface:
 
     @property
     def in_cells(self) -> bool:
-        """Whether the program divides an inhomogeneity into cells."""
+        """Whether inhomogeneities are divided into cells."""
         return not self.beside and any(not source.whole for source in self.inhomogeneities)
 
     @cached_property
@@ -141,23 +143,23 @@ class Subsurface:
         return PrescribedField(self.half_space, self.prescribed, quantity, lattice, rows)
 
     def grown(self, lattice: Lattice) -> Subsurface:
-        """Subsurface with the cells of a yielding body in addition."""
+        """Subsurface with additional cells of a yielding body."""
         return replace(self, inhomogeneities=filling(self.inhomogeneities, lattice, beside=True))
 
     def with_cells(self, coords: Mapping[str, FloatArray]) -> Subsurface | None:
-        """Subsurface with the cells of stored results; None if the sources cannot have these cells."""
-        if _same(coords, self.coords):
+        """Subsurface with the cells of stored results; None if the sources are incompatible with these cells."""
+        if _agree(coords, self.coords):
             return self
         if not coords or not any(source.guessed for source in self.inhomogeneities):
             return None
-        # The box of an earlier step may be the smaller one: the lattice is the stored one, not a sum.
+        # The box of an earlier step may be smaller: the lattice is the stored one, not the union.
         lattice = lattice_of(coords, self.box.lattice.edges, self.half_space.grid)
         changed = replace(self, inhomogeneities=filling(self.inhomogeneities, lattice))
-        return changed if _same(coords, changed.coords) else None
+        return changed if _agree(coords, changed.coords) else None
 
 
 def subsurfaces_of(model: Model) -> list[Subsurface]:
-    """Subsurface of each body with eigenstrain; of a body with cells and wholes that of the cells, then the wholes'."""
+    """Subsurface of each body with eigenstrain; a body with cells and whole inhomogeneities has one for each."""
     blocks = []
     for body in sorted({source.body for source in model.sources}):
         subsurface = Subsurface.of(model, body)
@@ -165,7 +167,7 @@ def subsurfaces_of(model: Model) -> list[Subsurface]:
     return blocks
 
 
-def _same(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArray]) -> bool:
+def _agree(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArray]) -> bool:
     """Whether centres of cells agree to round-off."""
     return coords.keys() == other_coords.keys() and all(
         len(coords[axis]) == len(values)
@@ -174,7 +176,7 @@ def _same(coords: Mapping[str, FloatArray], other_coords: Mapping[str, FloatArra
     )
 
 
-class _Nothing(EigenstrainField):
+class _ZeroEigenstrain(EigenstrainField):
     """No eigenstrain."""
 
     key, references, uniform = "nothing", (), True
@@ -189,4 +191,4 @@ def ground_of(source: Inhomogeneity, matrix: Material) -> Inhomogeneity:
     law = matrix_law(matrix)
     rule = "below 0.5 in a body with cells around whole inclusions, or finer cells around inclusions"
     require(law is not None, f"body{source.body}", "poisson-ratio", matrix.poisson_ratio, rule)
-    return replace(source, law=cast("LinearLaw", law), field=_Nothing())
+    return replace(source, law=cast("LinearLaw", law), field=_ZeroEigenstrain())

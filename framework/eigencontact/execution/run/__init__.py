@@ -1,1 +1,1 @@
-"""The course of a run: load points, the driver, observers."""
+"""Course of a run: load points, the driver, observers."""

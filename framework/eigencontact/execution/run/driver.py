@@ -1,4 +1,4 @@
-"""Driving a plan through its load history; each accepted step is handed on at once."""
+"""Run a plan through its load history; each accepted step is yielded at once."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ __all__ = ["Watcher", "drive"]
 class Watcher(Protocol):
     """Observer of the progress of a run; its methods must be fast.
 
-    A watcher with a method ``step_took(seconds)`` is told, before `step_finished`, the time [s] of each block by name;
-    one with a method ``announced(text)`` is told what a run does before and after its load steps.
+    Optional methods: ``step_took(seconds)`` receives the time [s] of each block by name before `step_finished`;
+    ``announced(text)`` receives messages about work before and after the load steps.
     """
 
     def step_started(self, point: LoadPoint, total: int) -> None:
@@ -72,13 +72,13 @@ def drive(
     Parameters
     ----------
     plan : Plan
-        What to do.
+        Plan with the blocks.
     watcher : Watcher, optional
-        Told of the course.
+        Receives the progress of the run.
     stopwatch : Stopwatch, optional
-        Given the time of each block by its name, and of what the blocks build before the first step as ``set-up``.
+        Receives the time of each block by its name, and the set-up time before the first step as ``set-up``.
     done : mapping of int to callable
-        Steps already stored, by number; each is read by its callable when its turn comes and not yielded again.
+        Stored steps by number. The driver calls the function of a step to read it, and does not yield the step again.
 
     Yields
     ------
@@ -100,12 +100,12 @@ def drive(
         point, last = course.settled(point, last)
         course.passes(point, last)
         step = course.step(point, before, last)
-        spent = course.advance(step)
+        elapsed = course.advance(step)
         last, before = step.record(), point
         yield last
         report_times = getattr(watcher, "step_took", None)
         if report_times is not None:
-            report_times(spent)
+            report_times(elapsed)
         if watcher is not None:
             watcher.step_finished(last, total)
 
@@ -135,8 +135,8 @@ class _Course:
                 self._running = [(block, run.started(block.start)) for block in self._plan.blocks]
 
     def advance(self, step: Step, *, settling: bool = False) -> dict[str, float]:
-        """Advance all blocks, or those that settle alone, by a step; returns the time of each [s]."""
-        spent = dict[str, float]()
+        """Advance all blocks by a step, or only those that take part in settling; returns the time of each [s]."""
+        elapsed = dict[str, float]()
         for block, running in self._running:
             if settling and not block.settles:
                 continue
@@ -147,11 +147,11 @@ class _Course:
                 except DomainTooSmall as problem:
                     problem.step = step
                     raise
-            spent[block.name] = self._stopwatch.seconds[block.name] - before
-        return spent
+            elapsed[block.name] = self._stopwatch.seconds[block.name] - before
+        return elapsed
 
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
-        """Store the start values of a ramp at its first point; `last` is the step before."""
+        """Store the start values of a ramp at its first point; `last` is the previous step."""
         if last is not None and self.history.begins_ramp(point):
             self._ramp_start = start_of_ramp(last.scalars, self._previous_ramp(point))
 
@@ -177,8 +177,9 @@ class _Course:
     def settled(self, point: LoadPoint, last: StepRecord | None) -> tuple[LoadPoint, StepRecord | None]:
         """Point without cycles to skip before it, and the state at the end of the last skipped cycle.
 
-        The surfaces have moved by all of them at once. What slips on the way to the next state is not what a cycle
-        slips: the last of them is therefore gone through, each ramp in one increment, and not counted.
+        The surfaces move by the wear of all skipped cycles at once. The transition to the new contact state causes slip
+        that is not part of a regular cycle. The last skipped cycle is therefore solved with one increment per ramp, and
+        not counted.
         """
         ends = self.history.ends_of_cycle_before(point) if point.skipped else []
         if last is None or not ends:

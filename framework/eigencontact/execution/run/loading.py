@@ -26,7 +26,7 @@ from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["LoadHistory", "LoadPoint", "control_at", "start_of_ramp", "tangential_control_at"]
 
-#: Start and ends of the increments of a ramp, as parts of it; None where they are even.
+#: Starts and ends of the increments as fractions of a ramp; None for equal increments.
 Ends = tuple[float, ...] | None
 
 
@@ -37,19 +37,19 @@ class LoadPoint:
     Attributes
     ----------
     index : int
-        Number from 1 among those that are solved.
+        Number among the solved increments, from 1.
     time : float
-        Its place in the history with all cycles written out: 1 ends the first ramp.
+        Position in the history with all cycles expanded: time 1 is the end of the first ramp.
     ramp, number : int
-        Its ramp, each counted once however often it is repeated, and which increment of it, from 1.
+        Number of the ramp, where repetitions do not count, and number of the increment in it, from 1.
     fraction, before : float
-        Where in the ramp the increment ends, and where it begins.
+        Fractions of the ramp at the end and at the start of the increment.
     segment : Segment
-        Cycle, or plain step, that it belongs to.
+        Cycle or plain step that contains it.
     cycle : int
-        Which repeat, from 1.
+        Number of the repetition, from 1.
     skipped : int
-        Cycles between this point and the one before it that are not solved.
+        Number of skipped cycles between the previous point and this one.
     """
 
     index: int
@@ -69,18 +69,18 @@ class LoadPoint:
 
 
 class LoadHistory:
-    """Increments of a load history in sequence; the number of skipped cycles may depend on results.
+    """Increments of a load history in order; the number of skipped cycles may depend on results.
 
     Parameters
     ----------
     steps : sequence of Step
-        As of a scene.
+        Steps of a scene.
     friction : bool
-        Whether what a step does not mention stays as earlier steps left it.
+        Whether values without a prescription keep their value from earlier steps.
     growth : ContactGrowth, optional
-        Of the contact's radius; without it all increments are even in the loads.
+        Growth of the contact radius; without it all increments are equal in the loads.
     bulk : mapping of str to float, optional
-        Bulk stress before the first step [Pa], by name; zero where only steps prescribe it.
+        Bulk stress before the first step [Pa], by name; zero if only steps prescribe it.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class LoadHistory:
         self._bulk_at_rest, self._bulk = dict(bulk), held_bulk(ramps, bulk)
         graded = (frozenset[int](), frozenset[int]()) if growth is None else spaced_by_radius(steps, friction=friction)
         self._ends = _ends_of_increments(growth, self._ramps, graded[0])
-        # What a cycle does not mention is, from the second on, as its own end left it.
+        # From the second cycle on, values without a prescription keep their value from the end of the previous cycle.
         self._again: dict[int, tuple[Step, tuple[float, float], Ends, dict[str, float]]] = {}
         for segment in self._segments:
             cycle = ramps[segment.first : segment.first + segment.ramps]
@@ -131,10 +131,10 @@ class LoadHistory:
         return LoadPoint(index, float(time), ramp, number, before, fraction, segment, cycle, skipped)
 
     def ends_of_cycle_before(self, point: LoadPoint) -> list[LoadPoint]:
-        """Ends of the ramps of the cycle before that of a point, each reached in one increment.
+        """Ends of the ramps of the previous cycle, each reached in one increment.
 
-        The first of them has those cycles skipped before it that have been skipped before the point, and itself.
-        Empty where every ramp slides all over the contact: what happened before is then forgotten.
+        The first point counts the previous cycle and all cycles skipped before `point` as skipped. The list is empty if
+        every ramp slides the whole contact: the contact then has no memory of earlier motion.
         """
         segment, ends = point.segment, list[LoadPoint]()
         places = range(segment.first, segment.first + segment.ramps)
@@ -150,7 +150,7 @@ class LoadHistory:
         return point.number == 1
 
     def ramp(self, point: LoadPoint) -> Step:
-        """Ramp of a point with all prescribed values at its end; with friction it keeps values of earlier ramps."""
+        """Ramp of a point with all prescribed values at its end; with friction it includes values of earlier ramps."""
         return self._ramps[point.ramp] if point.cycle == 1 else self._again[point.ramp][0]
 
     def ramp_before(self, point: LoadPoint) -> Step | None:
@@ -169,7 +169,7 @@ class LoadHistory:
             return None
         begins = point.ramp == segment.first and (self.begins_ramp(point) or point.skipped > 0)
         return CyclePlace(
-            number=point.cycle, skipped=point.skipped, left=segment.repeat - point.cycle, begins=begins,
+            number=point.cycle, skipped=point.skipped, repeats_after=segment.repeat - point.cycle, begins=begins,
             ends=point.ends_cycle,
         )  # fmt: skip
 
@@ -188,7 +188,7 @@ class LoadHistory:
         return Slide(distance=distance, direction=((x1 - x0) / distance, (y1 - y0) / distance)) if distance else None
 
     def travel(self, point: LoadPoint) -> tuple[float, float]:
-        """Place (x, y) of the geometry [m] at a point; a ramp starts where the last one ended."""
+        """Position (x, y) of the geometry [m] at a point; a ramp starts at the end of the previous one."""
         end = self._places[point.ramp] if point.cycle == 1 else self._again[point.ramp][1]
         if point.fraction == 1.0:
             return end
@@ -200,7 +200,7 @@ class LoadHistory:
         return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
 
     def bulk(self, point: LoadPoint) -> dict[str, float]:
-        """Bulk stress [Pa] at a point, by name; a ramp starts where the last one ended."""
+        """Bulk stress [Pa] at a point, by name; a ramp starts at the end of the previous one."""
         end = self._bulk[point.ramp] if point.cycle == 1 else self._again[point.ramp][3]
         if point.fraction == 1.0:
             return end
@@ -217,13 +217,13 @@ class LoadHistory:
 
     @staticmethod
     def _before_again(point: LoadPoint) -> int:
-        """Ramp before that of a point in a repeated cycle."""
+        """Previous ramp of a point in a repeated cycle."""
         segment = point.segment
         return point.ramp - 1 if point.ramp > segment.first else segment.first + segment.ramps - 1
 
 
 def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], graded: Collection[int]) -> list[Ends]:
-    """Starts and ends of the increments of ramps, as fractions; None for increments even in the loads."""
+    """Starts and ends of the increments of ramps, as fractions; None for increments equal in the loads."""
     out: list[Ends] = [None] * len(ramps)
     for place in graded:
         control = None if place >= len(ramps) else normal_control(ramps[place])
@@ -236,14 +236,14 @@ def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], gra
 def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, float]:
     """Start values of a ramp: those of the last step, or the prescribed values with friction.
 
-    A solved load differs from the prescribed one by the tolerance; a load that is held shall not.
+    A solved load differs from the prescribed one by the tolerance; a constant load must not drift by that.
 
     Parameters
     ----------
     scalars : mapping of str to float
-        Of the last accepted step.
+        Scalars of the last accepted step.
     last : Step or None
-        Its ramp; None to take all values as they came out.
+        Ramp of this step; None to take all values from the scalars.
     """
     names = [name for pair in (*MODES, *TANGENTIAL_MODES) for name in pair]
     prescribed = {} if last is None else {name: getattr(last, name) for name in names}
@@ -251,16 +251,16 @@ def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, 
 
 
 def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Control:
-    """Control within a ramp: linear between the start state and the values of the step.
+    """Control within a ramp: linear between the start state and the prescribed values of the step.
 
-    What is controlled (load or approach, moment or tilt) is what the step gives; its start is the value that this
-    quantity had, prescribed or not, at the end of the ramp before.
+    The step prescribes the controlled quantity (load or approach, moment or tilt). Its start value is the value of this
+    quantity at the end of the previous ramp, prescribed or computed.
     """
     return Control(**_values(step, MODES, fraction, before))
 
 
 def tangential_control_at(step: Step, fraction: float, before: Mapping[str, float]) -> TangentialControl:
-    """Tangential control within a ramp; see `control_at`. Missing values are a motion of 0."""
+    """Tangential control within a ramp; see `control_at`. A quantity without a prescription has zero displacement."""
     return TangentialControl(**_values(step, TANGENTIAL_MODES, fraction, before))
 
 

@@ -1,4 +1,4 @@
-"""Observers: they compute numbers from every accepted step, which are stored with it."""
+"""Observers: they compute numbers from every accepted step, and the results store these numbers."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ class Observe(Stateless):
     Parameters
     ----------
     number : int
-        Among the observers of the scene.
+        Number among the observers of the scene.
     observing : Observing
     labels : iterable of str
         Regions of the scene.
     grid : Grid
-    seen : frozenset of str
-        Quantities that it waits for.
+    quantities : frozenset of str
+        Quantities that the observer requires.
     """
 
     def __init__(
-        self, number: int, observing: Observing, labels: Iterable[str], grid: Grid, seen: frozenset[str]
+        self, number: int, observing: Observing, labels: Iterable[str], grid: Grid, quantities: frozenset[str]
     ) -> None:
-        self.name, self.why = f"observer-{number}-{observing.key}", f"[[observers]] {observing.key!r}"
+        self.name, self.reason = f"observer-{number}-{observing.key}", f"[[observers]] {observing.key!r}"
         self._observer, self._prefix, self._key = observing.observer, observing.prefix, observing.key
         self._regions, self._grid = {label: label for label in labels}, grid
         self._regions |= {name: request.label for name, request in observing.regions.items()}
         regions = {f"stress:{label}" for label in self._regions.values()}
-        self.requires = seen | set(observing.observer.remembered) | regions
-        self.provides, self.wanted = frozenset({f"observed:{number}"}), {f"observed:{number}": self.why}
+        self.requires = quantities | set(observing.observer.remembered) | regions
+        self.provides, self.requesters = frozenset({f"observed:{number}"}), {f"observed:{number}": self.reason}
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
@@ -68,15 +68,15 @@ class Observe(Stateless):
             ) from problem
 
 
-def observers_of(model: Model, seen: frozenset[str]) -> Iterator[Block]:
-    """All observers of the scene and their regions; `seen` are the results that they need."""
+def observers_of(model: Model, quantities: frozenset[str]) -> Iterator[Block]:
+    """All observers of the scene and their regions; `quantities` are the results that they need."""
     from eigencontact.execution.fields.regions import region_of
 
     labels = [request.label for request in model.cells.requests]
     for number, observing in enumerate(model.observers):
         for request in observing.regions.values():
             yield region_of(model, request, f"[[observers]] {observing.key!r}")
-        yield Observe(number, observing, labels, model.grid, seen)
+        yield Observe(number, observing, labels, model.grid, quantities)
 
 
 def _region(record: RegionRecord) -> RegionView:

@@ -69,10 +69,10 @@ _LAYERS_LOST = tuple(
     for body in (1, 2)
 )
 
-#: Pressures under moved surfaces that a step needs, as the bundled scenes do: where the contact travels a cell at a
-#: time, where it slides, where it slides in cycles of which most are jumped over, and where it slips.
+#: Number of pressure solves on moved surfaces per step in the bundled scenes: contact that travels one cell at a time,
+#: sliding, sliding cycles with jumps, and slip.
 _TRAVELLING, _SLIDING, _JUMPING, _SLIPPING = 3, 9, 15, 1
-#: Time of one of them by that of a contact, as most start from a pressure near by.
+#: Time of such a solve relative to a contact solve: most start from a similar pressure.
 _NEAR = 0.6
 
 
@@ -89,7 +89,7 @@ class WornSeparation(Separation):
         model = wear.model
         super().__init__(wear.interface, wear.window.grid, travels=model.travels, slides=True)
         self._wear = wear
-        self.why += ", and what has worn"
+        self.reason += ", and what has worn"
         if model.slides:
             solves = _TRAVELLING if model.travels else _JUMPING if model.repeats else _SLIDING
             self.cost = wear.solves(solves)
@@ -122,7 +122,7 @@ class Wear(Block):
     exposed : Exposed or None
         Materials at the surface.
     numerics : Numerics
-        Of the contact.
+        Numerics of the contact.
     contact : callable
         `Block.start` of the block that solves the contact.
     """
@@ -145,19 +145,19 @@ class Wear(Block):
             *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
         )
         bodies = " and ".join(f"body {body}" for body in model.parts)
-        self.why = f"{bodies} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
+        self.reason = f"{bodies} wear{'s' if len(model.parts) == 1 else ''} by {model.law.key!r}"
         for body in layered:
             most = model.table.layer_error
-            self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
+            self.reason += f"; layers of body {body} have their mean thickness in contact, error at most {most:g}"
         slips = set() if interface.friction is None else {"slip_distance", "dissipated_energy_density"}
         self.requires = frozenset({"pressure", *slips})
-        self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
-        self.provides = frozenset(self.wanted)
+        self.requesters = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in model.parts)), "[wear]")
+        self.provides = frozenset(self.requesters)
         if not model.slides:
             self.cost = self.solves(_SLIPPING)
 
     def solves(self, count: float) -> Cost:
-        """Price of so many pressures a step; their memory is that of the contact."""
+        """Cost of `count` pressure solves per step; they share the memory of the contact."""
         contact = normal_cost(self.window.grid.shape, self.window.box, self._numerics)
         return Cost(seconds_per_step=_NEAR * count * contact.seconds_per_step)
 

@@ -1,4 +1,4 @@
-"""Warnings about wear: shifts that should move the contact, slopes, jumps over cycles, layers and regions below."""
+"""Warnings about wear: shifts instead of travel, slopes, jumps over cycles, layers and regions below the surface."""
 
 from __future__ import annotations
 
@@ -17,24 +17,25 @@ from eigencontact.scene.wear import Wear
 
 __all__ = ["shift_by_radius", "shift_that_wears", "wear_cautions", "worn_bodies"]
 
-#: Shift by the radius of the contact from which on it is warned of: the scar then is 9 % too short.
+#: Shift relative to the contact radius that causes a warning: the scar is then 9 % too short.
 _SHORT = 0.1
-#: Worn depth by the radius of the contact beyond which slopes count: strains by them are of that order.
+#: Worn depth relative to the contact radius that causes a warning about slopes: they cause strains of the same order.
 _DEEP = 0.1
-#: Error of the worn volume by jumps whose size was given, and cells to the window's edge by those of the contact.
+#: Error of the worn volume by jumps of prescribed size, and distance to the window's edge relative to the contact, in
+#: cells.
 _JUMPS, _GROWN = 1e-2, 0.05
-#: Error by layers that are taken as uniform, from which on it is warned of.
+#: Error by the assumption of uniform layers that causes a warning.
 _UNEVEN = 0.01
-#: Difference of the pressure after a slide from that found on the way, from which on it is warned of.
+#: Relative difference of the pressure after a slide from the pressure during it that causes a warning.
 _LAGS = 0.03
-#: Part of its depth by which a region may stay behind.
+#: Allowed worn depth above a fixed region, relative to the depth of the region.
 _STAYS = 0.05
 
 
 def shift_by_radius(model: Model) -> float:
     """Largest shift divided by the expected contact radius along it; 0 without a shift.
 
-    Infinite where no contact is expected.
+    Infinite if no contact is expected.
     """
     expected = model.window.expected
     extent = (0.0, 0.0) if expected is None else expected.extent
@@ -47,7 +48,7 @@ def shift_by_radius(model: Model) -> float:
 
 
 def shift_that_wears(model: Model) -> Iterator[Caution]:
-    """Warning about a shift of wearing surfaces that should move the contact."""
+    """Warning about a shift of wearing surfaces that is probably meant as travel."""
     ratio = shift_by_radius(model)
     if _SHORT < ratio < np.inf and model.interface is not None and not model.interface.measured:
         error = ratio / (1.0 + ratio)
@@ -62,7 +63,7 @@ def shift_that_wears(model: Model) -> Iterator[Caution]:
 def wear_cautions(
     table: Wear, model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]
 ) -> Iterator[Caution]:
-    """Warnings of worn slopes, of too large jumps over cycles, and of a contact near the window's edge."""
+    """Warnings about worn slopes, large jumps over cycles, and a contact near the window's edge."""
     for row in history:
         radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
         if row["max_worn_depth"] > _DEEP * radius > 0:
@@ -99,7 +100,7 @@ def wear_cautions(
 
 
 def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, float]]) -> Iterator[Caution]:
-    """Warnings of unevenly worn layers, and of regions that do not move with the worn surface."""
+    """Warnings about unevenly worn layers, and about regions that do not move with the worn surface."""
     error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
     if error >= _UNEVEN:
         words = (
@@ -118,7 +119,7 @@ def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, f
 
 
 def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
-    """First region that does not move with the surface: only regions of linear laws in cells move."""
+    """Warning about the first region that does not move with the surface: only regions of linear laws in cells move."""
     for source in model.sources:
         worn = last.fields.get(f"worn_depth_{source.body}")
         rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear

@@ -1,7 +1,8 @@
-"""Number of cycles that a solved cycle represents, by the allowed error of the worn volume.
+"""Number of cycles that a solved cycle represents, from the allowed error of the worn volume.
 
-The rate of a cycle goes on changing as it did between the last two solved ones; by how much the next solved cycle
-differs from that is the error of the jump, which grows with the square of its size relative to what it wears.
+The wear rate of a cycle is extrapolated linearly from the last two solved cycles. The difference between the next
+solved cycle and the extrapolation is the error of the jump. It grows with the square of the jump size, relative to the
+wear of the jump.
 """
 
 from __future__ import annotations
@@ -18,37 +19,37 @@ from eigencontact.scene.wear import Wear
 __all__ = ["MOST", "Jumps", "against_deflection", "ahead"]
 
 
-#: Largest wear of one update, in deflections of a loaded cell: the surface has long come to rest.
+#: Largest wear of one update, in deflections of a loaded cell: the worn shape has converged long before.
 MOST = 1e7
-#: Largest growth and fall of a jump from one to the next, and what it stays below the size that the error allows.
+#: Largest and smallest ratio of successive jumps, and safety factor on the size allowed by the error.
 _GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.95
-#: Part of the wear so far that may bear the error where the last cycles wear little.
+#: Fraction of the mean wear rate so far to which the error is relative, if the last cycles wear little.
 _OF_ALL = 0.5
-#: Cycles that say nothing about those after them.
+#: Number of first cycles that are not representative of later ones.
 _RUN_IN = 1
-#: Part of the stable explicit step (0.9 dx p / E*, or 0.8 times the deflection of a loaded cell) that is taken.
+#: Fraction of the stable explicit step (0.9 dx p / E*, or 0.8 times the deflection of a loaded cell).
 _STABLE = 0.4
 
 
 def ahead(memory: dict[str, FloatArray], cycles: float) -> Rate:
-    """Rate so many cycles after the last solved one; never less than nothing, nor more than twice."""
+    """Rate at a number of cycles after the last solved one, limited to between zero and twice the last rate."""
     rate = memory["rate"]
     return Rate(pressed=np.clip(rate + cycles * memory["slope"], 0.0, 2.0 * rate), steady=memory["steady"])
 
 
 def against_deflection(rate: Rate, pressure: FloatArray, softness: float) -> float:
-    """Largest worn depth of a cycle divided by the displacement of a cell by the largest pressure."""
+    """Largest worn depth of a cycle relative to the displacement of a cell by the largest pressure."""
     most = float(pressure.max()) * softness
     return float(rate.depth(pressure).max()) / most if most > 0 else 0.0
 
 
 class Jumps:
-    """The size of jumps.
+    """Size of jumps over cycles.
 
     Parameters
     ----------
     table : Wear
-        Error, or size, that the scene asks for.
+        Wear table with the allowed error, or with the size of jumps.
     grid : Grid
     softness : callable
         Deflection of a cell by a unit pressure on it [m/Pa].
@@ -68,24 +69,24 @@ class Jumps:
         *,
         in_its_end: bool,
     ) -> None:
-        """Set the next jump and its basis from a solved cycle: rate, energy, final pressure, peak.
+        """Set the next jump and its data from a solved cycle: rate, energy, final pressure, peak pressure.
 
-        `in_its_end` says that the surfaces move in the end of the cycle alone.
+        `in_its_end` states that the surfaces move only at the end of the cycle.
         """
         memory, last = state.memory, state.jump
         previous, slope, jump = memory.get("rate"), np.zeros_like(pressure), 1.0
         if previous is not None:
             slope = (rate.pressed - previous) / last
             expected = ahead(memory, last)
-            missed = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
-            missing = float(missed.sum()) * self._area
-            # Of a solved cycle the surfaces move in its end, unless they move with each increment.
+            mismatch = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
+            missing = float(mismatch.sum()) * self._area
+            # In a solved cycle the surfaces move at its end, unless they move with each increment.
             state.error += 0.5 * (last - (self._table.update == "increment")) * missing
             if in_its_end:
                 change = last * float((slope * pressure).sum()) * self._area
-                spent, before = float(energy.sum()), float(memory["cycle_energy"].sum())
-                fading = spent / before if before > 0 else 1.0
-                # The first change stands for the cycle before it as well, which begins where nothing has slipped.
+                work, before = float(energy.sum()), float(memory["cycle_energy"].sum())
+                fading = work / before if before > 0 else 1.0
+                # The first change also represents the cycle before it, which starts without slip.
                 state.lag = fading * state.lag - (0.5 if memory["slope"].any() else 1.0) * change
             jump = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
             if _regime(rate.pressed, pressure) != _regime(previous, pressure):
@@ -98,8 +99,8 @@ class Jumps:
         share = against_deflection(rate, pressure, self._softness)
         if share > 0:
             jump = min(jump, MOST / share)
-        state.jump = max(1, min(int(jump), cycle.left))
-        if state.cycles < _RUN_IN + 0.5:  # the first cycle begins where nothing has slipped
+        state.jump = max(1, min(int(jump), cycle.repeats_after))
+        if state.cycles < _RUN_IN + 0.5:  # the first cycle starts without slip
             state.memory, state.jump = updated(memory), 1
             return
         state.memory = updated(memory) | {
@@ -118,6 +119,6 @@ class Jumps:
 
 
 def _regime(rate: FloatArray, pressure: FloatArray) -> tuple[bool, bool]:
-    """Whether something, and whether everything, in contact wears."""
+    """Whether some, and whether all, cells in contact wear."""
     inside = rate[pressure > 0] > 0
     return bool(inside.any()), bool(inside.all())

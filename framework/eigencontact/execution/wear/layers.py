@@ -1,9 +1,9 @@
-"""Worn layers: their thickness in the kernels, and the error of a uniform thickness.
+"""Worn layers: layer thickness in the kernels, and error by the assumption of a uniform thickness.
 
-The kernels of a layered body are those of layers of uniform thickness. Where a body has lost a depth w(x, y), they are
-made for the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over
-all waves that the grid carries, between that answer and the answers of the least and of the most worn column. For
-moduli that rise or fall with depth throughout, the compliance of the worn layers lies between those two.
+The kernels of a layered body require layers of uniform thickness. For a body with a worn depth w(x, y), the program
+uses the mean of w over the contact, weighted by the pressure. The error is the largest relative difference, over all
+waves on the grid, between this response and the responses of the least and of the most worn column. If the moduli
+increase or decrease monotonically with depth, the compliance of the worn layers is between these two.
 """
 
 from __future__ import annotations
@@ -27,24 +27,25 @@ from eigencontact.plugin import LayeredMedium, Thinning
 __all__ = ["WornLayers", "layers_that_wear", "refuse_unworn_kernels"]
 
 
-#: Part of the error allowed by which the answer may change until kernels are made anew, some tenths of a second each.
+#: Fraction of the allowed error by which the response may change before new kernels are computed (some tenths of a
+#: second each).
 _SHARE = 0.1
-#: What to do where layers are not uniform enough.
+#: Remedy for layers of nonuniform thickness.
 _REMEDY = (
     'describe the layers by cells: [[inclusions]] with type = "cuboid" and a material, in a body with the constants of '
     "the substrate"
 )
-#: Waves that are compared.
+#: Number of waves for the comparison.
 _WAVES = 200
 
 
 def layers_that_wear(wear: WearModel, solids: Solids) -> dict[int, LayeredMedium]:
-    """Layered bodies that wear, by number.
+    """Layered bodies that wear, by number of the body.
 
     Raises
     ------
     SceneError
-        A medium that cannot lose a depth.
+        A medium does not support a worn depth.
     """
     candidates = {body: solids[body - 1] for body in wear.parts}
     media = {body: medium for body, medium in candidates.items() if isinstance(medium, LayeredMedium)}
@@ -58,12 +59,12 @@ def layers_that_wear(wear: WearModel, solids: Solids) -> dict[int, LayeredMedium
 
 
 def refuse_unworn_kernels(model: Model) -> None:
-    """Refuse an output whose kernels do not follow the layers.
+    """Refuse an output with kernels that do not follow the worn layers.
 
     Raises
     ------
     SceneError
-        Displacement along the surface without friction, of layers that wear.
+        Displacement along the surface without friction is requested for layers that wear.
     """
     assert model.wear is not None
     assert model.interface is not None
@@ -76,32 +77,32 @@ def refuse_unworn_kernels(model: Model) -> None:
 
 
 class WornLayers:
-    """Layer thickness in the kernels of a contact, from step to step, from stored records.
+    """Layer thickness in the kernels of a contact, updated from step to step, from stored records.
 
     Parameters
     ----------
     media : mapping of int to LayeredMedium
         Layered bodies that wear.
     interface : Interface
-        With unworn layers.
+        Interface with unworn layers.
     grid : Grid
     allowed : float
-        Relative error of the answer that is allowed.
+        Allowed relative error of the response.
 
     Attributes
     ----------
     solids : Solids
-        Solids with layers of the thickness in the kernels.
+        Solids with the layer thickness of the kernels.
     """
 
     def __init__(self, media: Mapping[int, LayeredMedium], interface: Interface, grid: Grid, allowed: float) -> None:
         self._media, self._interface, self._allowed = media, interface, allowed
-        self._lost, self.solids = dict.fromkeys(media, 0.0), interface.solids
+        self._depths, self.solids = dict.fromkeys(media, 0.0), interface.solids
         reach, finest = max(grid.sides), min(grid.edges)
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
     def begin(self, step: Step, state: WornState) -> None:
-        """Kernels of the last step, or for its worn surfaces if they have changed since."""
+        """Use the kernels of the last step, or new ones if its worn surfaces have changed since."""
         last = step.previous
         worn_depths = {body: 0.0 if last is None else last.scalars[f"layer_lost_{body}"] for body in self._media}
         self._use(worn_depths)
@@ -109,44 +110,44 @@ class WornLayers:
             self.follow(state, last.fields["pressure"])
 
     def follow(self, state: WornState, pressure: FloatArray) -> None:
-        """Kernels for the mean worn depth under a pressure, if it changes their response enough."""
+        """Use kernels for the mean worn depth under a pressure, if they change the response enough."""
         if not pressure.any():
             return
-        mean = {body: float(np.average(state.seen(body), weights=pressure)) for body in self._media}
-        if self._change(self._lost, mean) > _SHARE * self._allowed:
+        mean = {body: float(np.average(state.in_window(body), weights=pressure)) for body in self._media}
+        if self._change(self._depths, mean) > _SHARE * self._allowed:
             self._use(mean)
 
     def end(self, step: Step, state: WornState) -> None:
-        """Thickness and error into a step.
+        """Store thickness and error in the step.
 
         Raises
         ------
         SceneError
-            The error is larger than allowed.
+            The error exceeds the allowed error.
         """
         loaded = step.fields["pressure"] > 0
-        error, most = 0.0, {body: float(state.seen(body).max()) for body in self._media}
+        error, most = 0.0, {body: float(state.in_window(body).max()) for body in self._media}
         if loaded.any():
-            least = {body: float(state.seen(body)[loaded].min()) for body in self._media}
-            error = max(self._change(self._lost, least), self._change(self._lost, most))
+            least = {body: float(state.in_window(body)[loaded].min()) for body in self._media}
+            error = max(self._change(self._depths, least), self._change(self._depths, most))
         if not error <= self._allowed:
             deepest = max(most, key=most.__getitem__)
             raise SceneError(
-                f"wear.layer-error must hold for layers that are taken as uniform (got an error of {error:.2g} in step "
-                f"{step.index}, allowed {self._allowed:g}: body {deepest} has lost up to "
-                f"{readable(most[deepest], 'm')}, in the kernels {readable(self._lost[deepest], 'm')}); {_REMEDY}; or "
-                "allow more, or wear in smaller increments"
+                f"wear.layer-error = {self._allowed:g} must be at least the error by layers of uniform thickness (got "
+                f"{error:.2g} in step {step.index}: body {deepest} is worn by up to {readable(most[deepest], 'm')}, "
+                f"its layers in the kernels by {readable(self._depths[deepest], 'm')}); {_REMEDY}; or increase "
+                "wear.layer-error, or use smaller increments"
             )
-        step.scalars |= {f"layer_lost_{body}": lost for body, lost in self._lost.items()}
+        step.scalars |= {f"layer_lost_{body}": depths for body, depths in self._depths.items()}
         step.scalars["layer_error"] = error
 
-    def _use(self, lost: Mapping[int, float]) -> None:
-        if lost != self._lost:
-            self._lost, self.solids = dict(lost), self._thinned(lost)
+    def _use(self, depths: Mapping[int, float]) -> None:
+        if depths != self._depths:
+            self._depths, self.solids = dict(depths), self._thinned(depths)
 
-    def _thinned(self, lost: Mapping[int, float]) -> Solids:
-        """Solids whose surfaces have lost uniform depths."""
-        thin = {body: medium.thinned(lost[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
+    def _thinned(self, depths: Mapping[int, float]) -> Solids:
+        """Solids after uniform worn depths of their surfaces."""
+        thin = {body: medium.thinned(depths[body]) for body, medium in self._media.items()}  # type: ignore[attr-defined]
         first, second = (thin.get(number, body) for number, body in enumerate(self._interface.solids, 1))
         return first, second
 

@@ -14,32 +14,32 @@ from eigencontact.plugin.wear import checked_depth
 __all__ = ["Rate", "energy_of", "filled", "quotient", "rate_of"]
 
 
-#: Relative change of pressure, shear and energy by which the derivative of a law is taken.
+#: Relative change of pressure, shear and energy for the derivative of a law.
 _NUDGE = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Rate:
-    """Depth that a cycle, or an increment, wears.
+    """Worn depth per cycle, or per increment.
 
     Attributes
     ----------
     pressed : (ny, nx)
-        By pressure [m/(Pa cycle)].
+        Depth per pressure [m/(Pa cycle)].
     steady : (ny, nx)
-        Whatever the pressure [m/cycle].
+        Depth independent of the pressure [m/cycle].
     """
 
     pressed: FloatArray
     steady: FloatArray
 
     def depth(self, pressure: FloatArray) -> FloatArray:
-        """Depth by one cycle under a pressure [m]."""
+        """Worn depth of one cycle under a pressure [m]."""
         return self.pressed * pressure + self.steady
 
     @property
     def any(self) -> bool:
-        """Whether anything wears."""
+        """Whether the rate is nonzero in any cell."""
         return bool(self.pressed.any() or self.steady.any())
 
 
@@ -51,14 +51,15 @@ def rate_of(law: WearLaw, state: WearState) -> Rate:
         names = ("pressure", "shear", "energy")
         nudged = replace(state, **{name: (1.0 + _NUDGE) * getattr(state, name) for name in names})
         change = np.maximum(checked_depth(law, nudged) - depth, 0.0)
-        # What a threshold lets through grows faster than in proportion; no place may grow back at a lower pressure.
+        # Beyond a threshold the wear grows faster than in proportion to the pressure. The slope is limited, so that no
+        # lower pressure gives negative wear.
         slope = np.minimum(quotient(change, _NUDGE * state.pressure, loaded), slope)
         return filled(Rate(pressed=slope, steady=np.maximum(depth - slope * state.pressure, 0.0)), loaded)
     return filled(Rate(pressed=slope, steady=np.where(loaded, 0.0, depth)), loaded)
 
 
 def filled(rate: Rate, loaded: NDArray[np.bool_]) -> Rate:
-    """Rate by pressure also where nothing touches yet: that of the nearest cell in contact."""
+    """Rate with the pressure-proportional part also in cells without contact: that of the nearest cell in contact."""
     return replace(rate, pressed=_nearest(rate.pressed, loaded))
 
 
@@ -70,9 +71,10 @@ def energy_of(added: FloatArray, depth: FloatArray, energy: FloatArray, cycles: 
     added : (ny, nx)
         Depth [m].
     depth, energy : (ny, nx)
-        What a solved cycle wore and spent: their ratio holds; where it wore nothing, its energy does.
+        Worn depth and friction work of a solved cycle. Their ratio is constant; cells without wear have the energy
+        itself.
     cycles : float
-        That the added depth took.
+        Number of cycles of the added depth.
     """
     worn = depth > 0
     ratio = _nearest(quotient(energy, depth, worn), worn)
@@ -85,7 +87,7 @@ def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> Fl
 
 
 def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
-    """Values, with those of the nearest known cell in all other cells."""
+    """Values with those of the nearest valid cell in all other cells."""
     if valid.all() or not valid.any():
         return values
     from scipy.ndimage import distance_transform_edt

@@ -1,4 +1,4 @@
-"""State of wearing surfaces between steps, in stored records and during a step."""
+"""State of wearing surfaces, in stored records and during a step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from eigencontact.results.records import HistoryRecord, StepRecord
 __all__ = ["WornState", "recalled", "store", "updated"]
 
 
-#: Digits after the point of a number of cells: a whole number of them smears nothing.
+#: Decimals of a shift in cells: a shift by whole cells needs no interpolation.
 _DIGITS = 9
 #: Stored state of wear: unit and meaning.
 _REMEMBERED = {
@@ -40,28 +40,29 @@ _REMEMBERED = {
 class WornState:
     """Worn depth of both surfaces, of which at least one wears; arrays are (ny, nx).
 
-    Body 1 rests in the window, and body 2 moves with the geometry. What body 2 has lost is therefore kept in
-    coordinates that move with it, and is carried into the window by linear interpolation. What it loses in the window
-    is carried back by the adjoint of that, so that no volume is lost. The frame closes on itself: a contact is smaller.
+    Body 1 is fixed in the window; body 2 moves with the geometry. The worn depth of body 2 is stored in coordinates
+    that move with it, and interpolated linearly into the window. New worn depth in the window is transferred back by
+    the adjoint of this interpolation, which conserves volume. The frame is periodic; the contact is smaller than a
+    period.
 
     Attributes
     ----------
     depth : dict of int to array
-        Lost by each body that wears, in its own coordinates [m].
+        Worn depth of each body that wears, in its own coordinates [m].
     energy : array
-        Work of friction so far, that of skipped cycles included [J/m²].
+        Friction work so far, skipped cycles included [J/m²].
     cells : (float, float)
-        By which body 2 has moved along x and y.
+        Displacement of body 2 along x and y, in cells.
     memory : dict of str to array
-        Values at the start of the cycle in progress, and rates of the last solved one.
+        Values at the start of the present cycle, and rates of the last solved cycle.
     error : float
-        Estimated error of the worn volume by jumps so far [m³].
+        Estimated error of the worn volume by all jumps so far [m³].
     lag : float
-        Estimated error of the worn volume by surfaces that move once a cycle [m³], negative where they lose too little.
+        Estimated error of the worn volume because surfaces move once per cycle [m³]; negative for too little wear.
     cycles : float
-        Cycles done.
+        Number of completed cycles.
     jump : int
-        Cycles that the last solved one stands for.
+        Number of cycles represented by the last solved cycle.
     """
 
     depth: dict[int, FloatArray]
@@ -76,15 +77,15 @@ class WornState:
     @property
     def total(self) -> FloatArray:
         """Worn depth of both bodies together, at their present positions [m]."""
-        return np.asarray(sum(self.seen(body) for body in self.depth))
+        return np.asarray(sum(self.in_window(body) for body in self.depth))
 
     @property
-    def lost(self) -> FloatArray:
-        """Worn depth of both bodies, each in its own coordinates [m]: for volumes, and for positions in a cycle."""
+    def sum_of_depths(self) -> FloatArray:
+        """Worn depth of both bodies, each in its own coordinates [m]: for volumes and the start of a cycle."""
         return np.asarray(sum(self.depth.values()))
 
-    def seen(self, body: int) -> FloatArray:
-        """Depth lost by a body, in coordinates of the window [m]."""
+    def in_window(self, body: int) -> FloatArray:
+        """Worn depth of a body, in coordinates of the window [m]."""
         return carried(self.depth[body], self.cells) if body == 2 else self.depth[body]
 
     def wear(self, added: FloatArray, parts: Mapping[int, float]) -> None:
@@ -97,7 +98,7 @@ class WornState:
 def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
     """Values ``(ny, nx)`` shifted by cells along x and y, by linear interpolation, periodic at the border.
 
-    The sum stays, and the way back is the adjoint.
+    The sum is conserved; the reverse shift is the adjoint.
 
     Examples
     --------
@@ -115,16 +116,16 @@ def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
 
 
 def updated(memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
-    """Memory that persists after a cycle: the motion of the surfaces at its end."""
+    """Entries of the memory that persist after a cycle: the motion of the surfaces at its end."""
     return {"update": memory["update"]} if "update" in memory else {}
 
 
 def recalled(
     last: StepRecord | None, bodies: Mapping[int, float], grid: Grid, travel: tuple[float, float] | None
 ) -> WornState:
-    """State after the last accepted step, from its record; of unworn surfaces before the first.
+    """State after the last accepted step, from its record; unworn surfaces before the first step.
 
-    Body 2 has come to `travel` [m] meanwhile; None where it never moves.
+    `travel` is the new position of body 2 [m]; None if it never moves.
     """
     zero, cells = np.zeros(grid.shape), (0.0, 0.0)
     if travel is not None:
@@ -150,10 +151,10 @@ def recalled(
 
 
 def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) -> None:
-    """Store fields, numbers and state in a step; `travels` if body 2 moves."""
+    """Store fields, numbers and state in a step; `travels` states that body 2 moves."""
     total, area = state.total, grid.cell_area
     body2_depth = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
-    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}
+    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.in_window(body) for body in state.depth}}
     volume = float(total.sum()) * area
     step.scalars |= {
         "worn_volume": volume,
@@ -166,7 +167,7 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
     }
     coords = {"y": grid.y, "x": grid.x}
     for name, values in {"total_energy": state.energy, **body2_depth, **state.memory}.items():
-        if name == "steady" and not values.any():  # as where a contact stays as large as it is
+        if name == "steady" and not values.any():  # for example for a contact of constant size
             continue
         unit, meaning = _REMEMBERED[name]
         step.history[f"wear_{name}"] = HistoryRecord(

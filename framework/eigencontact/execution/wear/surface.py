@@ -1,8 +1,8 @@
-"""Surfaces that wear: moved by each increment, by a cycle, or by many cycles at once.
+"""Wearing surfaces: they move by each increment, by a cycle, or by many cycles at once.
 
-A surface that has lost depth is pressed less. An update therefore takes what the pressure wears by the pressure that is
-left on the way: with a rate k [m/(Pa cycle)] that stays, ``dw/dN = k p(w)`` is integrated by
-`eigencontact.solvers.moving_surface`, whose steps are implicit and have no largest stable size.
+The pressure on a surface decreases while it wears. An update therefore uses the pressure during the wear: for a
+constant rate k [m/(Pa cycle)], `eigencontact.solvers.moving_surface` integrates ``dw/dN = k p(w)`` by implicit steps,
+which have no stability limit.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from eigencontact.solvers.moving_surface import moved
 __all__ = ["MovedContact", "WornSurface"]
 
 
-#: Part of the error of a jump that the integration at a fixed rate may make.
+#: Fraction of the error of a jump for the integration at a fixed rate.
 _INTEGRATION = 0.1
-#: Times that a way is halved on which another material comes to the surface.
+#: Largest number of halvings of a sliding path that exposes another material.
 _HALVINGS = 7
-#: Part of the depth so far that its error is relative to where less is added.
+#: The error is relative to the added depth, but to no less than this fraction of the total worn depth.
 _LEAST = 0.02
 
 
@@ -59,13 +59,13 @@ class MovedContact(Protocol):
 
 
 class WornSurface:
-    """Wearing surfaces, from step to step, from stored records.
+    """Wearing surfaces, updated from step to step, from stored records.
 
     Parameters
     ----------
     wear : WearModel
     interface : Interface
-        With unworn layers.
+        Interface with unworn layers.
     grid : Grid
     exposed : Exposed or None
         Materials at the surface.
@@ -85,13 +85,13 @@ class WornSurface:
         self._opening = wear.table.error or 1e-2
         self._tolerance = _INTEGRATION * self._opening
         self._by_material = any(isinstance(law, NamesMaterials) for law in (self._law, self._friction))
-        # Within a cycle surfaces move by increments that move them at once, and by sliding.
+        # Within a cycle, increments with immediate update and sliding move the surfaces.
         self._within = self._at_once or wear.slides
 
     @property
-    def lost(self) -> dict[int, FloatArray]:
-        """Depth ``(ny, nx)`` [m] that each body that wears has lost, in coordinates of the window."""
-        return {body: self._state.seen(body) for body in self._state.depth}
+    def worn_depths(self) -> dict[int, FloatArray]:
+        """Worn depth ``(ny, nx)`` [m] of each body that wears, in coordinates of the window."""
+        return {body: self._state.in_window(body) for body in self._state.depth}
 
     @property
     def solids(self) -> Solids | None:
@@ -102,12 +102,12 @@ class WornSurface:
     def _exposed_facts(self) -> dict[str, Any]:
         """Exposed material, for the states of laws."""
         exposed = self._exposed
-        return {} if exposed is None else exposed_facts(exposed, exposed.at(self.lost.get(exposed.body)))
+        return {} if exposed is None else exposed_facts(exposed, exposed.at(self.worn_depths.get(exposed.body)))
 
     def begin(self, step: Step) -> Surface:
         """Surfaces at the start of a step, from unworn surfaces at the same position.
 
-        Cycles that are skipped before the step wear the surfaces, and so does what it slides all over the contact.
+        Skipped cycles before the step wear the surfaces, and sliding of the whole contact during the step as well.
         """
         travel = step.travel if self._travels else None
         self._new, self._state = step.surface, recalled(step.previous, self._parts, self._grid, travel)
@@ -122,15 +122,15 @@ class WornSurface:
             self._note_start(step)
         if slide is not None and not (cycle is not None and cycle.settling):
             self._slide(step, slide.distance)
-        return replace(self._worn_by(self._state.total), lost=self.lost, moved=moved)
+        return replace(self._worn_by(self._state.total), worn_depths=self.worn_depths, moved=moved)
 
     def _worn_by(self, depth: FloatArray) -> Surface:
-        """Surfaces that have lost a depth ``(ny, nx)`` [m] together."""
+        """Surfaces after a common worn depth ``(ny, nx)`` [m]."""
         assert self._new.separation is not None
         return replace(self._new, separation=self._new.separation + depth, solids=self.solids)
 
     def advance(self, step: Step) -> None:
-        """Wear by the slip of a solved step, or by the cycle that it ends; stores the results in the step."""
+        """Wear by the slip of a solved step, or by the cycle that ends with it; stores the results in the step."""
         cycle, memory = step.cycle, self._state.memory
         if cycle is not None and cycle.settling:
             store(self._state, step, self._grid, travels=self._travels)
@@ -141,11 +141,11 @@ class WornSurface:
         peak = _peak(step, memory)
         if "start_slip" in memory:
             memory["peak_pressure"] = peak
-        slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
+        slip, energy = (_increase(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.surface.slide is not None:
             missed = float(np.abs(step.fields["pressure"] - self._expected).sum())
             step.scalars["wear_lag"] = missed / max(float(self._expected.sum()), np.finfo(float).tiny)
-            if "start_slip" in memory:  # it has worn already
+            if "start_slip" in memory:  # the increment has already worn the surfaces
                 memory["start_slip"] = memory["start_slip"] + slip
                 memory["start_dissipated"] = memory["start_dissipated"] + energy
         elif at_once:
@@ -161,11 +161,11 @@ class WornSurface:
             step.scalars["energy_volume_residual"] = missing / volume if volume > 0 else 0.0
 
     def _note_start(self, step: Step) -> None:
-        """Values at the start of a cycle."""
+        """Store the values at the start of a cycle."""
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
         if self._within:
-            state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
+            state.memory |= {"start_depth": state.sum_of_depths, "start_energy": state.energy}
         if self._travels and 2 in state.depth:
             state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
@@ -173,7 +173,7 @@ class WornSurface:
             state.memory["start_dissipated"] = fields.get("dissipated_energy_density", zero)
 
     def _skip(self, step: Step, cycles: int) -> None:
-        """Wear by the cycles between the last solved one and this, under the load that the last one ended with."""
+        """Wear by the cycles between the last solved one and this step, under the load at the end of the last one."""
         last = step.previous
         assert last is not None
         assert step.control is not None
@@ -190,7 +190,7 @@ class WornSurface:
         self._state.cycles += cycles
 
     def _repeat(self, cycles: int) -> None:
-        """Wear by cycles with the wear of the last one at any pressure; each body in its own coordinates."""
+        """Wear by `cycles` repetitions of the last cycle at any pressure; each body in its own coordinates."""
         state, memory = self._state, self._state.memory
         second = memory.get("steady_2", 0.0)
         depth_of = {1: memory["steady"] - second, 2: second}
@@ -201,7 +201,7 @@ class WornSurface:
     def _slide(self, step: Step, distance: float, halvings: int = _HALVINGS) -> None:
         """Wear by sliding of the whole contact, with the pressure at the end of the step.
 
-        A way on which too much would be worn off a material that is not exposed at its start is halved.
+        A path that would remove too much of a material not exposed at its start is halved.
         """
         assert step.control is not None
         fields = {} if step.previous is None else step.previous.fields
@@ -215,7 +215,7 @@ class WornSurface:
             )
             shear = checked_shear_bound(self._friction, state)
         slip, zero = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
-        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, zero, shear * slip))
+        rate = rate_of(self._law, self._law_state(step, pressure, shear, slip, zero, shear * slip))
         if halvings and self._overshoot(rate.depth(pressure)) > self._opening:
             for _ in range(2):
                 self._slide(step, 0.5 * distance, halvings - 1)
@@ -229,14 +229,14 @@ class WornSurface:
     def _wear(
         self, step: Step, slip: FloatArray, energy: FloatArray, peak: FloatArray, *, amplitude: float
     ) -> tuple[Rate, FloatArray]:
-        """Wear by a solved increment or cycle, with its rate and energy.
+        """Wear by a solved increment or cycle; returns its rate and energy.
 
-        `amplitude` is that of the slip by its path. A cell that nothing presses in the end has lost no more than the
-        deflection under its largest pressure `peak`: then it was free.
+        `amplitude` is the slip amplitude relative to the slip path. The worn depth of cells without final pressure is
+        at most the deflection under their largest pressure `peak`: at this depth they lose contact.
         """
         pressure, fields = step.fields["pressure"], step.fields
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
-        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
+        rate = rate_of(self._law, self._law_state(step, pressure, shear, slip, amplitude * slip, energy))
         depth = rate.depth(pressure)
         rate = replace(rate, steady=np.minimum(rate.steady, self._contact.softness(self.solids) * peak))
         assert step.control is not None
@@ -248,18 +248,18 @@ class WornSurface:
         return rate, energy_of(rate.depth(pressure), depth, energy, 1.0)
 
     def _end_cycle(self, step: Step, cycle: CyclePlace, peak: FloatArray) -> None:
-        """Wear by a whole cycle, and the number of cycles that it represents."""
+        """Wear by a whole cycle, and set the number of cycles that it represents."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
-        within = self._within and not np.array_equal(state.lost, memory["start_depth"])
+        within = self._within and not np.array_equal(state.sum_of_depths, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             slip = step.fields["slip_distance"] - memory["start_slip"]
             rate, energy = self._wear(step, slip, energy, peak, amplitude=0.25)
         state.cycles += 1.0
         if rate is None or within:
-            # Something wore within the cycle: all of it together is what a cycle wears.
-            depth, energy = state.lost - memory["start_depth"], state.energy - memory["start_energy"]
+            # The surfaces moved within the cycle: the total worn depth of the cycle counts.
+            depth, energy = state.sum_of_depths - memory["start_depth"], state.energy - memory["start_energy"]
             loaded = (pressure > 0) & (not self._travels)
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
@@ -269,19 +269,19 @@ class WornSurface:
         )
         while state.jump > 1 and self._overshoot(state.jump * rate.depth(pressure)) > self._opening:
             state.jump //= 2
-        if cycle.left == 0:  # the last jump has its error too, and no other follows
+        if cycle.repeats_after == 0:  # the last jump has an error as well, and no other jump follows
             state.memory, state.jump = updated(memory), 1
         elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
 
     def _overshoot(self, depth: FloatArray) -> float:
-        """Fraction of a worn depth [m] below the exposed material, by volume; 0 if materials share a law."""
+        """Fraction of a worn depth [m] below the exposed material, by volume; 0 if one law serves all materials."""
         exposed = self._exposed
         if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
             return 0.0
-        return exposed.share_below(self.lost[exposed.body], self._parts[exposed.body] * depth)
+        return exposed.share_below(self.worn_depths[exposed.body], self._parts[exposed.body] * depth)
 
-    def _seen(
+    def _law_state(
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
         energy: FloatArray,
     ) -> WearState:  # fmt: skip
@@ -297,17 +297,17 @@ class WornSurface:
         self, control: Control, fields: Mapping[str, FloatArray], rate: Rate, cycles: int, depth: FloatArray,
         energy: FloatArray, pressure: FloatArray,
     ) -> FloatArray:  # fmt: skip
-        """Move the surfaces by a number of cycles of a rate; the solved cycle has a depth and an energy.
+        """Move the surfaces by a number of cycles of a rate; `depth` and `energy` are those of the solved cycle.
 
-        Returns the pressure under them.
+        Returns the pressure on the moved surfaces.
         """
         state, added = self._state, np.zeros_like(pressure)
         least = _LEAST * float(state.total.sum())
         self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
             motion = moved(
-                lambda lost, springs, start: self._contact.pressed(
-                    self._worn_by(lost), control, fields, springs, start
+                lambda depth_so_far, springs, start: self._contact.pressed(
+                    self._worn_by(depth_so_far), control, fields, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
@@ -319,7 +319,7 @@ class WornSurface:
         return pressure
 
     def _refuse_too_much(self, rate: Rate, cycles: int, pressure: FloatArray) -> None:
-        """Refuse a worn depth beyond the resolution of the numbers compared with the deflection."""
+        """Refuse a worn depth that exceeds the deflection by more than the resolution of floating-point numbers."""
         share = cycles * against_deflection(rate, pressure, self._contact.softness(self.solids))
         if share > 10.0 * MOST:
             raise SceneError(
@@ -329,15 +329,15 @@ class WornSurface:
             )
 
 
-def _grown(step: Step, name: str) -> FloatArray:
-    """Growth of a cumulative field in a step."""
+def _increase(step: Step, name: str) -> FloatArray:
+    """Increase of a cumulative field in a step."""
     if name not in step.fields:
         return np.zeros_like(step.fields["pressure"])
     return step.fields[name] if step.previous is None else step.fields[name] - step.previous.fields[name]
 
 
 def _peak(step: Step, memory: Mapping[str, FloatArray]) -> FloatArray:
-    """Largest pressure of each cell in a step, or so far in its cycle [Pa]."""
+    """Largest pressure of each cell in a step, or so far in the present cycle [Pa]."""
     peak = step.fields["pressure"]
     if step.previous is not None:
         peak = np.maximum(peak, step.previous.fields["pressure"])

@@ -1,4 +1,4 @@
-"""Text of a plan about wear: law, motion of the surfaces, cycles, and omitted effects."""
+"""Text of a plan about wear: law, motion of the surfaces, cycles, and neglected effects."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
     if len(table.parts) > 1:
         bodies = " and ".join(f"body {body} by {share:.3g} of the depth" for body, share in table.parts.items())
     words = ", ".join(text for text in (law.key, sizes(law)) if text)
-    how = "implicit in the pressure" + ("" if law.linear_in_pressure else ", linearised")
+    method = "implicit in the pressure" + ("" if law.linear_in_pressure else ", linearised")
     cycles = any(step.cycle is not None for step in steps)
     when = "at the end of each cycle" if cycles and table.update == "cycle" else "by each increment"
-    lines = [f"wear        {bodies}: {words}", f"            the surface moves {when}, {how}"]
+    lines = [f"wear        {bodies}: {words}", f"            the surface moves {when}, {method}"]
     repeats = [step.repeat for step in steps if step.repeat > 1]
-    return [*lines, *(f"            {repeat} cycles, {_solved(repeat, table)}" for repeat in repeats)]
+    return [*lines, *(f"            {repeat} cycles, {_solved_cycles(repeat, table)}" for repeat in repeats)]
 
 
-def _solved(repeat: int, table: Wear) -> str:
+def _solved_cycles(repeat: int, table: Wear) -> str:
     """Number of solved cycles in words."""
     solved = table.solved_cycles(repeat)
     if solved == repeat:
@@ -43,7 +43,7 @@ def _solved(repeat: int, table: Wear) -> str:
 
 
 def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
-    """Effects that wear leaves out."""
+    """Effects that the wear model neglects."""
     out = [
         LeftOut("debris, a third body and transfer", "wear removes material, and the model deposits none"),
         LeftOut(

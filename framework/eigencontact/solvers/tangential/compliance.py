@@ -39,7 +39,7 @@ class MatrixOperator:
     grid : Grid
         Cells.
     coefficients : mapping of (str, str) to ParityCoefficients
-        By directions of displacement and traction; what is missing is zero.
+        Keyed by directions of displacement and traction; missing pairs are zero.
     targets, sources : str
         Directions of the displacements and of the tractions, in the order of the arrays: ``"xy"``.
     options : SolverOptions
@@ -64,7 +64,7 @@ class MatrixOperator:
         self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
         self._preconditioners: dict[Box, Any] = {}
         self._diagonal: dict[str, Compliance] = {}
-        #: Times that all displacements were computed.
+        #: Number of computations of all displacements.
         self.applications = 0
 
     def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
@@ -78,14 +78,14 @@ class MatrixOperator:
         return np.asarray(convolver.apply(tractions, kernels), dtype=float)
 
     def unit(self) -> float:
-        """Displacement of one cell under a unit traction along the first direction [m/Pa]."""
+        """Displacement of one cell by a unit traction along the first direction [m/Pa]."""
         if self._unit is None:
             pair = (self.targets[0], self.sources[0])
             self._unit = float(sampled(self._coefficients[pair], self.grid, 1, 1)[0, 0])
         return self._unit
 
     def _make(self, source: Box, target: Box) -> tuple[Convolver, list[list[Spectrum | None]]]:
-        if self.options.periodic:  # shifts between boxes of one period are rolls; the whole window is as cheap
+        if self.options.periodic:  # shifts between boxes of a period are cyclic; the whole window costs the same
             layout = Layout(self.grid.shape, self.grid.shape, periodic=True)
         else:
             layout = layout_between(source, target)
@@ -112,8 +112,8 @@ class MatrixOperator:
     def _table(self, pair: Pair, ny: int, nx: int) -> FloatArray:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once for the window.
 
-        Values differ in the last bit with the number of offsets that they are sampled at: were there fewer at first, a
-        resumed run would differ from one that met smaller contacts before.
+        Values depend in the last bit on the number of offsets sampled together. With fewer offsets at first, a resumed
+        run would differ from one that had smaller contacts before.
         """
         table = self._tables.get(pair, np.empty((0, 0)))
         if table.shape[0] < ny or table.shape[1] < nx:
@@ -122,7 +122,7 @@ class MatrixOperator:
         return table[:ny, :nx]
 
     def precondition(self, displacements: FloatArray, box: Box) -> FloatArray:
-        """Rough inverse of the diagonal terms on a box, in units of one over `unit`."""
+        """Approximate inverse of the diagonal terms on a box, in units of one over `unit`."""
         if box not in self._preconditioners:
             self._preconditioners.clear()
             inverses = []

@@ -1,4 +1,4 @@
-"""Normal and tangential contact together: one load increment of two bodies with friction."""
+"""Normal and tangential contact, coupled: one load increment of two bodies with friction."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ from eigencontact.solvers.tangential.solver import Overloaded, TangentialOptions
 
 __all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
 
-#: Part of the tolerance that the normal and the tangential solve may use up in the last round of the coupling.
+#: Fraction of the tolerance for the normal and the tangential solve in the last round of the coupling.
 _INNER = 0.2
-#: Rounds of normal and tangential solves in one increment.
+#: Largest number of rounds of normal and tangential solves in one increment.
 _ROUNDS = 120
 #: Tolerance of the two solves in the first round.
 _LOOSEST = 1e-2
-#: Tolerance of the two solves in later rounds, as part of the change in the round before.
+#: Tolerance of the two solves in later rounds, relative to the change in the previous round.
 _SHARE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sliding:
-    """State of the contact that one load increment passes to the next (thesis eq. 2.75).
+    """State of the contact at the end of an increment, input of the next increment (thesis eq. 2.75).
 
     Attributes
     ----------
     pressure : (ny, nx) float64
         [Pa].
     shear : (k, ny, nx) float64
-        On body 1 [Pa].
+        Shear traction on body 1 [Pa].
     position : (k, ny, nx) float64
-        Where body 1 is on body 2, counted from where both were unloaded [m].
+        Position of body 1 relative to body 2, zero for unloaded bodies [m].
     lift : (ny, nx) float64
         Normal displacement by the shear [m].
     rigid : (3,) float64
         δ_x, δ_y [m], φ_z [rad].
     slip_distance : (ny, nx) float64
-        Length of the path slipped in contact so far [m].
+        Length of the slip path in contact so far [m].
     dissipated : (ny, nx) float64
-        Work of friction so far [J/m²].
+        Friction work so far [J/m²].
     """
 
     pressure: FloatArray
@@ -71,24 +71,24 @@ class Sliding:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FrictionalSolution:
-    """A converged increment.
+    """Converged increment.
 
     Attributes
     ----------
     normal : NormalSolution
-        Its displacement is that of the pressure.
+        Solution of the normal contact; its displacement is that by the pressure.
     tangential : TangentialSolution
-        Its displacement is that of the shear.
+        Solution of the tangential contact; its displacement is that by the shear.
     sliding : Sliding
         State at the end of the increment.
     tangential_by_pressure : (k, ny, nx) float64
-        Tangential displacement by the pressure, body 1 less body 2 [m]; zero where the coupling leaves it out.
+        Tangential displacement by the pressure, body 1 minus body 2 [m]; zero if the coupling neglects it.
     rounds : int
-        Normal and tangential solves until they agreed.
+        Number of rounds of normal and tangential solves.
     coupling_residual : float
         Last change of the normal displacement by the shear, relative to the largest deflection.
     normal_convolutions, tangential_convolutions : int
-        Over all rounds.
+        Number of convolutions in all rounds.
     """
 
     normal: NormalSolution
@@ -127,7 +127,7 @@ class _Round:
     convolutions: tuple[int, int]
 
     def shear_under(self, bound: FloatArray) -> FloatArray:
-        """Shear with that of slipping cells scaled to another bound, as most of them will slip again."""
+        """Shear for another bound: slipping cells are scaled with it, because most of them will slip again."""
         slipping = (self.bound > 0) & ~self.tangential.stick
         return self.tangential.shear * np.where(slipping, bound / np.where(slipping, self.bound, 1.0), 1.0)
 
@@ -140,13 +140,13 @@ class FrictionalContact:
     grid : Grid
         Cells.
     coefficients : mapping of (str, str) to ParityCoefficients
-        By directions of displacement and traction, ``"x"``, ``"y"``, ``"z"``. The pairs decide the coupling: equal
-        directions only (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
-        (full). ``("z", "z")`` and one tangential direction are needed.
+        Keyed by directions of displacement and traction, ``"x"``, ``"y"``, ``"z"``. The pairs decide the coupling:
+        equal directions only (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
+        (full). ``("z", "z")`` and one tangential direction are required.
     bound : callable
         Shear bound [Pa] ``(ny, nx)`` from the pressure and the state at the start of the increment.
     normal_options, options
-        Of the two solvers; the tolerance of the second is that of the coupling too.
+        Options of the two solvers; the tolerance of the tangential solver is also that of the coupling.
     """
 
     def __init__(
@@ -164,7 +164,7 @@ class FrictionalContact:
         self._by_pressure = self._matrix(coefficients, self.components, "z")
         self._by_shear = self._matrix(coefficients, "z", self.components)
         self._at_edge = normal_options.allow_contact_at_edge
-        if self._by_shear is not None:  # the edge is looked at in the end; on the way there the contact may pass it
+        if self._by_shear is not None:  # the edge is checked at the end; during the rounds the contact may exceed it
             normal_options = replace(normal_options, allow_contact_at_edge=True)
         self.normal = NormalSolver(grid, coefficients["z", "z"], normal_options)
         self.tangential = TangentialSolver(grid, coefficients, self.components, self.options)
@@ -196,21 +196,21 @@ class FrictionalContact:
         Parameters
         ----------
         separation : (ny, nx) float64
-            Initial separation, with everything but pressure and shear that changes it [m].
+            Initial separation, with all changes except those by pressure and shear [m].
         control, tangential
-            Loads or rigid displacements at the end of the increment.
+            Prescribed loads or rigid displacements at the end of the increment.
         before : Sliding, optional
-            End of the last increment; at rest by default.
+            State at the end of the last increment; at rest by default.
         offset : (k, ny, nx) float64, optional
-            Tangential displacement by anything but pressure and shear, body 1 less body 2 [m].
+            Tangential displacement by other causes than pressure and shear, body 1 minus body 2 [m].
         start : FrictionalSolution, optional
-            A solution near by: that of the same increment under another offset.
+            Similar solution: that of the same increment with another offset.
         slide : (k,) float64, optional
-            Distance that body 2 slides on body 1 all over the contact [m], not counted among the rigid displacements.
-            The shear is at its bound everywhere, against it; `tangential` is not used.
+            Sliding distance of body 2 on body 1 for sliding of the whole contact [m], not counted among the rigid
+            displacements. The shear then equals its bound everywhere, against the motion; `tangential` is not used.
         moved : bool
-            Whether the separation has changed since the end of the last increment: the bound at the start is then
-            unknown, and friction works with that of the end alone.
+            Whether the separation has changed since the end of the last increment. The bound at the start is then
+            unknown, and the friction work uses the bound at the end.
         tolerance, progress
             See `eigencontact.solvers.normal.NormalSolver.solve`.
 
@@ -230,7 +230,7 @@ class FrictionalContact:
         return self._agreed(increment, last, before.lift if start is None else start.sliding.lift)
 
     def _agreed(self, increment: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
-        """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""
+        """Rounds of normal and tangential contact until the normal displacement by the shear is constant."""
         tolerance = increment.tolerance or self.options.tolerance
         finest, mixer, change = _INNER * tolerance, Anderson(), 0.0
         inner = _LOOSEST if last is None else finest
@@ -253,7 +253,7 @@ class FrictionalContact:
                 if not (self._at_edge or self.options.periodic):
                     refuse_edge(last.normal.pressure, self.grid)
                 return self._solution(increment, last, image, rounds, change)
-            # A change below what the two solves leave open says nothing; combined with others it would count for most.
+            # A change below the tolerance of the two solves has no information; the combination would overweight it.
             lift = mixer.next(lift, image) if change > inner else image
             inner = min(_LOOSEST, max(_SHARE * change, finest))
         raise NotConverged(
@@ -315,7 +315,7 @@ class FrictionalContact:
         return self._everywhere(self._by_pressure, pressure[None])
 
     def lift(self, shear: FloatArray) -> FloatArray:
-        """Normal displacement by a shear ``(k, ny, nx)`` [m], sum of both bodies; zero if the coupling excludes it."""
+        """Normal displacement by a shear ``(k, ny, nx)`` [m], sum of both bodies; zero if the coupling neglects it."""
         if self._by_shear is None:
             return np.zeros(self.grid.shape)
         return np.asarray(self._everywhere(self._by_shear, shear)[0])
@@ -340,10 +340,10 @@ class FrictionalContact:
     ) -> Sliding:  # fmt: skip
         """State at the end of the increment.
 
-        Friction works with the mean of the bounds at both ends, in cells that lose contact too: never negative, and
-        hardly dependent on the number of increments (the mean of the shears would balance with the work of the loads
-        exactly, but count the shear before the slip began). On a way that it slides, and
-        where the surfaces have moved before the increment, the bound is that of its end.
+        The friction work uses the mean of the bounds at both ends, also in cells that lose contact. It is never
+        negative, and hardly depends on the number of increments. (The mean of the shears would balance the work of the
+        loads exactly, but count the shear before slip started.) For sliding of the whole contact, and for surfaces that
+        have moved before the increment, it uses the bound at the end.
         """
         loaded, left = pressure > 0, (before.pressure > 0) & (pressure <= 0)
         slip = tangential.slip * ((loaded & ~tangential.stick) | left)

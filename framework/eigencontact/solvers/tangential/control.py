@@ -21,8 +21,8 @@ __all__ = ["MODES", "TangentialControl", "mode_fields"]
 class TangentialControl(PrescribedModes):
     """Tangential control with at most one value of each pair; a displacement is 0 without displacement and force.
 
-    All are those of body 2 against body 1: a positive shift drags body 1 along +x, so that the shear traction on it is
-    positive there.
+    All values are those of body 2 relative to body 1: a positive shift moves body 1 along +x, so that the shear
+    traction on body 1 is positive.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class TangentialControl(PrescribedModes):
     Raises
     ------
     SceneError
-        Both of a pair, or a number that is not finite.
+        Both values of one mode, or a number that is not finite.
     """
 
     modes: ClassVar[Sequence[RigidMode]] = MODES

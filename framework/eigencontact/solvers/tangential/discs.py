@@ -1,4 +1,4 @@
-"""Shear tractions that friction allows: in each cell a disc, all together carrying the prescribed forces."""
+"""Shear tractions allowed by friction: a disc in each cell, with prescribed resultant forces."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from eigencontact.errors import EigencontactError
 __all__ = ["FittedModes", "Infeasible", "RigidPlane", "inner", "length_of"]
 
 _TINY = np.finfo(float).tiny
-#: Error of the forces, relative to the sum of the bounds of all cells, at which the projection stops.
+#: Error of the forces, relative to the sum of all bounds, at which the projection stops.
 _EXACT = 1e-14
-#: Largest error of the forces, relative to the same sum, that is accepted.
+#: Largest accepted error of the forces, relative to the same sum.
 _ENOUGH = 1e-9
-#: Multipliers of forces, in units of the tractions, that only grow this large where the forces cannot be carried.
+#: Size of the multipliers of forces, in units of the tractions, that shows that the forces exceed the limit.
 _FAR = 1e12
-#: Smallest ratio of the eigenvalues of normal equations in use.
+#: Smallest allowed ratio of the eigenvalues of normal equations.
 _FLAT = 1e-6
-#: Singular values below this part of the largest count as zero.
+#: Singular values below this fraction of the largest count as zero.
 _NOTHING = 1e-10
 
 
@@ -40,14 +40,14 @@ def length_of(vectors: FloatArray) -> FloatArray:
 
 
 class RigidPlane:
-    """Rigid modes of the surface plane whose forces are prescribed.
+    """Rigid modes of the surface plane with prescribed forces.
 
     Parameters
     ----------
     fields : (m, k, ny, nx) float64
         Displacement of each unit mode, scaled to order one.
     forces : (m,) float64
-        Their forces: ``sum(mode * traction)``.
+        Forces of these modes: ``sum(mode * traction)``.
     """
 
     def __init__(self, fields: FloatArray, forces: FloatArray) -> None:
@@ -65,17 +65,17 @@ class RigidPlane:
         return np.asarray(np.einsum("mkij,kij->m", self.fields, vectors))
 
     def closest(self, vectors: FloatArray, bound: FloatArray, on_rim: BoolArray | None = None) -> FloatArray:
-        """Tractions within the discs with the prescribed forces that are closest to given tractions.
+        """Tractions within the discs, with the prescribed forces, that are closest to given tractions.
 
-        The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
-        climbed by Newton's method. The tractions of cells that are `held` stay on the rim of their discs, if the others
-        can make up the forces: the closest point of the whole disc would move slipping cells off their bound by as
-        little as the forces had been missed.
+        The multipliers of the forces maximise a concave dual function with one variable per mode, by Newton's method.
+        Cells `on_rim` keep their traction on the rim of their discs, if the other cells can balance the forces. The
+        closest point of the whole disc would move slipping cells off their bound by a small amount, of the size of the
+        former error of the forces.
 
         Raises
         ------
         Infeasible
-            There are none.
+            No such tractions exist.
         """
         none = np.zeros(bound.shape, dtype=bool)
         if not len(self):
@@ -84,7 +84,7 @@ class RigidPlane:
         if on_rim is not None and np.any(on_rim):
             try:
                 return self._climb(vectors, bound, on_rim, 20)
-            except Infeasible:  # rims are no convex set
+            except Infeasible:  # rims are not a convex set
                 pass
         return self._climb(vectors, bound, none, 80)
 
@@ -109,7 +109,7 @@ class RigidPlane:
             slope = np.einsum("mkij,ij,lkij->ml", self.fields, factor, self.fields)
             slope -= np.einsum("mij,lij->ml", along, along)
             reach = 2.0 * float(size.max(initial=0.0) + bound.max(initial=0.0)) + _TINY
-            flat = float(np.abs(error).max()) / reach + _TINY  # limits the change to that reach where all cells slip
+            flat = float(np.abs(error).max()) / reach + _TINY  # limits the change to that value if all cells slip
             slope += (1e-13 * np.trace(slope) + flat) * np.eye(len(self))
             change = -np.linalg.solve(slope, error)
             share, expected = 1.0, float(error @ change)
@@ -133,16 +133,16 @@ class RigidPlane:
         return float(np.sum(np.where(outside, bound * size - 0.5 * bound**2, inside))) - float(self.forces @ amounts)
 
     def fitted(self, unit: FloatArray, loaded: BoolArray) -> FittedModes:
-        """Modes over the free directions of tractions: in loaded cells, across the unit vectors."""
+        """Modes on the free directions of tractions: in loaded cells, across the unit vectors."""
         return FittedModes(self, unit, loaded)
 
 
 class FittedModes:
-    """Least squares of a field by rigid modes, in the directions across the unit vectors of cells that slip.
+    """Least-squares fit of a field by rigid modes, in the directions across the unit vectors of slipping cells.
 
-    By the normal equations where they are well conditioned. Where nearly all cells slip the way of one rigid motion,
-    hardly any of that motion lies across; then by an orthogonal basis of the modes, which costs more and loses half as
-    many digits.
+    The fit uses the normal equations if they are well conditioned. If nearly all cells slip in the direction of one
+    rigid motion, this motion has almost no component across. The fit then uses an orthogonal basis of the modes, which
+    costs more and loses half as many digits.
     """
 
     def __init__(self, modes: RigidPlane, unit: FloatArray, loaded: BoolArray) -> None:
@@ -158,7 +158,7 @@ class FittedModes:
             self._basis = np.linalg.svd(across.reshape(len(modes), -1).T, full_matrices=False)
 
     def amounts(self, field: FloatArray) -> FloatArray:
-        """Amounts ``(m,)`` of the modes that fit a field best; the field has no component along the unit vectors."""
+        """Amounts ``(m,)`` of the modes with the best fit of a field without components along the unit vectors."""
         if self._gram is not None:
             return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
         left, size, right = self._basis

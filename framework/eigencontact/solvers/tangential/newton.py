@@ -1,10 +1,10 @@
 """Projected Newton iteration for shear tractions within discs.
 
-The tractions q of one load increment minimise ``1/2 q.Aq + q.e`` over ``|q| <= g`` with the prescribed forces: then the
-slip ``s = A q + e - rigid`` is zero where |q| < g, and opposes q where |q| = g. Cells at their bound may turn, not
-grow; with the curvature |s|/g of their disc the Newton step is a symmetric positive definite problem on the directions
-left free, solved by preconditioned conjugate gradients. Tractions that leave their disc are brought back to it. Where a
-step does not lower the energy it is shortened; where that does not help, a projected gradient step does.
+The tractions q of one load increment minimise ``1/2 q.Aq + q.e`` over ``|q| <= g`` with the prescribed forces. The slip
+``s = A q + e - rigid`` is then zero where |q| < g, and opposes q where |q| = g. Tractions at their bound may rotate,
+but not grow. With the curvature |s|/g of their discs, the Newton step is a symmetric positive definite problem on the
+free directions; preconditioned conjugate gradients solve it. Tractions outside their disc are projected to its rim. A
+step that does not reduce the energy is shortened; if that does not help, a projected gradient step replaces it.
 
 References
 ----------
@@ -25,15 +25,15 @@ from eigencontact.solvers.tangential.discs import RigidPlane, inner, length_of
 __all__ = ["DiscProblem", "DiscState", "solve_discs"]
 
 _TINY = np.finfo(float).tiny
-#: Conjugate-gradient steps in one Newton step at most.
+#: Largest number of conjugate-gradient steps in one Newton step.
 _INNER = 80
-#: Part of the loaded cells that may change between stick and slip before Newton steps are precise.
+#: Fraction of the loaded cells that may change between stick and slip for precise Newton steps.
 _SETTLED = 0.01
-#: Residual of a Newton step, relative to its first, while more cells change.
+#: Residual of a Newton step, relative to its start, if more cells change.
 _ROUGH = 0.4
-#: Round-off of the energy, in the work of the slip.
-_LOST = 4.0 * np.finfo(float).eps
-#: Stiffness of a cell, in units of the largest coefficient, from which the first gradient step is taken.
+#: Round-off of the energy, relative to the work of the slip.
+_ROUND_OFF = 4.0 * np.finfo(float).eps
+#: Stiffness of a cell, in units of the largest coefficient, for the size of the first gradient step.
 _SOFTEST = 0.2
 
 
@@ -46,13 +46,13 @@ class DiscProblem:
     apply : callable
         Tractions ``(k, ny, nx)`` to displacements, symmetric positive definite.
     precondition : callable
-        Rough inverse of that.
+        Approximate inverse of `apply`.
     offset : (k, ny, nx) array
-        e: slip of the increment without tractions, less the prescribed rigid displacements.
+        Vector e: slip of the increment without tractions, minus the prescribed rigid displacements.
     bound : (ny, nx) array
-        g >= 0; cells with g = 0 carry nothing.
+        Bound g >= 0; cells with g = 0 carry no shear.
     modes : RigidPlane
-        Rigid modes whose force is prescribed.
+        Rigid modes with prescribed forces.
     """
 
     apply: Callable[[FloatArray], FloatArray]
@@ -81,19 +81,19 @@ def solve_discs(
     max_iterations: int,
     on_iteration: Callable[[float], None],
 ) -> DiscState:
-    """Iterate until the slip is right to the tolerance, or the iterations are used up.
+    """Iterate until the slip meets the tolerance, or the iterations are used up.
 
     Parameters
     ----------
     start : (k, ny, nx) array
-        Any tractions; they are moved into the discs first.
+        Any tractions; they are first projected into the discs.
     tolerance : float
-        Bound on the wrong part of the slip (all of it in stick, across the traction in slip), relative to the largest
-        displacement by the tractions.
+        Bound of the error of the slip (total slip in sticking cells, component across the traction in slipping cells),
+        relative to the largest displacement by the tractions.
     max_iterations : int
-        Newton steps allowed.
+        Largest number of Newton steps.
     on_iteration : callable
-        Called with the residual of each iterate; the last is that of the result.
+        Called with the residual of each iterate, the result included.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def solve_discs(
 
 
 class _Iteration:
-    """One solve."""
+    """State and steps of one solve."""
 
     def __init__(self, problem: DiscProblem) -> None:
         self.problem = problem
@@ -142,7 +142,7 @@ class _Iteration:
         unit = np.where(at_bound, state.tractions / np.maximum(size, _TINY), 0.0)
         raw = (state.displacement + problem.offset) * self.loaded
         slipping, slip, outward = at_bound, raw, np.zeros_like(size)
-        for _ in range(6):  # cells that would slip along their traction stick; that changes the fit a little
+        for _ in range(6):  # cells with slip along their traction stick; this changes the fit slightly
             state.rigid = self._fit(raw, np.where(slipping, unit, 0.0))
             slip = raw - problem.modes.combine(state.rigid) * self.loaded if len(problem.modes) else raw
             outward = -np.einsum("kij,kij->ij", slip, unit)
@@ -166,7 +166,7 @@ class _Iteration:
         return modes.fitted(unit, self.loaded).amounts(_across(slip, unit))
 
     def _newton(self, wrong: FloatArray, discs: tuple[FloatArray, FloatArray], looseness: float) -> FloatArray:
-        """Conjugate gradients in the free directions, without a change of the prescribed forces."""
+        """Conjugate gradients in the free directions, with constant prescribed forces."""
         problem, modes = self.problem, self.problem.modes
         unit, curvature = discs
         fitted = modes.fitted(unit, self.loaded) if len(modes) else None
@@ -177,7 +177,8 @@ class _Iteration:
                 field -= _across(modes.combine(fitted.amounts(field)) * self.loaded, unit)
             return field
 
-        # Strongly curved cells hardly turn: the preconditioner, which knows nothing of them, must not turn them either.
+        # Tractions with strong curvature hardly rotate; the preconditioner, which neglects curvature, must not rotate
+        # them.
         weight = 1.0 / np.sqrt(1.0 + curvature)
 
         def preconditioned(field: FloatArray) -> FloatArray:
@@ -204,23 +205,23 @@ class _Iteration:
         return step
 
     def _moved(self, state: DiscState, slip: FloatArray, step: FloatArray) -> DiscState | None:
-        """State after the step or a fraction of it; None if none reduces the energy.
+        """State after the step or a fraction of it; None if no fraction reduces the energy.
 
-        Tractions brought back to their bound are off by round-off, and the energy with them: a cell of hardly any bound
-        may turn by what is lost in that.
+        Tractions projected to their bound have round-off errors, and so has the energy: a cell with a very small bound
+        may rotate by this error.
         """
-        share, lost = 1.0, _LOST * inner(np.abs(slip), np.abs(state.tractions))
+        share, round_off = 1.0, _ROUND_OFF * inner(np.abs(slip), np.abs(state.tractions))
         for _ in range(4):
             tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound, state.slipping)
             trial = self._state(tractions)
             expected, gained = _change_of_energy(slip, state, trial)
-            if gained <= 1e-4 * expected + lost:
+            if gained <= 1e-4 * expected + round_off:
                 return trial
             share *= 0.4
         return None
 
     def _descended(self, state: DiscState, slip: FloatArray) -> DiscState:
-        """State after a projected gradient step; a short one always reduces the energy."""
+        """State after a projected gradient step; a sufficiently short one always reduces the energy."""
         trial = state
         for _ in range(12):
             tractions = self.problem.modes.closest(state.tractions - self.gradient_step * slip, self.problem.bound)
@@ -234,10 +235,10 @@ class _Iteration:
 
 
 def _change_of_energy(slip: FloatArray, state: DiscState, changed: DiscState) -> tuple[float, float]:
-    """Change of the energy from one state to another with the same forces: to first order, and exactly.
+    """Change of the energy from one state to another with equal forces: to first order, and exact.
 
-    It is not the difference of two energies: near the answer that would be lost in their round-off, long before the
-    slip of lightly loaded cells is right.
+    It is not computed as a difference of two energies. Near the solution their round-off would exceed the change, long
+    before the slip of lightly loaded cells is accurate.
     """
     change = changed.tractions - state.tractions
     first = inner(slip, change)

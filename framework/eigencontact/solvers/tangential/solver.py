@@ -20,7 +20,7 @@ from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve
 
 __all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialSolver"]
 
-#: Slip, relative to the largest tangential displacement in contact, that is round-off.
+#: Slip, relative to the largest tangential displacement in contact, that counts as round-off.
 _NOTHING = 1e-12
 
 
@@ -30,7 +30,8 @@ class Overloaded(SceneError):
     Attributes
     ----------
     at_any_place : bool
-        The resultant alone is beyond the sum of all bounds: no other place of the same pressure would carry it.
+        Whether the resultant alone exceeds the sum of all bounds, so that no other position of this pressure could
+        carry it.
     """
 
     def __init__(self, message: str, *, at_any_place: bool) -> None:
@@ -47,24 +48,24 @@ class TangentialOptions(SolverOptions):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TangentialSolution:
-    """A converged increment.
+    """Converged increment.
 
     Attributes
     ----------
     shear : (k, ny, nx) float64
         Shear traction on body 1 [Pa].
     displacement : (k, ny, nx) float64
-        What the shear alone displaces, body 1 less body 2 [m].
+        Displacement by the shear alone, body 1 minus body 2 [m].
     slip : (k, ny, nx) float64
-        Motion of body 1 on body 2 in this increment [m], outside the contact too.
+        Motion of body 1 relative to body 2 in this increment [m], also outside the contact.
     stick : (ny, nx) bool
-        Loaded cells that did not slip in this increment.
+        Loaded cells without slip in this increment.
     rigid : (3,) float64
         δ_x, δ_y [m], φ_z [rad].
     forces : (3,) float64
-        Q_x, Q_y [N], M_z [N m] of the shear.
+        Q_x, Q_y [N] and M_z [N m] of the shear.
     report : SolveReport
-        Certificate, history, counts, time.
+        Certificate, history, numbers and time.
     """
 
     shear: FloatArray
@@ -84,12 +85,11 @@ class TangentialSolver:
     grid : Grid
         Cells.
     coefficients : mapping of (str, str) to ParityCoefficients
-        By directions of displacement and traction, both bodies summed [m/Pa]; a pair that is missing is left out of
-        the physics.
+        Keyed by directions of displacement and traction, sum of both bodies [m/Pa]; the physics neglects missing pairs.
     components : {"xy", "x", "y"}
-        Directions in which there may be shear.
+        Directions of the shear.
     options : TangentialOptions, optional
-        Tolerance and so on.
+        Tolerance and other options.
 
     Examples
     --------
@@ -127,15 +127,15 @@ class TangentialSolver:
     ) -> TangentialSolution:
         """Solve for shear, stick and slip of one increment.
 
-        With ``slip = A q + offset - rigid``: zero where ``|q| < bound``, opposed to q where ``|q| = bound``.
+        The slip ``A q + offset - rigid`` is zero where ``|q| < bound``, and opposed to q where ``|q| = bound``.
 
         Parameters
         ----------
         bound : (ny, nx) float64
             Largest shear traction of each cell [Pa]; 0 outside the contact.
         offset : (k, ny, nx) float64
-            Slip of the increment if there were no shear and no rigid displacement: the displacement by the pressure,
-            less the position of body 1 on body 2 at the start of the increment [m].
+            Slip of the increment without shear and rigid displacement: the displacement by the pressure, minus the
+            position of body 1 relative to body 2 at the start of the increment [m].
         control : TangentialControl
             Forces or rigid displacements at the end of the increment.
         start : (k, ny, nx) float64, optional
@@ -146,11 +146,11 @@ class TangentialSolver:
         Raises
         ------
         NotConverged
-            With the report; no half result is returned.
+            The exception has the report; a partial result is never returned.
         Overloaded
-            Forces beyond what friction can carry.
+            The forces exceed the limit of friction.
         SceneError
-            A bound that is negative or not finite.
+            The bound is negative or not finite.
         """
         began, report, before = perf_counter(), SolveReport[FrictionCertificate](), self.operator.applications
         require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
@@ -168,16 +168,16 @@ class TangentialSolver:
     def slid(
         self, bound: FloatArray, offset: FloatArray, direction: FloatArray, rigid: FloatArray
     ) -> TangentialSolution:
-        """Shear of a contact that slides in one direction in all cells.
+        """Shear of a contact with slip in one direction in all cells.
 
         Parameters
         ----------
         bound, offset : (ny, nx), (k, ny, nx) float64
             See `solve`.
         direction : (k,) float64
-            Direction in which body 2 slides on body 1, of length 1.
+            Unit vector of the sliding of body 2 on body 1.
         rigid : (3,) float64
-            Other rigid displacements [m, m, rad]; the slip of the solution counts them, not the sliding distance.
+            Other rigid displacements [m, m, rad]; the slip of the solution contains them, but not the sliding distance.
         """
         shear, window = direction[:, None, None] * bound, Box(0, self.grid.ny, 0, self.grid.nx)
         box = window if self.options.periodic else Box.around(bound > 0)
@@ -218,7 +218,8 @@ class TangentialSolver:
         if box is None:
             return self._without_contact(offset, control, report)
         cut = (slice(None), *box.slices)
-        # Tractions in units of the largest bound, lengths in units of what that does to one cell: numbers of order one.
+        # Tractions are in units of the largest bound, lengths in units of its deflection of one cell: numbers of order
+        # one.
         unit, traction = self.operator.unit(), float(bound.max())
         length = unit * traction
         fields = mode_fields(grid, self.components)
@@ -278,7 +279,7 @@ class TangentialSolver:
         report: SolveReport[FrictionCertificate],
         tolerance: float,
     ) -> TangentialSolution:
-        """Check the friction conditions by a separate convolution, which also covers the surface outside contact."""
+        """Check the friction conditions by a separate convolution, outside the contact as well."""
         grid, (box, traction) = self.grid, scale
         window = Box(0, grid.ny, 0, grid.nx)
         fields = mode_fields(grid, self.components)
@@ -290,7 +291,7 @@ class TangentialSolver:
         largest = float(np.max(length_of(displacement) * loaded)) or np.inf
         slipping = np.zeros(grid.shape, dtype=bool)
         slipping[box.slices] = state.slipping
-        slipping &= length_of(slip) > _NOTHING * largest  # a sliding state repeated as it was has not slipped again
+        slipping &= length_of(slip) > _NOTHING * largest  # an unchanged sliding state has no new slip
         stick = loaded & ~slipping
         size = length_of(shear)
         unit = np.where(slipping, shear / np.maximum(size, np.finfo(float).tiny), 0.0)
@@ -331,7 +332,7 @@ class TangentialSolver:
         )
 
     def _check_directions(self, control: TangentialControl) -> None:
-        """Refuse input outside the directions of this solver."""
+        """Refuse prescribed values outside the directions of this solver."""
         for mode, (displacement, force) in enumerate(MODES):
             missing = "xy" if mode == 2 else "xy"[mode]
             value = getattr(control, displacement) or getattr(control, force)
@@ -343,7 +344,7 @@ class TangentialSolver:
     def _without_contact(
         self, offset: FloatArray, control: TangentialControl, report: SolveReport[FrictionCertificate]
     ) -> TangentialSolution:
-        """Solution where nothing touches: no shear, and the prescribed rigid displacements."""
+        """Solution without contact: no shear, and the prescribed rigid displacements."""
         free = control.forces()
         for mode, value in free.items():
             require(value == 0.0, "step", MODES[mode][1], value, "zero where the bodies do not touch")
