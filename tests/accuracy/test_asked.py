@@ -305,8 +305,8 @@ def test_finer_load_steps_are_judged_by_the_run_before_alone():
     bar = answer.last.bars["depth"]
     assert depth(answer.last.run.plan) - 1.0 == close(bar.error)  # one step size tells first order exactly
     assert len(answer.rungs) >= 3
-    assert len(solved) == 4 + len(answer.rungs) - 1  # pilot, two coarser grids, half the increments
-    assert len({plan.grid.nx for plan in solved[4:]} | {solved[0].grid.nx}) == 1
+    assert len(solved) == 5 + len(answer.rungs) - 1  # pilot, two coarser grids, half and a quarter of the increments
+    assert len({plan.grid.nx for plan in solved[5:]} | {solved[0].grid.nx}) == 1
 
 
 def test_cells_are_varied_on_few_load_steps():

@@ -1,5 +1,6 @@
 """Error bars of runs: against closed forms, and against each planted fault."""
 
+from dataclasses import replace
 from math import pi
 
 import pytest
@@ -119,7 +120,8 @@ def test_every_source_counts_by_itself():
     found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
     assert found.error >= 0.03
     assert found.parts["cells"] == close(1.25 * 0.01, rel=1e-6)
-    assert found.parts["load steps"] == close(0.02, rel=1e-6)
+    assert found.parts["load steps"] == close(1.25 * 0.02, rel=1e-6)
+    assert found.order == close(1.0)
     assert set(found.parts) == {"cells", "load steps"}
     assert found.source == "load steps"
 
@@ -131,6 +133,59 @@ def test_a_source_left_out_is_seen(monkeypatch):
     )
     with pytest.raises(AssertionError):
         test_every_source_counts_by_itself()
+
+
+MANY = [{"normal-load": 0.65}, {"tangential-load-x": 0.1, "increments": 8}]
+FEW = [{"normal-load": 0.65}, {"tangential-load-x": 0.1, "increments": 2}]
+ORDER = 0.6
+
+
+@pytest.mark.parametrize(("steps", "counts"), [(MANY, [9, 5, 3]), (FEW, [3, 2, 6])])
+def test_a_second_number_of_increments_tells_their_order(steps, counts):
+    """Below the first order half the increments alone give half the error; a quarter, or twice as many, all of it."""
+    planned = ec.plan(HERTZ | FRICTION | {"steps": steps})
+    solved = []
+
+    def depth(other):
+        solved.append(increments(other))
+        return 1.0 + 0.02 * (increments(planned) / increments(other)) ** ORDER
+
+    found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
+    assert found.parts["load steps"] == close(1.25 * 0.02, rel=1e-6)
+    assert found.order == close(ORDER)
+    assert solved == [counts[0]] * 3 + counts[1:]
+
+
+def test_a_second_number_of_increments_that_is_skipped_is_seen(monkeypatch):
+    """Planted fault: half the increments alone."""
+    monkeypatch.setattr(bars, "_is_notable", lambda *_: False)
+    with pytest.raises(AssertionError):
+        test_a_second_number_of_increments_tells_their_order(MANY, [9, 5, 3])
+    monkeypatch.undo()
+    once = sources._increments
+    steps = next(source for source in sources.SOURCES if source.name == "load steps")
+    monkeypatch.setattr(
+        sources,
+        "SOURCES",
+        [replace(steps, variations=lambda plan: once(plan)[:1]) if s is steps else s for s in sources.SOURCES],
+    )
+    with pytest.raises(AssertionError):
+        test_a_second_number_of_increments_tells_their_order(FEW, [3, 2, 6])
+
+
+@pytest.mark.parametrize("part", [0.1, 0.0005])
+def test_a_small_error_of_increments_is_not_worth_a_second_run(part):
+    """A tenth of the error of the cells, or a twentieth of a per cent of the number."""
+    planned = ec.plan(HERTZ | FRICTION | {"steps": MANY})
+    edge, solved = planned.grid.dx, []
+
+    def depth(other):
+        solved.append(increments(other))
+        cells = 0.1 * part * (other.grid.dx / edge) ** 2
+        return 1.0 + (cells if part == 0.1 else 0.0) + 0.1 * part * part / increments(other)
+
+    error_bars(planned, summary(depth(planned)), solver(depth))
+    assert solved == [9, 9, 9, 5]
 
 
 def test_a_loose_tolerance_is_a_source_and_a_tight_one_is_none():

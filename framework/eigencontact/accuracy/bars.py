@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
+from operator import itemgetter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.accuracy.targets import ZERO, scales_of
 from eigencontact.core.kept import Kept
 from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
@@ -23,6 +26,8 @@ __all__ = ["Accuracy", "Coarser", "Comparison", "Run", "Varied", "error_bars", "
 
 #: Memory of the operators that coarser runs share [bytes].
 _KEPT_BYTES = 2e8
+#: Parts of an error bar, and of its number, from which on the error of a source is worth a second coarser run.
+_NOTABLE, _LEAST = 0.2, 1e-3
 
 
 class Run(NamedTuple):
@@ -53,7 +58,7 @@ class Varied(NamedTuple):
     base : Run
         The run, or one with coarser cells.
     others : sequence of (float, Run)
-        Step size in that of `base`, and the run; the nearest first.
+        Step size in that of `base`, and the run; the finer first.
     """
 
     base: Run
@@ -75,7 +80,7 @@ class Comparison:
     values : dict of str to float
         Results of the run that is compared with the others.
     others : list of (float, dict of str to float)
-        Step size in units of that run, and the results; the nearest first.
+        Step size in units of that run, and the results; the finer first.
     known : dict of str to float
         Errors that follow from the plan.
     seconds : float
@@ -170,19 +175,17 @@ def error_bars(
             comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
         source_began = perf_counter()
         if source.name not in varied:
-            runs, reason = coarser.vary(source, varied)
+            runs, reason = coarser.vary(source, varied, partial(_is_notable, summary, comparisons, source))
             if runs.others:
                 varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
         if source.name in varied:
             left_out.pop(source.name, None)
-            start, others = varied[source.name]
-            values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in others]
-            own, spent = dict(_results(start.summary)), perf_counter() - source_began
-            comparisons.append(Comparison(source=source, values=own, others=values, seconds=spent))
+            runs = varied[source.name]
+            comparisons.append(replace(_compared(source, runs), seconds=perf_counter() - source_began))
             if fields is not None:
-                fields.vary(source, start, others)
+                fields.vary(source, *runs)
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(
@@ -200,20 +203,27 @@ class Coarser:
     _kept: Kept = field(default_factory=lambda: Kept(_KEPT_BYTES))
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
 
-    def vary(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Varied, str]:
-        """Runs of a source, and why one was refused; `varied` has those of the sources before it."""
+    def vary(
+        self, source: ErrorSource, varied: Mapping[str, Varied], notable: Callable[[Varied], bool] = lambda _: True
+    ) -> tuple[Varied, str]:
+        """Runs of a source, and why one was refused; `varied` has those of the sources before it.
+
+        `notable` decides after the first run of a sparing source whether its second one is made.
+        """
         others: list[tuple[float, Run]] = []
         start = self.own
         try:
             tables, start = self._start(source, varied)
             for variation in source.variations(start.plan):
+                if others and source.sparing and not notable(Varied(start, others)):
+                    break
                 words = f"{source.name}, step size times {variation.ratio:.3g}"
                 coarse = self._solved(changed(tables, variation.changes), words)
                 # the planner rounds the number of cells: the ratio is that of the edges
                 ratio = variation.ratio if source.on_coarse else _edge(coarse[1].plan) / _edge(self.own.plan)
                 if ratio == 1.0:
                     return Varied(start, others), "the grid cannot be coarser"
-                others.append((ratio, coarse[1]))
+                others = sorted([*others, (ratio, coarse[1])], key=itemgetter(0))
                 if not source.on_coarse:
                     self._coarsest = coarse
         except EigencontactError as problem:
@@ -236,6 +246,25 @@ class Coarser:
             run = self.solve(tables, words)
         self.runs += 1
         return tables, run
+
+
+def _compared(source: ErrorSource, runs: Varied) -> Comparison:
+    """Numbers of the runs of a source."""
+    values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in runs.others]
+    return Comparison(source=source, values=dict(_results(runs.base.summary)), others=values)
+
+
+def _is_notable(
+    summary: Mapping[str, Any], comparisons: Sequence[Comparison], source: ErrorSource, runs: Varied
+) -> bool:
+    """Whether a source is a notable part of the error bar of any number that does not scatter."""
+    declared, scales = summary["numbers"], scales_of(summary)
+    for name, bar in joined_bars(summary, [*comparisons, _compared(source, runs)]).items():
+        zero = ZERO * scales.get(declared[name]["unit"], 0.0)
+        least = max(_NOTABLE * bar.error, _LEAST * abs(bar.value), zero)
+        if bar.parts.get(source.name, 0.0) > least and not declared[name].get("scatters"):
+            return True
+    return False
 
 
 def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -> dict[str, ErrorBar]:

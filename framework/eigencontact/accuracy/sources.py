@@ -18,6 +18,8 @@ __all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
 #: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
 _COARSER = (2.0, 2.5)
+#: Increments of a coarser run in those of half the increments, up to which the two tell an order.
+_QUARTER = 0.75
 #: Least factor by which a degree more is taken to lower an error.
 _SLOWEST = 1.1
 #: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
@@ -60,6 +62,8 @@ class ErrorSource:
         Factor that shows in the results: a tolerance must fall further than cells.
     on_coarse : bool
         Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
+    sparing : bool
+        Whether its second variation is made only where the first one is a notable part of an error bar.
     """
 
     name: str
@@ -72,6 +76,7 @@ class ErrorSource:
     highest: float = 2.0
     on_coarse: bool = True
     least: bool = False
+    sparing: bool = False
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
@@ -100,13 +105,14 @@ def _has_path(plan: Plan) -> bool:
 
 
 def _increments(plan: Plan) -> list[Variation]:
-    """Half the increments; twice as many where each step has one."""
+    """Half the increments and a quarter; twice as many where steps have too few for that."""
     tables = plan.scene.resolved()["steps"]
-    for factor in (0.5, 2.0):
-        steps, ratio = refined_steps(tables, factor)
-        if ratio != 1.0:
-            return [Variation(changes={"steps": steps}, ratio=1.0 / ratio)]
-    return []
+    half, quarter, double = (refined_steps(tables, factor) for factor in (0.5, 0.25, 2.0))
+    if half[1] == 1.0:
+        used = [double]
+    else:
+        used = [half, quarter if quarter[1] <= _QUARTER * half[1] else double]
+    return [Variation(changes={"steps": steps}, ratio=1.0 / ratio) for steps, ratio in used]
 
 
 def _more_increments(plan: Plan, factor: float) -> Changes:
@@ -191,7 +197,14 @@ SOURCES: tuple[ErrorSource, ...] = (
         on_coarse=False,
         least=True,
     ),
-    ErrorSource(name="load steps", applies=_has_path, variations=_increments, finer=_more_increments, highest=1.0),
+    ErrorSource(
+        name="load steps",
+        applies=_has_path,
+        variations=_increments,
+        finer=_more_increments,
+        highest=1.0,
+        sparing=True,
+    ),
     ErrorSource(
         name="cells along z",
         applies=_own_pitch,
