@@ -108,10 +108,8 @@ def _increments(plan: Plan) -> list[Variation]:
     """Half the increments and a quarter; twice as many where steps have too few for that."""
     tables = plan.scene.resolved()["steps"]
     half, quarter, double = (refined_steps(tables, factor) for factor in (0.5, 0.25, 2.0))
-    if half[1] == 1.0:
-        used = [double]
-    else:
-        used = [half, quarter if quarter[1] <= _QUARTER * half[1] else double]
+    second = quarter if quarter[1] <= _QUARTER * half[1] else double
+    used = [double] if half[1] == 1.0 else [half, second]
     return [Variation(changes={"steps": steps}, ratio=1.0 / ratio) for steps, ratio in used]
 
 
