@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -28,6 +28,8 @@ __all__ = ["Accuracy", "Coarser", "Comparison", "Run", "Varied", "error_bars", "
 _KEPT_BYTES = 2e8
 #: Parts of an error bar, and of its number, from which on the error of a source is worth a second coarser run.
 _NOTABLE, _LEAST = 0.2, 1e-3
+#: Why a sum over solved load steps has no error.
+_SOLVED = "it is a sum over the solved cycles alone, and other cells solve other cycles"
 
 
 class Run(NamedTuple):
@@ -170,22 +172,23 @@ def error_bars(
     varied = dict(before or {})
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
+    left_out |= dict.fromkeys(_partial(summary), _SOLVED)
     for source in error_sources(plan) if sources is None else sources:
-        if source.known is not None:
-            comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
         source_began = perf_counter()
+        known = {} if source.known is None else source.known(plan, summary)
         if source.name not in varied:
             runs, reason = coarser.vary(source, varied, partial(_is_notable, summary, comparisons, source))
             if runs.others:
                 varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
+        compared = Comparison(source=source)
         if source.name in varied:
             left_out.pop(source.name, None)
-            runs = varied[source.name]
-            comparisons.append(replace(_compared(source, runs), seconds=perf_counter() - source_began))
+            compared = _compared(source, varied[source.name])
             if fields is not None:
-                fields.vary(source, *runs)
+                fields.vary(source, *varied[source.name])
+        comparisons.append(replace(compared, known=known, seconds=perf_counter() - source_began))
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(
@@ -301,10 +304,22 @@ def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """Names and values of the results in a summary, without results that another result replaces."""
     declared = summary["numbers"]
     values = {name: summary.get(name, summary["observed"].get(name)) for name in declared}
-    replaced = {number.get("replaces") for name, number in declared.items() if values[name]}
+    replaced = {number.get("replaces") for name, number in declared.items() if values[name]} | set(_partial(summary))
     for name, value in values.items():
         if declared[name]["role"] == "result" and isinstance(value, int | float) and name not in replaced:
             yield name, float(value)
+
+
+def _partial(summary: Mapping[str, Any]) -> list[str]:
+    """Sums over the solved load steps where another number has the skipped ones as well."""
+    declared = summary["numbers"]
+    skipped = any(
+        number.get("replaces") in summary
+        and abs(summary[name] - summary[number["replaces"]]) > ROUND_OFF * summary[name]
+        for name, number in declared.items()
+        if summary.get(name)
+    )
+    return [name for name, number in declared.items() if skipped and number.get("summed")]
 
 
 def _estimates(
@@ -319,13 +334,14 @@ def _estimates(
     """
     source, value_of = comparison.source, comparison.values
     for name in names:
-        if name in comparison.known:
-            yield name, Estimate(comparison.known[name], None)
+        known = [Estimate(comparison.known[name], None)] if name in comparison.known else []
         pairs = [(ratio, coarse[name]) for ratio, coarse in comparison.others if name in coarse]
         if pairs and name in value_of:
             lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
             scatters = bool(declared[name].get("scatters"))
-            yield name, estimate(value_of[name], pairs, lowest, highest, scatters=scatters)
+            known.append(estimate(value_of[name], pairs, lowest, highest, scatters=scatters))
+        if known:
+            yield name, max(known, key=attrgetter("error"))
 
 
 def _joined(value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> dict[str, ErrorBar]:

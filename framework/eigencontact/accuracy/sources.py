@@ -53,7 +53,8 @@ class ErrorSource:
     variations : callable
         Plan to variations, the nearest to the scene first; none where the error follows from the plan.
     known : callable, optional
-        Plan and summary of the run to errors that need no other run, by number.
+        Plan and summary of the run to errors that need no other run, by number; of these and the errors by variations
+        the larger ones count.
     least : bool
         Whether it counts only in a number that no other source changes: its error is the least that is known.
     finer : callable, optional
@@ -168,6 +169,16 @@ def _jumps(plan: Plan) -> list[Variation]:
     return [Variation(changes={"wear": {"jump-error": min(1.0, 2.0 * wear.error)}}, ratio=2.0)]
 
 
+def _by_jumps(_: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Errors by jumps that the run itself estimates.
+
+    The worn depth of a jump is integrated to a part of `jump-error` in 1, 2, 4, ... sub-steps: twice the setting may
+    leave their number as it is, and then shows nothing.
+    """
+    part = summary["wear_error"] - abs(summary["update_error"])
+    return {name: part * abs(summary[name]) for name in ("worn_volume", "wear_energy")}
+
+
 def _layer_error(plan: Plan) -> float:
     assert plan.scene.wear is not None
     return plan.scene.wear.layer_error
@@ -232,6 +243,7 @@ SOURCES: tuple[ErrorSource, ...] = (
         name="jumps over cycles",
         applies=_has("jump-error"),
         variations=_jumps,
+        known=_by_jumps,
         finer=_fewer_jumps,
         stride=_SETTINGS["jump-error"].stride,
         lowest=_ADAPTIVE,
