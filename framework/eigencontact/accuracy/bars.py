@@ -138,6 +138,7 @@ def error_bars(
     *,
     sources: Sequence[ErrorSource] | None = None,
     before: Mapping[str, Varied] | None = None,
+    coarse: Mapping[str, Any] | None = None,
 ) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
@@ -155,6 +156,9 @@ def error_bars(
         By default those of the plan.
     before : mapping of str to Varied, optional
         Runs of sources that were made before and stand for those of this run.
+    coarse : mapping, optional
+        Table of the grid on which all sources but the cells are varied; by default the coarsest that these were varied
+        to.
 
     Returns
     -------
@@ -168,7 +172,7 @@ def error_bars(
     run. The errors of all sources are added. They do not contain errors of the model: half-space, small strain, laws.
     """
     began = perf_counter()
-    coarser = Coarser(Run(plan, summary), solve)
+    coarser = Coarser(Run(plan, summary), solve, coarse)
     varied = dict(before or {})
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
@@ -202,6 +206,7 @@ class Coarser:
 
     own: Run
     solve: Solve
+    grid: Mapping[str, Any] | None = None
     runs: int = 0
     _kept: Kept = field(default_factory=lambda: Kept(_KEPT_BYTES))
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
@@ -227,7 +232,7 @@ class Coarser:
                 if ratio == 1.0:
                     return Varied(start, others), "the grid cannot be coarser"
                 others = sorted([*others, (ratio, coarse[1])], key=itemgetter(0))
-                if not source.on_coarse:
+                if not source.on_coarse and self.grid is None:
                     self._coarsest = coarse
         except EigencontactError as problem:
             return Varied(start, others), " ".join(str(problem).split())
@@ -239,7 +244,7 @@ class Coarser:
         if not source.on_coarse:
             return tables, self.own
         if self._coarsest is None and "cells" in varied:
-            grid = varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
+            grid = self.grid or varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
             coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
             self._coarsest = self._solved(changed(tables, coarse), "coarse cells")
         return self._coarsest or (tables, self.own)
