@@ -232,6 +232,17 @@ def test_a_higher_order_needs_fewer_cells():
     assert second.holds
 
 
+def test_no_cells_make_up_for_load_steps_that_the_next_rung_refines():
+    """The load steps reach their largest factor of one rung; with them the cells hold as they are."""
+    targets = Targets(allowed={"depth": 0.01})
+    way = cheapest(levers(2.0, 1.0), bar(0.004, 0.1), targets)
+    assert set(way.factors) == {"load steps"}
+    assert 3.0 <= way.factors["load steps"] <= 4.0
+    assert not way.holds
+    both = cheapest(levers(2.0, 1.0), bar(0.02, 0.1), targets)
+    assert 0.02 / 0.0085 <= both.factors["cells"] <= 1.1 * 0.02 / 0.0085
+
+
 def test_a_budget_limits_the_factors():
     targets = Targets(allowed={"depth": 0.01})
     way = cheapest(levers(2.0, 1.0), bar(0.04, 0.0, 1.0), targets, most=4.0)
@@ -294,8 +305,8 @@ def test_a_finer_run_that_fails_leaves_the_one_before():
     assert answer.stopped == "no convergence"
 
 
-def test_finer_load_steps_are_judged_by_the_run_before_alone():
-    """Of first order in the load steps: each further run is the only one on its load steps."""
+def test_finer_load_steps_are_judged_on_the_coarsest_cells_alone():
+    """Of first order in the load steps: each further run is the only one on its cells."""
 
     def depth(plan):
         return 1.0 + 0.5 / plan.steps
@@ -303,10 +314,13 @@ def test_finer_load_steps_are_judged_by_the_run_before_alone():
     answer, solved = known(depth, {"depth": "1 %"}, HISTORY)
     assert answer.last.holds
     bar = answer.last.bars["depth"]
-    assert depth(answer.last.run.plan) - 1.0 == close(bar.error)  # one step size tells first order exactly
+    assert 1.25 * (depth(answer.last.run.plan) - 1.0) == close(bar.error)  # two step sizes tell first order exactly
+    assert bar.order == close(1.0)
     assert len(answer.rungs) >= 3
-    assert len(solved) == 4 + len(answer.rungs) - 1  # pilot, two coarser grids, half the increments
-    assert len({plan.grid.nx for plan in solved[4:]} | {solved[0].grid.nx}) == 1
+    finest, coarsest = solved[0].grid.nx, min(plan.grid.nx for plan in solved)
+    assert [plan.grid.nx for plan in solved[5:]].count(finest) == len(answer.rungs) - 1
+    assert {plan.grid.nx for plan in solved[5:]} == {finest, coarsest}
+    assert len({(plan.grid.nx, plan.steps) for plan in solved}) == len(solved)  # nothing twice
 
 
 def test_cells_are_varied_on_few_load_steps():
@@ -321,7 +335,8 @@ def test_cells_are_varied_on_few_load_steps():
     assert depth(last) - 1.0 <= answer.last.bars["depth"].error <= 0.021
     first, second = (rung.run.plan for rung in answer.rungs[:2])
     assert second.steps >= 2 * first.steps
-    assert [plan.grid.nx for plan in solved if plan.steps == second.steps] == [second.grid.nx]
+    coarsest = min(plan.grid.nx for plan in solved)
+    assert {plan.grid.nx for plan in solved if plan.steps == second.steps} == {second.grid.nx, coarsest}
     assert second.grid.nx in [plan.grid.nx for plan in solved if plan.steps == first.steps]
 
 

@@ -1,5 +1,6 @@
 """Error bars of runs: against closed forms, and against each planted fault."""
 
+from dataclasses import asdict, replace
 from math import pi
 
 import pytest
@@ -119,7 +120,8 @@ def test_every_source_counts_by_itself():
     found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
     assert found.error >= 0.03
     assert found.parts["cells"] == close(1.25 * 0.01, rel=1e-6)
-    assert found.parts["load steps"] == close(0.02, rel=1e-6)
+    assert found.parts["load steps"] == close(1.25 * 0.02, rel=1e-6)
+    assert found.order == close(1.0)
     assert set(found.parts) == {"cells", "load steps"}
     assert found.source == "load steps"
 
@@ -133,6 +135,59 @@ def test_a_source_left_out_is_seen(monkeypatch):
         test_every_source_counts_by_itself()
 
 
+MANY = [{"normal-load": 0.65}, {"tangential-load-x": 0.1, "increments": 8}]
+FEW = [{"normal-load": 0.65}, {"tangential-load-x": 0.1, "increments": 2}]
+ORDER = 0.6
+
+
+@pytest.mark.parametrize(("steps", "counts"), [(MANY, [9, 5, 3]), (FEW, [3, 2, 6])])
+def test_a_second_number_of_increments_tells_their_order(steps, counts):
+    """Below the first order half the increments alone give half the error; a quarter, or twice as many, all of it."""
+    planned = ec.plan(HERTZ | FRICTION | {"steps": steps})
+    solved = []
+
+    def depth(other):
+        solved.append(increments(other))
+        return 1.0 + 0.02 * (increments(planned) / increments(other)) ** ORDER
+
+    found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
+    assert found.parts["load steps"] == close(1.25 * 0.02, rel=1e-6)
+    assert found.order == close(ORDER)
+    assert solved == [counts[0]] * 3 + counts[1:]
+
+
+def test_a_second_number_of_increments_that_is_skipped_is_seen(monkeypatch):
+    """Planted fault: half the increments alone."""
+    monkeypatch.setattr(bars, "_is_notable", lambda *_: False)
+    with pytest.raises(AssertionError):
+        test_a_second_number_of_increments_tells_their_order(MANY, [9, 5, 3])
+    monkeypatch.undo()
+    once = sources._increments
+    steps = next(source for source in sources.SOURCES if source.name == "load steps")
+    monkeypatch.setattr(
+        sources,
+        "SOURCES",
+        [replace(steps, variations=lambda plan: once(plan)[:1]) if s is steps else s for s in sources.SOURCES],
+    )
+    with pytest.raises(AssertionError):
+        test_a_second_number_of_increments_tells_their_order(FEW, [3, 2, 6])
+
+
+@pytest.mark.parametrize("part", [0.1, 0.0005])
+def test_a_small_error_of_increments_is_not_worth_a_second_run(part):
+    """A tenth of the error of the cells, or a twentieth of a per cent of the number."""
+    planned = ec.plan(HERTZ | FRICTION | {"steps": MANY})
+    edge, solved = planned.grid.dx, []
+
+    def depth(other):
+        solved.append(increments(other))
+        cells = 0.1 * part * (other.grid.dx / edge) ** 2
+        return 1.0 + (cells if part == 0.1 else 0.0) + 0.1 * part * part / increments(other)
+
+    error_bars(planned, summary(depth(planned)), solver(depth))
+    assert solved == [9, 9, 9, 5]
+
+
 def test_a_loose_tolerance_is_a_source_and_a_tight_one_is_none():
     planned = ec.plan(HERTZ | {"numerics": {"tolerance": 1e-4}})
 
@@ -142,6 +197,62 @@ def test_a_loose_tolerance_is_a_source_and_a_tight_one_is_none():
     found = error_bars(planned, summary(depth(planned)), solver(depth)).bars["depth"]
     assert found.parts["tolerance"] == close(0.001, rel=1e-6)
     assert "tolerance" not in [source.name for source in sources.error_sources(ec.plan(HERTZ))]
+
+
+CYCLES = {"type": "dissipated-energy", "coefficient": 1e-15, "body": 1}
+WORN = HERTZ | {
+    "body2": {"rigid": True},
+    "friction": FRICTION["friction"],
+    "wear": CYCLES,
+    "steps": [{"normal-load": 0.65}, {"cycle": {"normal-load": 0.65, "sliding-distance": 0.01}, "repeat": 20}],
+    "numerics": {"coupling": "none"},
+    "observers": [{"type": "fretting-loop"}],
+}
+
+
+def worn(planned, energy=4.0):
+    """Summary of a run whose jumps over cycles miss 2 % by its own estimate, and 1 % by one update per cycle."""
+    declared = {name: asdict(number) for name, number in {**planned.numbers, **planned.observed}.items()}
+    names = ("worn_volume", "wear_energy", "dissipated_energy", "fretting_loop_dissipated_energy")
+    estimates = {"wear_error": 0.03, "update_error": -0.01}
+    values = dict(zip(names, (2.0, energy, 3.0, 3.0), strict=True)) | estimates
+    known = {name: declared[name] for name in values}
+    return {"numbers": known, "observed": {names[-1]: 3.0}, "warnings": [], **values}
+
+
+def test_jumps_over_cycles_have_the_error_that_the_run_estimates_where_their_variation_shows_nothing():
+    planned = ec.plan(WORN)
+    found = error_bars(planned, worn(planned), lambda tables, _: Run(ec.plan(tables), worn(planned)))
+    errors = {name: found.bars[name].error for name in ("worn_volume", "wear_energy")}
+    assert errors == {"worn_volume": close(0.02 * 2.0), "wear_energy": close(0.02 * 4.0)}
+    assert found.bars["worn_volume"].source == "jumps over cycles"
+
+
+def test_the_larger_of_the_estimate_of_the_run_and_of_the_variation_counts():
+    planned = ec.plan(WORN)
+
+    def solve(tables, _):
+        other = ec.plan(tables)
+        return Run(other, worn(planned, 5.0 if other.scene.wear.error > planned.scene.wear.error else 4.0))
+
+    assert error_bars(planned, worn(planned), solve).bars["wear_energy"].error >= 1.0
+
+
+def test_an_estimate_of_the_run_that_is_left_out_is_seen(monkeypatch):
+    without = [replace(s, known=None) if s.name == "jumps over cycles" else s for s in sources.SOURCES]
+    monkeypatch.setattr(sources, "SOURCES", without)
+    with pytest.raises(AssertionError):
+        test_jumps_over_cycles_have_the_error_that_the_run_estimates_where_their_variation_shows_nothing()
+
+
+def test_work_of_the_solved_cycles_alone_has_no_error():
+    planned = ec.plan(WORN)
+    name = "fretting_loop_dissipated_energy"
+    found = error_bars(planned, worn(planned), lambda tables, _: Run(ec.plan(tables), worn(planned)))
+    assert name not in found.bars
+    assert "solved cycles alone" in found.left_out[name]
+    whole = worn(planned, energy=3.0)  # no cycle was skipped
+    assert name in error_bars(planned, whole, lambda tables, _: Run(ec.plan(tables), whole)).bars
 
 
 SECTION = {"shape": "plane", "normal": "y", "depth-max": 8e-6, "depth-cells": 8}

@@ -23,6 +23,21 @@ def test_the_error_of_a_power_law_is_within_the_bar_and_at_least_four_fifths_of_
     assert true <= found.error <= 1.26 * true
 
 
+@given(st.floats(0.55, 1.0), st.sampled_from([(2.0, 4.0), (0.5, 2.0), (0.55, 1.9)]), st.sampled_from([-3e9, 1.0]))
+def test_a_finer_value_tells_the_same_order_as_two_coarser_ones(order, sizes, limit):
+    found = estimate(1.1 * limit, [(size, limit * (1 + 0.1 * size**order)) for size in sizes], 1.0, 1.0)
+    assert found.order == close(order, 1e-3)
+    assert found.error == close(1.25 * 0.1 * abs(limit), 1e-3)
+
+
+@pytest.mark.parametrize("finer", [1.1, 0.9])
+def test_a_finer_value_without_an_order_counts_with_the_lowest(finer):
+    """The coarser value lies on the other side, or shows no change at all."""
+    for coarser in (finer, 1.0):
+        found = estimate(1.0, [(0.5, finer), (2.0, coarser)], 1.0, 1.0)
+        assert found == (close(0.2), None)
+
+
 @given(st.floats(2.1, 2.4), SIZES)
 def test_an_order_above_the_known_one_is_not_trusted_to_make_the_bar_smaller(order, sizes):
     error = estimate(1.1, [(size, 1 + 0.1 * size**order) for size in sizes], 1.0, 2.0).error

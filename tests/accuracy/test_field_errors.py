@@ -174,6 +174,35 @@ def test_the_error_at_a_sharp_peak_holds_finer_cells(monkeypatch):
     assert not peak_held()
 
 
+def tangent(cells):
+    """A stiff sphere of half a contact radius that touches the surface; cells per contact radius."""
+    edge = RADIUS / cells
+    ball = {"type": "sphere", "center": [0, 0, 0.5 * RADIUS], "radius": 0.5 * RADIUS}
+    return HERTZ | {
+        "stress": [],
+        "grid": {"cells": 2 * round(1.35 * cells), "spacing": [edge, edge]},
+        "inclusions": [ball | {"material": {"young-modulus": 2 * STEEL["young-modulus"], "poisson-ratio": 0.3}}],
+        "numerics": {"tolerance": 1e-4, "inclusion-pitch": edge, "allow-coarse": True},
+    }
+
+
+def test_the_error_at_the_largest_value_is_that_of_this_number(monkeypatch):
+    """At a peak that is smooth on these cells, and rises with finer ones."""
+    rise = ec.run(tangent(20)).summary["max_pressure"]
+
+    def missed():
+        run = ec.run(tangent(10), errors=True)
+        pressure, error = (run.dataset[name].values[-1] for name in ("pressure", "pressure_error"))
+        peak = pressure > (1.0 - 1e-6) * pressure.max()
+        assert peak.sum() == 4
+        return rise - pressure.max() > error[peak].min()
+
+    assert not missed()
+    bounded = fields._bounded
+    monkeypatch.setattr(fields, "_bounded", lambda at, errors, ends, *rest: bounded(at, errors, 0.0 * ends, *rest))
+    assert missed()
+
+
 def test_half_an_error_is_seen(monkeypatch):
     original = differences.shares_of
 

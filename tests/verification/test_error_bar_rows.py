@@ -45,6 +45,11 @@ def test_a_later_call_goes_on(monkeypatch, tmp_path):
     with gzip.open(file, "rt") as lines:
         assert [json.loads(line)["seed"] for line in lines] == [0, 1, 2]
     assert collect("elastic", 9, file, -1.0) == rows  # no time, no further scene
+    with gzip.open(file, "wt") as lines:  # a row that is taken out is solved again
+        lines.writelines(json.dumps(row) + "\n" for row in rows if row["seed"] != 1)
+    assert [row["seed"] for row in collect("elastic", 3, file, 60.0)] == [0, 1, 2]
+    assert len(calls) == 4
+    rows = collect("elastic", 3, file, 60.0)
     assert collect("elastic", 1, file, 60.0) == rows  # all that are stored
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
+from operator import attrgetter, itemgetter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.accuracy.targets import ZERO, scales_of
 from eigencontact.core.kept import Kept
 from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
@@ -23,6 +26,10 @@ __all__ = ["Accuracy", "Coarser", "Comparison", "Run", "Varied", "error_bars", "
 
 #: Memory of the operators that coarser runs share [bytes].
 _KEPT_BYTES = 2e8
+#: Parts of an error bar, and of its number, from which on the error of a source is worth a second coarser run.
+_NOTABLE, _LEAST = 0.2, 1e-3
+#: Why a sum over solved load steps has no error.
+_SOLVED = "it is a sum over the solved cycles alone, and other cells solve other cycles"
 
 
 class Run(NamedTuple):
@@ -53,7 +60,7 @@ class Varied(NamedTuple):
     base : Run
         The run, or one with coarser cells.
     others : sequence of (float, Run)
-        Step size in that of `base`, and the run; the nearest first.
+        Step size in that of `base`, and the run; the finer first.
     """
 
     base: Run
@@ -75,7 +82,7 @@ class Comparison:
     values : dict of str to float
         Results of the run that is compared with the others.
     others : list of (float, dict of str to float)
-        Step size in units of that run, and the results; the nearest first.
+        Step size in units of that run, and the results; the finer first.
     known : dict of str to float
         Errors that follow from the plan.
     seconds : float
@@ -131,6 +138,7 @@ def error_bars(
     *,
     sources: Sequence[ErrorSource] | None = None,
     before: Mapping[str, Varied] | None = None,
+    coarse: Mapping[str, Any] | None = None,
 ) -> Accuracy:
     """Estimate the error of every result in the summary of a run.
 
@@ -148,6 +156,9 @@ def error_bars(
         By default those of the plan.
     before : mapping of str to Varied, optional
         Runs of sources that were made before and stand for those of this run.
+    coarse : mapping, optional
+        Table of the grid on which all sources but the cells are varied; by default the coarsest that these were varied
+        to.
 
     Returns
     -------
@@ -161,28 +172,27 @@ def error_bars(
     run. The errors of all sources are added. They do not contain errors of the model: half-space, small strain, laws.
     """
     began = perf_counter()
-    coarser = Coarser(Run(plan, summary), solve)
+    coarser = Coarser(Run(plan, summary), solve, coarse)
     varied = dict(before or {})
     comparisons: list[Comparison] = []
     left_out = {name: warning["words"] for name, warning in _slow(summary).items() if warning["order"] == 0.0}
+    left_out |= dict.fromkeys(_partial(summary), _SOLVED)
     for source in error_sources(plan) if sources is None else sources:
-        if source.known is not None:
-            comparisons.append(Comparison(source=source, known=source.known(plan, summary)))
         source_began = perf_counter()
+        known = {} if source.known is None else source.known(plan, summary)
         if source.name not in varied:
-            runs, reason = coarser.vary(source, varied)
+            runs, reason = coarser.vary(source, varied, partial(_is_notable, summary, comparisons, source))
             if runs.others:
                 varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
+        compared = Comparison(source=source)
         if source.name in varied:
             left_out.pop(source.name, None)
-            start, others = varied[source.name]
-            values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in others]
-            own, spent = dict(_results(start.summary)), perf_counter() - source_began
-            comparisons.append(Comparison(source=source, values=own, others=values, seconds=spent))
+            compared = _compared(source, varied[source.name])
             if fields is not None:
-                fields.vary(source, start, others)
+                fields.vary(source, *varied[source.name])
+        comparisons.append(replace(compared, known=known, seconds=perf_counter() - source_began))
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(
@@ -196,25 +206,33 @@ class Coarser:
 
     own: Run
     solve: Solve
+    grid: Mapping[str, Any] | None = None
     runs: int = 0
     _kept: Kept = field(default_factory=lambda: Kept(_KEPT_BYTES))
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
 
-    def vary(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Varied, str]:
-        """Runs of a source, and why one was refused; `varied` has those of the sources before it."""
+    def vary(
+        self, source: ErrorSource, varied: Mapping[str, Varied], notable: Callable[[Varied], bool] = lambda _: True
+    ) -> tuple[Varied, str]:
+        """Runs of a source, and why one was refused; `varied` has those of the sources before it.
+
+        `notable` decides after the first run of a sparing source whether its second one is made.
+        """
         others: list[tuple[float, Run]] = []
         start = self.own
         try:
             tables, start = self._start(source, varied)
             for variation in source.variations(start.plan):
+                if others and source.sparing and not notable(Varied(start, others)):
+                    break
                 words = f"{source.name}, step size times {variation.ratio:.3g}"
                 coarse = self._solved(changed(tables, variation.changes), words)
                 # the planner rounds the number of cells: the ratio is that of the edges
                 ratio = variation.ratio if source.on_coarse else _edge(coarse[1].plan) / _edge(self.own.plan)
                 if ratio == 1.0:
                     return Varied(start, others), "the grid cannot be coarser"
-                others.append((ratio, coarse[1]))
-                if not source.on_coarse:
+                others = sorted([*others, (ratio, coarse[1])], key=itemgetter(0))
+                if not source.on_coarse and self.grid is None:
                     self._coarsest = coarse
         except EigencontactError as problem:
             return Varied(start, others), " ".join(str(problem).split())
@@ -226,7 +244,7 @@ class Coarser:
         if not source.on_coarse:
             return tables, self.own
         if self._coarsest is None and "cells" in varied:
-            grid = varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
+            grid = self.grid or varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
             coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
             self._coarsest = self._solved(changed(tables, coarse), "coarse cells")
         return self._coarsest or (tables, self.own)
@@ -236,6 +254,25 @@ class Coarser:
             run = self.solve(tables, words)
         self.runs += 1
         return tables, run
+
+
+def _compared(source: ErrorSource, runs: Varied) -> Comparison:
+    """Numbers of the runs of a source."""
+    values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in runs.others]
+    return Comparison(source=source, values=dict(_results(runs.base.summary)), others=values)
+
+
+def _is_notable(
+    summary: Mapping[str, Any], comparisons: Sequence[Comparison], source: ErrorSource, runs: Varied
+) -> bool:
+    """Whether a source is a notable part of the error bar of any number that does not scatter."""
+    declared, scales = summary["numbers"], scales_of(summary)
+    for name, bar in joined_bars(summary, [*comparisons, _compared(source, runs)]).items():
+        zero = ZERO * scales.get(declared[name]["unit"], 0.0)
+        least = max(_NOTABLE * bar.error, _LEAST * abs(bar.value), zero)
+        if bar.parts.get(source.name, 0.0) > least and not declared[name].get("scatters"):
+            return True
+    return False
 
 
 def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -> dict[str, ErrorBar]:
@@ -272,10 +309,22 @@ def _results(summary: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """Names and values of the results in a summary, without results that another result replaces."""
     declared = summary["numbers"]
     values = {name: summary.get(name, summary["observed"].get(name)) for name in declared}
-    replaced = {number.get("replaces") for name, number in declared.items() if values[name]}
+    replaced = {number.get("replaces") for name, number in declared.items() if values[name]} | set(_partial(summary))
     for name, value in values.items():
         if declared[name]["role"] == "result" and isinstance(value, int | float) and name not in replaced:
             yield name, float(value)
+
+
+def _partial(summary: Mapping[str, Any]) -> list[str]:
+    """Sums over the solved load steps where another number has the skipped ones as well."""
+    declared = summary["numbers"]
+    skipped = any(
+        number.get("replaces") in summary
+        and abs(summary[name] - summary[number["replaces"]]) > ROUND_OFF * summary[name]
+        for name, number in declared.items()
+        if summary.get(name)
+    )
+    return [name for name, number in declared.items() if skipped and number.get("summed")]
 
 
 def _estimates(
@@ -290,13 +339,14 @@ def _estimates(
     """
     source, value_of = comparison.source, comparison.values
     for name in names:
-        if name in comparison.known:
-            yield name, Estimate(comparison.known[name], None)
+        known = [Estimate(comparison.known[name], None)] if name in comparison.known else []
         pairs = [(ratio, coarse[name]) for ratio, coarse in comparison.others if name in coarse]
         if pairs and name in value_of:
             lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
             scatters = bool(declared[name].get("scatters"))
-            yield name, estimate(value_of[name], pairs, lowest, highest, scatters=scatters)
+            known.append(estimate(value_of[name], pairs, lowest, highest, scatters=scatters))
+        if known:
+            yield name, max(known, key=attrgetter("error"))
 
 
 def _joined(value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> dict[str, ErrorBar]:

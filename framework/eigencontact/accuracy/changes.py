@@ -58,6 +58,8 @@ def refined_window(plan: Plan, factor: float, *, alike: bool = False) -> tuple[d
     """
     number = _alike if alike else _rounded
     counts = [number(factor * count, count) for count in plan.grid.counts]
+    if plan.model.periodic:  # no zeros fill the window up to a length that transforms fast
+        counts = [n if n == old else _smooth(n) for n, old in zip(counts, plan.grid.counts, strict=True)]
     # the window of the plan: an automatic one around inclusions has its own centre
     cells = {"cells": counts if len(counts) > 1 else counts[0]}
     return _window(plan) | cells, f"{' x '.join(str(count) for count in counts)} cells"
@@ -85,6 +87,21 @@ def _alike(wanted: float, count: int) -> int:
     """
     odd = count % 2
     return max(2 - odd, 2 * round(0.5 * (wanted - odd)) + odd)
+
+
+def _smooth(count: int) -> int:
+    """Next number of the same parity without prime factors above 7.
+
+    Examples
+    --------
+    >>> _smooth(274), _smooth(33), _smooth(64)
+    (280, 35, 64)
+    """
+    rest = count
+    for prime in (2, 3, 5, 7):
+        while rest % prime == 0:
+            rest //= prime
+    return count if rest == 1 else _smooth(count + 2)
 
 
 def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict[str, Any]], float]:

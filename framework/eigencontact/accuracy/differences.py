@@ -70,10 +70,14 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Share:
-    """Error of a field from one source in one step: on the points of each coarser run, with the observed order."""
+    """Error of a field from one source in one step: on the points of each coarser run, with the observed order.
+
+    `extremes` has the errors of its smallest and largest value, of each component, as of two numbers.
+    """
 
     errors: list[tuple[Axes, NDArray[Any]]]
     order: float | None
+    extremes: NDArray[Any]
 
     def at(self, axes: Axes) -> NDArray[Any]:
         """Largest of the estimates at the points of the run."""
@@ -92,7 +96,7 @@ def differences(
     times = sorted(set.intersection(*(set(run.positions) for run in (base, *(other for _, other in varied)))))
     for time in times[-1:] if last else times:
         values, *fields = (run.at(time) for run in (base, *(other for _, other in varied)))
-        sizes, parts, places = [], [], []
+        sizes, parts, places, ends = [], [], [], []
         for (size, other), field in zip(varied, fields, strict=True):
             if values is None or field is None:
                 break
@@ -102,6 +106,7 @@ def differences(
             places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))
             parts.append(np.abs(coarse[np.ix_(*leading, *kept)] - carried(values, base.axes, places[-1], smooth=True)))
             sizes.append(size)
+            ends.append(_extremes(coarse, len(kept)))
         if len(parts) < len(varied):
             continue
         factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
@@ -109,7 +114,13 @@ def differences(
             (factor * largest_near(part, range(-len(base.axes), 0), _OF_OTHERS)).astype(np.float32)
             for factor, part in zip(factors, parts, strict=True)
         ]
-        yield time, Share(list(zip(places, errors, strict=True)), order)
+        assert values is not None
+        own = _extremes(without_gaps(values), len(base.axes))
+        extremes = [
+            estimate(value, list(zip(sizes, others, strict=True)), source.lowest, source.highest).error
+            for value, *others in zip(*(run.ravel() for run in (own, *ends)), strict=True)
+        ]
+        yield time, Share(list(zip(places, errors, strict=True)), order, np.reshape(extremes, own.shape))
 
 
 def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSource) -> tuple[list[float], float | None]:
@@ -124,12 +135,19 @@ def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSourc
     >>> [f"{factor:.3f}" for factor in factors], f"{order:.2f}"
     (['0.417', '0.156'], '2.00')
     """
-    found = estimate(0.0, list(zip(sizes, norms, strict=True)), source.lowest, source.highest)
+    signed = [norm if size > 1.0 else -norm for norm, size in zip(norms, sizes, strict=True)]
+    found = estimate(0.0, list(zip(sizes, signed, strict=True)), source.lowest, source.highest)
     used = source.lowest if found.order is None else min(found.order, source.highest)
     ways = [abs(size**used - 1.0) for size in sizes]
     shares = [norm / way for norm, way in zip(norms, ways, strict=True)]
     reference = max(shares) if found.order is None else shares[0]
     return [found.error / (reference * way) if reference else 0.0 for way in ways], found.order
+
+
+def _extremes(field: NDArray[Any], points: int) -> NDArray[Any]:
+    """Smallest and largest value (2, ...) over the last `points` dimensions."""
+    axes = tuple(range(-points, 0))
+    return np.stack([field.min(axis=axes), field.max(axis=axes)])
 
 
 def neighbours(times: Sequence[float], time: float) -> Sequence[float]:

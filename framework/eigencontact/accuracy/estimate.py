@@ -36,7 +36,8 @@ def estimate(
     value : float
         Value of the discretisation in use.
     others : sequence of (float, float)
-        Step size in units of that of `value`, and the value there; one or two, the nearest first.
+        Step size in units of that of `value`, and the value there; one or two, the finer first. The first of two may be
+        finer than `value`.
     lowest, highest : float
         Orders between which the error is known to fall.
     scatters : bool
@@ -80,13 +81,16 @@ def estimate(
     used = min(order, highest)
     if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
         return Estimate(_SAFETY * abs(far_value - value) / (far**highest - 1.0), None)
-    return Estimate(_SAFETY * abs(near_value - value) / (near**used - 1.0), order)
+    return Estimate(_SAFETY * abs((near_value - value) / (near**used - 1.0)), order)
 
 
 def _observed(near: float, near_difference: float, far: float, far_difference: float) -> float | None:
     """Order from two differences; None if the differences have different signs or do not decrease."""
     if near_difference == 0.0 or not isfinite(far_difference / near_difference):
         return None
+    if near < 1.0:  # relative to the finest of the three
+        near, far = 1.0 / near, far / near
+        near_difference, far_difference = -near_difference, far_difference - near_difference
     quotient = far_difference / near_difference
 
     def excess(order: float) -> float:

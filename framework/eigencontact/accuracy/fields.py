@@ -37,6 +37,8 @@ __all__ = ["FieldErrors"]
 _ROLES = {"field": True, "history": True, "region": False}
 #: At an edge a field is off by at most this part of the difference to the neighbour: the edge lies between them.
 _OF_NEIGHBOUR = 0.5
+#: Values are equal up to this part of them: of a symmetric field on an even number of cells several are the largest.
+_EQUAL = 1e-6
 
 
 class _Varied(NamedTuple):
@@ -73,7 +75,8 @@ class FieldErrors:
     surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
     difference to a neighbour. At a largest or smallest value, and next to it, coarser points elsewhere do not tell how
     sharp a peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this
-    step is the largest nearby, and nothing at a smooth one, where it is at most half of the next.
+    step is the largest nearby, and nothing at a smooth one, where it is at most half of the next. At the largest and
+    the smallest value of all it is at least the error of this value as a number, which follows the peak of each run.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
@@ -176,7 +179,9 @@ class FieldErrors:
         }
         places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
         follow = [n - len(field.axes) for n, at in enumerate(field.axes) if any(not alike(at, ax[n]) for ax in places)]
-        return parts, _bounded(values, sum(parts.values(), np.zeros(())), edged, follow), edged
+        near = [[by_time[at].extremes for at in neighbours(sorted(by_time), time)] for by_time in shares.values()]
+        extremes = np.sum([np.max(errors, axis=0) for errors in near], axis=0)
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, follow), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -237,16 +242,21 @@ def _histories(
             yield time, estimate(value, pairs, lowest, highest, scatters=scatters)
 
 
-def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, follow: Sequence[int]) -> NDArray[Any]:
-    """Errors with a lower bound by the steps between neighbours, at edges and peaks; NaN where the field is NaN.
+def _bounded(
+    values: NDArray[Any], errors: NDArray[Any], extremes: NDArray[Any], edged: int, follow: Sequence[int]
+) -> NDArray[Any]:
+    """Errors with a lower bound at edges and peaks; NaN where the field is NaN.
 
-    A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
+    It follows from the steps between neighbours, and at the smallest and largest value from the errors `extremes` of
+    these. A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
     """
     field = without_gaps(values)
+    equal = _EQUAL * float(np.abs(field).max(initial=0.0))
     steps, jumps, peaks = np.zeros(values.shape), np.zeros(values.shape), field != 0.0
     for axis in {*follow, *range(-edged, 0)}:
         first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
         rises = np.diff(field, axis=axis, prepend=first, append=last)
+        rises[np.abs(rises) <= equal] = 0.0
         before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
         jumps = np.maximum(jumps, np.maximum(np.abs(before), np.abs(after)))
         if axis in follow:
@@ -256,6 +266,11 @@ def _bounded(values: NDArray[Any], errors: NDArray[Any], edged: int, follow: Seq
                 np.moveaxis(peaks, axis, 0)[end] = False
     slopes = largest_near(steps, follow)
     sharp = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
-    bounds = largest_near(np.where(peaks, sharp * steps, 0.0), follow)
+    bounds = np.where(peaks, sharp * steps, 0.0)
+    inner = tuple(range(extremes.ndim - 1, field.ndim))
+    for sign, error in zip((-1.0, 1.0), extremes, strict=True):
+        highest = peaks & (sign * field >= (sign * field).max(axis=inner, keepdims=True) - equal)
+        bounds = np.where(highest, np.maximum(bounds, np.expand_dims(error, inner)), bounds)
+    bounds = largest_near(bounds, follow)
     bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * jumps), bounds)
     return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)

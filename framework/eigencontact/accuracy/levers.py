@@ -152,12 +152,14 @@ def cheapest(
         for lever in levers
     }
     factors = dict.fromkeys((lever.source.name for lever in levers), 1.0)
+    later = set[str]()
 
     def errors(given: Mapping[str, float]) -> dict[str, float]:
         return {
             name: sum(
                 part / given.get(source, 1.0) ** falls.get((name, source), 0.0)
                 for source, part in bars[name].parts.items()
+                if source not in later
             )
             for name in targets.allowed
         }
@@ -180,14 +182,19 @@ def cheapest(
         for lever in levers:
             tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
             within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
-            allowed = tried[lever.source.name] <= (1e4 if far else 1.001 * lever.at_once)
             fall = excess - aims.excess(errors(tried))
             pays = fall / (price(tried, "seconds") - now)
-            if within and allowed and pays > gain and fall > _SMALL * excess:
-                best, gain = tried, pays
+            if within and pays > gain and fall > _SMALL * excess:
+                best, gain = (lever, tried), pays
         if best is None:
             break
-        factors, excess = best, aims.excess(errors(best))
+        lever, tried = best
+        if tried[lever.source.name] > (1e4 if far else 1.001 * lever.at_once):
+            later.add(lever.source.name)  # finer in the next rung: other sources cannot make up for its error
+        else:
+            factors = tried
+        excess = aims.excess(errors(factors))
+    later.clear()
     reached = errors(factors)
     return Way(
         factors={name: factor for name, factor in factors.items() if factor > 1.0},

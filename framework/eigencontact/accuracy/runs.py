@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ __all__ = ["Runs", "edge_of"]
 #: Grids that were solved before stand for those of the source "cells" within these ratios of their edges. Farther ones
 #: make the bars of numbers that scatter 2 to 9 times as wide as the usual ones, which costs more than a coarser run.
 _NEAR, _FAR, _APART = (1.4, 2.6), 5.0, 1.25
-#: Part of the time of a run below which its cells are varied with the other settings of the run before it.
+#: Part of the time of a run below which its cells are varied with the other settings of the first rung.
 _CHEAPER = 0.5
 _CELLS = next(source for source in SOURCES if source.name == "cells")
 
@@ -52,6 +53,7 @@ class Runs:
     reused: int = 0
     _known: dict[str, Run] = field(default_factory=dict)
     _grids: list[tuple[float, Mapping[str, Any]]] = field(default_factory=list)
+    _first: Plan | None = None
     _last: tuple[Run, Mapping[str, Varied]] | None = None
 
     def rung(
@@ -77,32 +79,31 @@ class Runs:
     def _with_bars(self, run: Run, before: Mapping[str, Varied]) -> tuple[Accuracy, FieldErrors | None]:
         sources = [self._with_known(source) if source is _CELLS else source for source in error_sources(run.plan)]
         fields = None if run.results is None else FieldErrors(run.results, run.summary)
-        accuracy = error_bars(run.plan, run.summary, self._coarse, fields, sources=sources, before=before)
-        self._last = run, accuracy.varied
+        coarse = None if self._first is None else max(self._grids, key=itemgetter(0))[1]
+        accuracy = error_bars(
+            run.plan, run.summary, self._coarse, fields, sources=sources, before=before, coarse=coarse
+        )
+        self._first, self._last = self._first or run.plan, (run, accuracy.varied)
         return accuracy, fields
 
     def _before(self, run: Run, refined: Collection[str], small: Collection[str]) -> dict[str, Varied]:
         """Runs of sources that stand for those of a run: of sources that are as before, and of the cells alone."""
         if self._last is None:
             return {}
-        last, varied = self._last
+        _, varied = self._last
         reused = {name: runs for name, runs in varied.items() if name not in refined}
-        near: Run | None = last
         if "cells" in refined:
             reused = {name: runs for name, runs in reused.items() if name in small}
-            near = self._finer_cells_of(last.plan, run.plan) if len(refined) > 1 else None
-            if near is not None:
+            if (near := self._with_cells_of(run.plan)) is not None:
                 cells, _ = Coarser(near, self._coarse).vary(self._with_known(_CELLS), {})
                 reused |= {"cells": cells} if cells.others else {}
-        fewer = 1.0 if near is None else run.plan.steps / near.plan.steps
-        if near is not None and fewer > 1.0 and set(refined) - {"cells"} == {"load steps"}:
-            reused["load steps"] = Varied(run, [(fewer, near)])
         return reused
 
-    def _finer_cells_of(self, last: Plan, plan: Plan) -> Run | None:
-        """Run with the cells of a plan and all other settings of the last one; None where that saves too little."""
+    def _with_cells_of(self, plan: Plan) -> Run | None:
+        """Run with the cells of a plan and all other settings of the first rung; None where that saves too little."""
+        assert self._first is not None
         try:
-            tables = changed(last.scene.resolved(), {"grid": plan.scene.resolved()["grid"]})
+            tables = changed(self._first.scene.resolved(), {"grid": plan.scene.resolved()["grid"]})
             if self.make(tables).seconds > _CHEAPER * plan.seconds:
                 return None
             return self._coarse(tables, "cells alone finer")

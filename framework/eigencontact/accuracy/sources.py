@@ -18,6 +18,8 @@ __all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
 #: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
 _COARSER = (2.0, 2.5)
+#: Increments of a coarser run in those of half the increments, up to which the two tell an order.
+_QUARTER = 0.75
 #: Least factor by which a degree more is taken to lower an error.
 _SLOWEST = 1.1
 #: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
@@ -51,7 +53,8 @@ class ErrorSource:
     variations : callable
         Plan to variations, the nearest to the scene first; none where the error follows from the plan.
     known : callable, optional
-        Plan and summary of the run to errors that need no other run, by number.
+        Plan and summary of the run to errors that need no other run, by number; of these and the errors by variations
+        the larger ones count.
     least : bool
         Whether it counts only in a number that no other source changes: its error is the least that is known.
     finer : callable, optional
@@ -60,6 +63,8 @@ class ErrorSource:
         Factor that shows in the results: a tolerance must fall further than cells.
     on_coarse : bool
         Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
+    sparing : bool
+        Whether its second variation is made only where the first one is a notable part of an error bar.
     """
 
     name: str
@@ -72,6 +77,7 @@ class ErrorSource:
     highest: float = 2.0
     on_coarse: bool = True
     least: bool = False
+    sparing: bool = False
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
@@ -100,13 +106,12 @@ def _has_path(plan: Plan) -> bool:
 
 
 def _increments(plan: Plan) -> list[Variation]:
-    """Half the increments; twice as many where each step has one."""
+    """Half the increments and a quarter; twice as many where steps have too few for that."""
     tables = plan.scene.resolved()["steps"]
-    for factor in (0.5, 2.0):
-        steps, ratio = refined_steps(tables, factor)
-        if ratio != 1.0:
-            return [Variation(changes={"steps": steps}, ratio=1.0 / ratio)]
-    return []
+    half, quarter, double = (refined_steps(tables, factor) for factor in (0.5, 0.25, 2.0))
+    second = quarter if quarter[1] <= _QUARTER * half[1] else double
+    used = [double] if half[1] == 1.0 else [half, second]
+    return [Variation(changes={"steps": steps}, ratio=1.0 / ratio) for steps, ratio in used]
 
 
 def _more_increments(plan: Plan, factor: float) -> Changes:
@@ -164,6 +169,16 @@ def _jumps(plan: Plan) -> list[Variation]:
     return [Variation(changes={"wear": {"jump-error": min(1.0, 2.0 * wear.error)}}, ratio=2.0)]
 
 
+def _by_jumps(_: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Errors by jumps that the run itself estimates.
+
+    The worn depth of a jump is integrated to a part of `jump-error` in 1, 2, 4, ... sub-steps: twice the setting may
+    leave their number as it is, and then shows nothing.
+    """
+    part = summary["wear_error"] - abs(summary["update_error"])
+    return {name: part * abs(summary[name]) for name in ("worn_volume", "wear_energy")}
+
+
 def _layer_error(plan: Plan) -> float:
     assert plan.scene.wear is not None
     return plan.scene.wear.layer_error
@@ -191,7 +206,14 @@ SOURCES: tuple[ErrorSource, ...] = (
         on_coarse=False,
         least=True,
     ),
-    ErrorSource(name="load steps", applies=_has_path, variations=_increments, finer=_more_increments, highest=1.0),
+    ErrorSource(
+        name="load steps",
+        applies=_has_path,
+        variations=_increments,
+        finer=_more_increments,
+        highest=1.0,
+        sparing=True,
+    ),
     ErrorSource(
         name="cells along z",
         applies=_own_pitch,
@@ -221,6 +243,7 @@ SOURCES: tuple[ErrorSource, ...] = (
         name="jumps over cycles",
         applies=_has("jump-error"),
         variations=_jumps,
+        known=_by_jumps,
         finer=_fewer_jumps,
         stride=_SETTINGS["jump-error"].stride,
         lowest=_ADAPTIVE,

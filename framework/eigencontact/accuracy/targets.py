@@ -180,7 +180,7 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
 
 
 #: Errors that no setting of the run makes smaller.
-_FIXED = frozenset(source.name for source in SOURCES if source.known is not None and not source.least)
+_FIXED = frozenset(source.name for source in SOURCES if source.finer is None and not source.least)
 #: Numbers that are no results.
 _KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated error", "effort": "an effort"}
 _AT_ZERO = "zero by symmetry, and a part of zero is nothing"

@@ -45,6 +45,8 @@ class Number:
         Of an error: name of the number that it belongs to.
     scatters : bool
         Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
+    summed : bool
+        Whether it is a sum over the load steps that were solved, without skipped ones.
     of_points : bool
         Whether it is the depth of one of the points of a region: it is known to half their distance.
     in_line : str
@@ -68,6 +70,7 @@ class Number:
     replaces: str = ""
     estimates: str = ""
     scatters: bool = False
+    summed: bool = False
     of_points: bool = False
     in_line: str = ""
 

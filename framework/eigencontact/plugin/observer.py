@@ -115,6 +115,9 @@ class Observer(Component, ABC):
     counted : sequence of str
         Class attribute: names of numbers that count cells or are positions of cells, and therefore jump with the cells.
         Their errors are not extrapolated.
+    summed : sequence of str
+        Class attribute: names of numbers that are sums over the load steps so far. Where wear skips cycles they have
+        the solved ones alone, and no error.
 
     Examples
     --------
@@ -133,6 +136,7 @@ class Observer(Component, ABC):
     kind: ClassVar[str] = "observer"
     remembered: ClassVar[Sequence[str]] = ()
     counted: ClassVar[Sequence[str]] = ()
+    summed: ClassVar[Sequence[str]] = ()
 
     @abstractmethod
     def observe(self, step: StepView) -> Mapping[str, float]:

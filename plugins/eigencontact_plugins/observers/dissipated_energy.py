@@ -42,6 +42,7 @@ class DissipatedEnergy(Observer):
         "spread": "m",
     }
     counted: ClassVar[Sequence[str]] = ("patches", "max_x", "max_y")
+    summed: ClassVar[Sequence[str]] = ("total", "largest_patch", "max_density", "mean_density")
 
     threshold: float = 1e-6
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -34,6 +34,7 @@ class FrettingLoop(Observer):
     """
 
     key: ClassVar[str] = "fretting-loop"
+    summed: ClassVar[Sequence[str]] = ("dissipated_energy",)
     references: ClassVar[tuple[str, ...]] = (
         "S. Fouvry, P. Kapsa, L. Vincent, Analysis of sliding behaviour for fretting loadings, Wear 185 (1995) 35-46",
     )

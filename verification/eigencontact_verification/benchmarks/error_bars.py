@@ -133,7 +133,7 @@ def collect(
     if file.exists():
         with gzip.open(file, "rt", encoding="utf-8") as lines:
             rows = [json.loads(line) for line in lines]
-    for seed in range(len(rows), count):
+    for seed in sorted(set(range(count)) - {row["seed"] for row in rows}):
         if perf_counter() - began > seconds:
             break
         turn, place = divmod(seed, len(scenes))
@@ -147,7 +147,7 @@ def collect(
         with gzip.open(file, "at", encoding="utf-8") as lines:
             lines.write(json.dumps(row) + "\n")
         say(f"{case} {seed}: {name} {row.get('failed') or row['seconds']}")
-    return rows
+    return sorted(rows, key=lambda row: row["seed"])
 
 
 def measure(_: Code, task: Task) -> Sample:
