@@ -281,7 +281,10 @@ def _weights(
     for tables in (of_real, of_image):
         weights = {}
         for name, (orders, table) in tables.items():  # (power, component, unit eigenstrain, order)
-            combined = np.einsum("pcuo,kun->pkcno", table, coefficients, optimize=True)
+            k, _, n = coefficients.shape
+            combined = np.zeros((table.shape[0], k, table.shape[1], n, len(orders)))
+            for p, c, u, o in np.argwhere(table):  # one in seven is not zero
+                combined[p, :, c, :, o] += table[p, c, u, o] * coefficients[:, u]
             weights[name] = (orders, combined.reshape(-1, coefficients.shape[2], len(orders)))
         out.append(weights)
     return out[0], out[1]
