@@ -65,7 +65,7 @@ def test_stored_scenes_are_not_measured_again(tmp_path, monkeypatch):
     assert collect("ball", [4, 1], file, 60.0)[4]["2"]["eigenstrain"] == (0.2, 1)
     again = collect("ball", [1, 2, 4], file, 60.0)
     assert {number: item["2"]["eigenstrain"][1] for number, item in again.items()} == {4: 1, 1: 2, 2: 3}
-    assert measured == [(scenes[4], 9), (scenes[1], 9), (scenes[2], 9)]
+    assert measured == [(scenes[4], 10), (scenes[1], 10), (scenes[2], 10)]
     numbers = [json.loads(line)["scene"] for line in file.read_text(encoding="utf-8").splitlines()]
     assert numbers == [4, 1, 2]
 
@@ -93,6 +93,14 @@ def test_a_resolution_that_does_not_converge_has_no_error(monkeypatch):
     sample = degrees.measure(None, Task(benchmark="degrees", code="", n=1, case="ratio 2, 1.5"))
     assert (sample["cells 4"], sample["degree 2"], sample["degree 2_s"]) == (None, 0.25, 1.0)
     assert (sample["material"], sample["depth"]) == ("ratio 2", 1.5)
+
+
+def test_cells_of_another_grid_are_judged_by_its_degree_8_and_the_error_of_that(monkeypatch):
+    values = {(8, 12): (0.9, 1.0), (8, 8): (0.8, 1.0), (4, 8): (0.6, 1.0), (4, None): (0.75, 1.0)}
+    monkeypatch.setattr(degrees, "pressure", lambda _m, _d, cells, degree=None: values.get((cells, degree), (0.5, 2.0)))
+    sample = degrees.measure(None, Task(benchmark="degrees", code="", n=1, case="ratio 2, 1.05"))
+    assert (sample["right"], sample["degree 8"], sample["cells 8"]) == (0.9, close(0.1), close(0.4))
+    assert sample["cells 4"] == close(0.75 - (0.6 + 0.9 - 0.8))
 
 
 def test_picture(tmp_path):

@@ -277,11 +277,12 @@ def _weights(
 ) -> tuple[dict[str, tuple[list[Order], FloatArray]], dict[str, tuple[list[Order], FloatArray]]]:
     """Weights of the potentials of the region, rows (k, components), and of its image, rows (power of z, k, ...)."""
     of_real, of_image = _forms(quantity, nu, space)
+    by_density = np.ascontiguousarray(np.swapaxes(coefficients, 1, 2))[:, None]
     out: list[dict[str, tuple[list[Order], FloatArray]]] = []
     for tables in (of_real, of_image):
         weights = {}
         for name, (orders, table) in tables.items():  # (power, component, unit eigenstrain, order)
-            combined = np.einsum("pcuo,kun->pkcno", table, coefficients, optimize=True)
+            combined = by_density @ table[:, None]  # (power, k, component, density, order)
             weights[name] = (orders, combined.reshape(-1, coefficients.shape[2], len(orders)))
         out.append(weights)
     return out[0], out[1]

@@ -102,11 +102,12 @@ def basis_of(
     values, degrees = all_polynomials(densities, degree) if polynomials is None else polynomials
     # Coefficients per density of an orthonormal set, if the densities of the shape span the requested polynomials.
     orthonormal = np.linalg.solve(root, densities)
-    inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
-    missed = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()
+    rows = values.reshape(-1, len(points))
+    inner = (rows * (weights / volume)) @ orthonormal.T
+    missed = np.abs(inner @ orthonormal - rows).max() / np.abs(rows).max()
     require(missed < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
-    flat, _ = np.linalg.qr(inner.reshape(len(inner), -1).T)
-    g = flat.T.reshape(inner.shape)
+    flat, _ = np.linalg.qr(inner.reshape(len(values), -1).T)
+    g = flat.T.reshape(len(values), 6, -1)
     M = 2.0 * G * compliance(matrix)
     strain, stress = np.einsum("ij,njd->nid", soft, g), np.einsum("ij,njd->nid", stiff, g)
     x = strain - np.einsum("ij,njd->nid", M, stress)
@@ -122,7 +123,7 @@ def basis_of(
         eigenstrain=every @ to_densities,
         span=right[independent].reshape(-1, *every.shape[1:]) @ to_densities,
         mix=left[:, independent] * sizes[independent],
-        work=2.0 * volume * np.einsum("nid,kid->nk", stress, every),
-        overlap=np.einsum("nid,kid->nk", x, x),
+        work=2.0 * volume * np.tensordot(stress, every, axes=((1, 2), (1, 2))),
+        overlap=np.tensordot(x, x, axes=((1, 2), (1, 2))),
         volume=volume,
     )
