@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import accumulate, by_name
@@ -29,9 +28,11 @@ from eigencontact.execution.blocks.contact import Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER
 from eigencontact.execution.interiors.interior import Interior
+from eigencontact.execution.mechanics.repeats import Repeat, Repeats
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
+from eigencontact.solvers.joint_anderson import JointAnderson
 
 __all__ = ["Coupled", "Solved"]
 
@@ -49,6 +50,9 @@ _PASSES = 12
 _AGREED = 10.0
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
+#: Tolerance of the first round from a guess, as part of the residual that the guess of the cycle before left there,
+#: and part of the residual without a guess below which directions of the cycle before are still those of this one.
+_GUESSED, _CLOSER = 0.1, 0.1
 #: Part of an error that a round may leave.
 _SHRINKS = 0.9
 #: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
@@ -106,6 +110,7 @@ class Coupled:
         share = 1.0 if numerics.precision == "single" else INNER
         self._least = max(share * numerics.tolerance, _TIGHTEST)
         self._responding = [interior for interior in interiors if interior.responds]
+        self._repeats = Repeats()
 
     def at_rest(self, increment: Increment) -> Solved:
         """Interiors without load, at the start of the first step; None if this has no effect."""
@@ -141,6 +146,13 @@ class Coupled:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
             return self._solved(answer, dict(answer.spent))
+        if (repeat := self._repeats.of(increment)) is not None:
+            try:
+                return self._iterated(self._contact, increment, memory, repeat)
+            except NotConverged:
+                self._repeats.forget(increment)
+            for interior in self._interiors:
+                interior.begin(increment, before.remembered)
         try:
             return self._iterated(self._contact, increment, memory)
         except NotConverged:
@@ -193,9 +205,9 @@ class Coupled:
             else {}
         )
 
-    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
-        """Iterate contact and interiors until the residual meets the tolerance."""
-        names, mixer, history, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any, repeat: Repeat | None = None) -> Solved:
+        """Iterate contact and interiors until the residual meets the tolerance, from an earlier solution if given."""
+        names, mixer, history, spent = contact.directions, JointAnderson(_DEPTH), _Seen(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
@@ -205,7 +217,13 @@ class Coupled:
         # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
         offset = self._stacked(whole, names)
         share, best, last, loaded = 0.0, np.inf, np.inf, None
-        answer: ContactAnswer | None = None
+        starts, answer, first = [interior.unknown for interior in swept], None, np.inf
+        if repeat is not None:
+            answer = repeat.answer
+            for interior, start, change in zip(swept, starts, repeat.changes, strict=True):
+                interior.take(change.end_from(start))
+            if repeat.flowed:
+                loosest = float(np.clip(_GUESSED * repeat.first, self._least, _LOOSEST_SWEPT))
         number, residual = 0, np.inf
         for number in range(1, (_ROUNDS if answering else _ROUNDS_SWEPT) + 1):
             inner = float(np.clip(tolerance_ratio * best, self._least, loosest))
@@ -223,9 +241,16 @@ class Coupled:
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
+            if number == 1:
+                first = residual
+                if repeat is not None and repeat.mixer is not None and first <= _CLOSER * repeat.cold:
+                    mixer = repeat.mixer
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
+                if not answering:
+                    changes = [interior.unknown - start for interior, start in zip(swept, starts, strict=True)]
+                    self._repeats.store(increment, answer, changes, mixer, first)
                 scalars = dict(spent) | {"coupling_iterations": float(number), "coupling_residual": residual}
                 return self._solved(answer, scalars)
             if not np.isfinite(residual):
@@ -240,7 +265,7 @@ class Coupled:
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(tractions for tractions, _ in images)]
             if answering and (softness != share or moved or residual > last):
-                mixer, share = _Mixer(), softness
+                mixer, share = JointAnderson(_DEPTH), softness
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
                 sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
@@ -269,61 +294,6 @@ def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> l
         (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
     return [np.max([size for body, size in largest if body == body_number]) for body_number, _ in largest]
-
-
-class _Mixer:
-    """Anderson's combination of several arrays as one vector, each in its unit and weighed by its number of entries.
-
-    The units are those of the first round in which an array is not zero. They stay, as what is remembered is in them:
-    with units that follow the arrays the combination stalls. Entries that were always zero, as those of cells that do
-    not flow, are not remembered.
-    """
-
-    def __init__(self) -> None:
-        self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
-        #: Entries that moved, in the order of their first move: number of the array, and flat indices in it.
-        self._moving: list[tuple[int, NDArray[np.intp]]] = []
-        self._known: list[NDArray[np.bool_]] = []
-
-    def next(
-        self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
-    ) -> list[FloatArray]:
-        """Return the next guess; `sizes` are the scales of the arrays, or of their rows."""
-        has_unit = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
-        if any(size.any() and not before for size, before in zip(sizes, has_unit, strict=True)):
-            self._anderson = Anderson(_DEPTH)
-            self._units = [
-                unit if before else size
-                for unit, size, before in zip(self._units or sizes, sizes, has_unit, strict=True)
-            ]
-        weights = [np.sqrt(array.size) if len(guess) > 1 else 1.0 for array in guess]
-        scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
-        self._follow(guess, answers)
-
-        def units(n: int, entries: NDArray[np.intp]) -> FloatArray:
-            unit = scaled[n]
-            return unit.ravel() if unit.size == 1 else np.broadcast_to(unit, guess[n].shape).ravel()[entries]
-
-        def packed(arrays: Sequence[FloatArray]) -> FloatArray:
-            return np.concatenate([arrays[n].ravel()[entries] / units(n, entries) for n, entries in self._moving])
-
-        vector, begin = self._anderson.next(packed(guess), packed(answers)), 0
-        out = [np.zeros(array.size) for array in guess]
-        for n, entries in self._moving:
-            out[n][entries] = vector[begin : begin + entries.size] * units(n, entries)
-            begin += entries.size
-        return [values.reshape(array.shape) for values, array in zip(out, guess, strict=True)]
-
-    def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
-        """Append the newly nonzero entries to the stored ones."""
-        if not self._known:
-            self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
-        for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
-            fresh = before != 0.0
-            fresh |= after != 0.0
-            fresh &= ~self._known[number]
-            self._known[number] |= fresh
-            self._moving.append((number, np.flatnonzero(fresh)))
 
 
 @dataclass(frozen=True, slots=True)
