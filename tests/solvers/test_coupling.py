@@ -51,6 +51,31 @@ def test_entries_that_come_later_are_those_of_longer_vectors_with_zeros():
         assert not found[count:].any()
 
 
+def test_a_restart_solves_a_linear_problem_with_another_right_side_at_once():
+    rng, mixer, x = np.random.default_rng(5), Anderson(20), np.zeros(6)
+    matrix = 0.4 * rng.normal(size=(6, 6))
+    first, second = rng.normal(size=(2, 6))
+    for _ in range(7):
+        x = mixer.next(x, first + matrix @ x)
+    mixer.restart()
+    found = mixer.next(x, second + matrix @ x)
+    np.testing.assert_allclose(found, np.linalg.solve(np.eye(6) - matrix, second), atol=1e-6)
+    assert np.abs(found - Anderson(20).next(x, second + matrix @ x)).max() > 0.1
+
+
+def test_differences_of_shorter_vectors_serve_longer_ones_after_a_restart():
+    rng, short, whole = np.random.default_rng(6), Anderson(5), Anderson(5)
+    for count in (6, 6, 9, None, 9, 12):
+        if count is None:
+            short.restart()
+            whole.restart()
+            continue
+        guess, image = np.zeros((2, 12))
+        guess[:count], image[:count] = rng.normal(size=(2, count))
+        found = whole.next(guess, image)
+        np.testing.assert_allclose(short.next(guess[:count], image[:count]), found[:count], rtol=1e-9, atol=1e-12)
+
+
 def test_rounds_agree_to_the_tolerance_however_loose_they_begin():
     answers = []
     for tolerance in (1e-4, 1e-6, 1e-9):

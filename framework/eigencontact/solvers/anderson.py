@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
@@ -45,6 +47,28 @@ class Anderson:
         self._images: list[FloatArray] = []
         self._residuals: list[FloatArray] = []
         self._gram = np.zeros((0, 0))
+        #: Differences of images and of residuals from an earlier solution, and the products of the latter.
+        self._earlier: list[tuple[FloatArray, FloatArray]] = []
+        self._gram_earlier = np.zeros((0, 0))
+
+    def restart(self) -> None:
+        """Begin another solution of nearly the same problem: differences are kept, guesses are not.
+
+        They tell how the residual follows the unknowns, so that the first combination already removes most of it.
+        """
+        steps = [
+            (_difference(images[1], images[0]), _difference(residuals[1], residuals[0]))
+            for images, residuals in zip(pairwise(self._images), pairwise(self._residuals), strict=True)
+        ]
+        self._earlier = [*steps[::-1], *self._earlier][: self._depth]
+        self._gram_earlier = np.array([[_dot(a, b) for _, b in self._earlier] for _, a in self._earlier])
+        self._images, self._residuals, self._gram = [], [], np.zeros((0, 0))
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the stored vectors."""
+        pairs = sum(image.nbytes + residual.nbytes for image, residual in self._earlier)
+        return pairs + sum(vector.nbytes for vector in (*self._images, *self._residuals))
 
     def next(self, guess: FloatArray, image: FloatArray) -> FloatArray:
         """Combine the images so that their residuals cancel best."""
@@ -58,17 +82,31 @@ class Anderson:
         ]
         gram[-1], gram[:, -1] = products, products
         self._gram = gram
-        if known_products == 0:
+        if known_products == 0 and not self._earlier:
             return image
         last = products[:-1]
         changes = gram[:-1, :-1] - last[:, None] - last[None, :] + products[-1]  # of the residuals, to the last one
         right = products[-1] - last
+        if self._earlier:
+            across = np.array([[_dot(earlier, now) for now in self._residuals] for _, earlier in self._earlier])
+            mixed_products = across[:, :-1] - across[:, -1:]
+            changes = np.block([[changes, mixed_products.T], [mixed_products, self._gram_earlier]])
+            right = np.concatenate([right, -across[:, -1]])
         size = np.sqrt(np.maximum(np.diag(changes), np.finfo(float).tiny))
         weights = np.linalg.lstsq(changes / np.outer(size, size), right / size, rcond=_DEPENDENT**2)[0] / size
-        mixed = (1.0 - weights.sum()) * image
-        for weight, old in zip(weights, self._images[:-1], strict=True):
+        mixed = (1.0 - weights[:known_products].sum()) * image
+        for weight, old in zip(weights[:known_products], self._images[:-1], strict=True):
             mixed[: old.size] += weight * old
+        for weight, (step, _) in zip(weights[known_products:], self._earlier, strict=True):
+            mixed[: step.size] += weight * step
         return np.asarray(mixed)
+
+
+def _difference(later: FloatArray, earlier: FloatArray) -> FloatArray:
+    """Difference of two vectors, of which the later one may be longer."""
+    out = later.copy()
+    out[: earlier.size] -= earlier
+    return out
 
 
 def _dot(a: FloatArray, b: FloatArray) -> float:

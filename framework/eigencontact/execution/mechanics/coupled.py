@@ -24,7 +24,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import accumulate, by_name
@@ -34,9 +33,11 @@ from eigencontact.execution.blocks.contact import Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER
 from eigencontact.execution.interiors.interior import Interior
+from eigencontact.execution.mechanics.repeats import Repeat, Repeats
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
+from eigencontact.solvers.joint_anderson import JointAnderson
 
 __all__ = ["Coupled", "Solution"]
 
@@ -56,6 +57,9 @@ _AGREED = 10.0
 #: Rounds in the Anderson combination; bound of the additional compliance of the inhomogeneities, relative to the
 #: bodies.
 _DEPTH, _EXTREME = 8, 64.0
+#: Tolerance of the first round from a guess, relative to the residual of the guess a cycle earlier; and largest ratio
+#: of the residual with a guess to the one without, for which the differences of the earlier cycle are reused.
+_GUESSED, _CLOSER = 0.1, 0.1
 #: Largest allowed ratio of the error after a round to the error before it.
 _SHRINKS = 0.9
 #: Displacements along the surface are relative to their own size, but to no less than this part of the normal one.
@@ -113,6 +117,7 @@ class Coupled:
         share = 1.0 if numerics.precision == "single" else INNER
         self._least = max(share * numerics.tolerance, _TIGHTEST)
         self._responding = [interior for interior in interiors if interior.responds]
+        self._repeats = Repeats()
 
     def at_rest(self, increment: Increment) -> Solution:
         """Interiors without load, at the start of the first step; None if they have no effect."""
@@ -148,6 +153,13 @@ class Coupled:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
             return self._solution(answer, dict(answer.counts))
+        if (repeat := self._repeats.of(increment)) is not None:
+            try:
+                return self._iterated(self._contact, increment, memory, repeat)
+            except NotConverged:
+                self._repeats.forget(increment)
+            for interior in self._interiors:
+                interior.begin(increment, before.records)
         try:
             return self._iterated(self._contact, increment, memory)
         except NotConverged:
@@ -200,9 +212,9 @@ class Coupled:
             else {}
         )
 
-    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solution:
-        """Iterate contact and interiors until the residual meets the tolerance."""
-        names, mixer, history, counts = contact.directions, _Mixer(), _ComplianceRatio(), Counter[str]()
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any, repeat: Repeat | None = None) -> Solution:
+        """Iterate contact and interiors until the residual meets the tolerance, from an earlier solution if given."""
+        names, mixer, history, counts = contact.directions, JointAnderson(_DEPTH), _ComplianceRatio(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
@@ -212,7 +224,13 @@ class Coupled:
         # Unknowns: the displacement by all interiors with a direct response, and the unknowns of the swept interiors.
         offset = self._stacked(whole, names)
         share, best, last, loaded = 0.0, np.inf, np.inf, None
-        answer: ContactAnswer | None = None
+        starts, answer, first = [interior.unknown for interior in swept], None, np.inf
+        if repeat is not None:
+            answer = repeat.answer
+            for interior, start, change in zip(swept, starts, repeat.changes, strict=True):
+                interior.take(change.end_from(start))
+            if repeat.flowed:
+                loosest = float(np.clip(_GUESSED * repeat.first, self._least, _LOOSEST_SWEPT))
         number, residual = 0, np.inf
         for number in range(1, (_ROUNDS if answering else _ROUNDS_SWEPT) + 1):
             inner = float(np.clip(tolerance_ratio * best, self._least, loosest))
@@ -230,9 +248,16 @@ class Coupled:
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
+            if number == 1:
+                first = residual
+                if repeat is not None and repeat.mixer is not None and first <= _CLOSER * repeat.cold:
+                    mixer = repeat.mixer
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
+                if not answering:
+                    changes = [interior.unknown - start for interior, start in zip(swept, starts, strict=True)]
+                    self._repeats.store(increment, answer, changes, mixer, first)
                 scalars = dict(counts) | {"coupling_iterations": float(number), "coupling_residual": residual}
                 return self._solution(answer, scalars)
             if not np.isfinite(residual):
@@ -247,7 +272,7 @@ class Coupled:
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(tractions for tractions, _ in images)]
             if answering and (softness != share or moved or residual > last):
-                mixer, share = _Mixer(), softness
+                mixer, share = JointAnderson(_DEPTH), softness
                 mixed = [current.residual - share * current.elastic, *answers[1:]]
             else:
                 sizes = [scales[:, None, None], *_by_body(swept, answers[1:])]
@@ -276,62 +301,6 @@ def _by_body(interiors: Sequence[Interior], unknowns: Sequence[FloatArray]) -> l
         (interior.body, max(values.max(), -values.min())) for interior, values in zip(interiors, unknowns, strict=True)
     ]
     return [np.max([size for body, size in largest if body == body_number]) for body_number, _ in largest]
-
-
-class _Mixer:
-    """Anderson combination of several arrays as one vector.
-
-    Each array has a unit of its own and a weight by its number of entries. The unit of an array is its size in the
-    first round in which it is not zero. Units stay fixed, because the stored vectors are in these units; with variable
-    units the combination stalls. Entries that were always zero, for example of cells without plastic flow, are not
-    stored.
-    """
-
-    def __init__(self) -> None:
-        self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
-        #: Entries that have been nonzero, in order of their first change: number of the array, and flat indices in it.
-        self._moving: list[tuple[int, NDArray[np.intp]]] = []
-        self._nonzero: list[NDArray[np.bool_]] = []
-
-    def next(
-        self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
-    ) -> list[FloatArray]:
-        """Return the next guess; `sizes` are the scales of the arrays, or of their rows."""
-        has_unit = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
-        if any(size.any() and not before for size, before in zip(sizes, has_unit, strict=True)):
-            self._anderson = Anderson(_DEPTH)
-            self._units = [
-                unit if before else size
-                for unit, size, before in zip(self._units or sizes, sizes, has_unit, strict=True)
-            ]
-        weights = [np.sqrt(array.size) if len(guess) > 1 else 1.0 for array in guess]
-        scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
-        self._follow(guess, answers)
-
-        def units(n: int, entries: NDArray[np.intp]) -> FloatArray:
-            unit = scaled[n]
-            return unit.ravel() if unit.size == 1 else np.broadcast_to(unit, guess[n].shape).ravel()[entries]
-
-        def packed(arrays: Sequence[FloatArray]) -> FloatArray:
-            return np.concatenate([arrays[n].ravel()[entries] / units(n, entries) for n, entries in self._moving])
-
-        vector, begin = self._anderson.next(packed(guess), packed(answers)), 0
-        out = [np.zeros(array.size) for array in guess]
-        for n, entries in self._moving:
-            out[n][entries] = vector[begin : begin + entries.size] * units(n, entries)
-            begin += entries.size
-        return [values.reshape(array.shape) for values, array in zip(out, guess, strict=True)]
-
-    def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
-        """Append the newly nonzero entries to the stored ones."""
-        if not self._nonzero:
-            self._nonzero = [np.zeros(array.shape, dtype=bool) for array in guess]
-        for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
-            fresh = before != 0.0
-            fresh |= after != 0.0
-            fresh &= ~self._nonzero[number]
-            self._nonzero[number] |= fresh
-            self._moving.append((number, np.flatnonzero(fresh)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,178 @@
+"""First guesses of increments that a load history repeats.
+
+In cycles a body that yields settles: an increment differs from the same one a cycle earlier by a thousandth of what it
+changes itself, and by less with every cycle. What the earlier increment has changed is therefore a better guess of the
+end than the start is, its tractions are a better start for the contact, and the differences of its rounds still
+tell how the residual follows the unknowns. The answer is iterated to the same tolerance from any guess.
+
+An increment is known by what the history prescribes at its start and at its end. The first one of its kind is only
+noted, so that a history without repeats keeps nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
+from eigencontact.execution.blocks.contact import ContactAnswer
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.surface import Surface
+from eigencontact.solvers.joint_anderson import JointAnderson
+
+__all__ = ["Change", "Repeat", "Repeats"]
+
+#: Memory of all guesses [byte]; what would exceed it is not kept.
+_MOST = 256_000_000
+#: Change of the separation, relative to its range, up to which surfaces are those of the earlier increment: worn
+#: surfaces are, those of a geometry that has rolled on by a cell are not.
+_SAME = 1e-3
+#: Fields of a cell of the surface in the answer of a contact, about.
+_FIELDS = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What an increment has changed of one unknown, where that is not zero.
+
+    Attributes
+    ----------
+    entries, values : (n,)
+        Flat indices and values of the change.
+    older : Change or None
+        That of the cycle before.
+    along_line : bool
+        Whether the line through both would have been the better guess of this change.
+    """
+
+    entries: NDArray[np.intp]
+    values: FloatArray
+    older: Change | None = None
+    along_line: bool = False
+
+    @classmethod
+    def of(cls, change: FloatArray, last: Change | None) -> Change:
+        """Change of an increment; `last` is that of the cycle before."""
+        flat = change.ravel()
+        entries = np.flatnonzero(flat)
+        if last is None:
+            return cls(entries, flat[entries])
+        errors = []
+        for along_line in (False, True):
+            error = -flat
+            last.add(error, along_line=along_line)
+            errors.append(float(np.linalg.norm(error)))
+        return cls(entries, flat[entries], replace(last, older=None), along_line=errors[1] < errors[0])
+
+    def add(self, values: FloatArray, *, along_line: bool) -> None:
+        """Add the guess of the next change to flat values."""
+        values[self.entries] += self.values
+        if along_line and self.older is not None:
+            values[self.entries] += self.values
+            values[self.older.entries] -= self.older.values
+
+    def end_from(self, start: FloatArray) -> FloatArray:
+        """Guess of the unknown at the end of an increment that begins with `start`."""
+        out = start.ravel().copy()
+        self.add(out, along_line=self.along_line)
+        return out.reshape(start.shape)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the change and of the one before."""
+        return self.entries.nbytes + self.values.nbytes + (0 if self.older is None else self.older.nbytes)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Repeat:
+    """What the solution of an increment leaves for the same one a cycle later.
+
+    Attributes
+    ----------
+    surface : Surface
+        Surfaces that the contact met.
+    answer : ContactAnswer
+        Of the contact.
+    changes : tuple of Change
+        Of the unknowns that are swept.
+    mixer : JointAnderson or None
+        Of the rounds; None where it would take too much memory.
+    first, cold : float
+        Residual of the first round, and what it was without a guess.
+    """
+
+    surface: Surface
+    answer: ContactAnswer
+    changes: tuple[Change, ...]
+    mixer: JointAnderson | None
+    first: float
+    cold: float
+
+    @property
+    def flowed(self) -> bool:
+        """Whether the unknowns changed."""
+        return any(change.entries.size for change in self.changes)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory, about."""
+        cells = 0 if self.surface.separation is None else self.surface.separation.nbytes
+        vectors = 0 if self.mixer is None else self.mixer.nbytes
+        return _FIELDS * cells + vectors + sum(change.nbytes for change in self.changes)
+
+
+class Repeats:
+    """Increments by what is prescribed at their start and their end."""
+
+    def __init__(self) -> None:
+        self._end: Hashable = None
+        self._records: dict[Hashable, Repeat | None] = {}
+
+    def of(self, increment: Increment) -> Repeat | None:
+        """Earlier solution of the increment; None where there is none."""
+        repeat = self._records.get((self._end, _end_of(increment)))
+        return repeat if repeat is not None and _alike(repeat.surface, increment.surface) else None
+
+    def forget(self, increment: Increment) -> None:
+        """Leave out the earlier solution of an increment, as it was no help."""
+        self._records.pop((self._end, _end_of(increment)), None)
+
+    def store(
+        self, increment: Increment, answer: ContactAnswer, changes: Sequence[FloatArray], mixer: JointAnderson,
+        first: float,
+    ) -> None:  # fmt: skip
+        """Store the solution of an increment that was prescribed before, and note any other."""
+        end = _end_of(increment)
+        key, self._end = (self._end, end), end
+        if key not in self._records:
+            self._records[key] = None
+            return
+        last = self._records.pop(key)
+        before = (None,) * len(changes) if last is None else last.changes
+        mixer.restart()
+        repeat = Repeat(
+            surface=increment.surface, answer=answer, mixer=mixer, first=first,
+            cold=first if last is None else last.cold,
+            changes=tuple(Change.of(change, older) for change, older in zip(changes, before, strict=True)),
+        )  # fmt: skip
+        left = _MOST - sum(record.nbytes for record in self._records.values() if record is not None)
+        if repeat.nbytes > left:
+            repeat = replace(repeat, mixer=None)
+        self._records[key] = repeat if repeat.nbytes <= left else None
+
+
+def _end_of(increment: Increment) -> Hashable:
+    """What is prescribed at the end."""
+    bulk = tuple(sorted(increment.bulk[1].items()))
+    return increment.control, increment.tangential, bulk, increment.surface.slide
+
+
+def _alike(earlier: Surface, now: Surface) -> bool:
+    """Whether the surfaces are the same up to a little wear."""
+    if earlier.separation is None or now.separation is None or earlier.solids != now.solids:
+        return False
+    difference = np.abs(now.separation - earlier.separation).max()
+    return bool(difference <= _SAME * np.ptp(now.separation))
