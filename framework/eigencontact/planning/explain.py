@@ -19,7 +19,8 @@ from eigencontact.planning.facts import (
     law_lines,
 )
 from eigencontact.planning.memory import run_bytes
-from eigencontact.scene.steps import segments_of, spaced_by_radius
+from eigencontact.scene.spacing import spaced_by_radius
+from eigencontact.scene.steps import segments_of
 from eigencontact.warnings_.before import worst_above
 
 if TYPE_CHECKING:

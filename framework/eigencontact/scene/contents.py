@@ -134,7 +134,7 @@ def _check_spacing(scene: Scene) -> None:
         control = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
         final_control = control or (previous_control if scene.friction is not None else None)
         if step.spacing == "radius" and (control is None or previous_control not in ("", control)):
-            pair = control or "neither"
+            pair: str = control or "neither"
             if control is not None and previous_control not in ("", control):
                 pair += f" after {previous_control or 'neither'}"
             raise ValueError(

@@ -10,15 +10,8 @@ from eigencontact.core.bulk import NO_BULK
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.blocks.surface import Slide
 from eigencontact.scene.holding import held_bulk, held_steps, held_travel
-from eigencontact.scene.steps import (
-    Segment,
-    Step,
-    normal_control,
-    ramps_of,
-    segments_of,
-    spaced_by_radius,
-    start_of_normal,
-)
+from eigencontact.scene.spacing import normal_control, spaced_by_radius, start_of_normal
+from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of
 from eigencontact.solvers.contact_growth import ContactGrowth
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
