@@ -103,8 +103,8 @@ def basis_of(
     # Coefficients per density of an orthonormal set, if the densities of the shape span the requested polynomials.
     orthonormal = np.linalg.solve(root, densities)
     inner = np.einsum("nim,dm->nid", values * (weights / volume), orthonormal)
-    missed = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()
-    require(missed < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
+    fit_error = np.abs(np.einsum("nid,dm->nim", inner, orthonormal) - values).max() / np.abs(values).max()
+    require(fit_error < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
     flat, _ = np.linalg.qr(inner.reshape(len(inner), -1).T)
     g = flat.T.reshape(inner.shape)
     M = 2.0 * G * compliance(matrix)

@@ -204,8 +204,8 @@ class TractionField(Cause):
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
         data = tuple((kernel.datum, kernel.period) for kernel in self._kernels[quantity])
-        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
-        return (quantity, self._grid, self._body, kernels, source, near, points, how)
+        settings = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
+        return (quantity, self._grid, self._body, kernels, source, near, points, settings)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:
         from eigencontact.solvers.surface_means import MeansOnLattice

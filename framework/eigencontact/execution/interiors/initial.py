@@ -91,9 +91,9 @@ def moved_state(
             variable = law.variables.get(plain)
             if variable is not None:
                 rule = f"of [{variable.unit}] with {variable.components} components"
-                got = f"[{record.unit}] with {len(record.values)}"
-                if got != rule.removeprefix("of ").removesuffix(" components"):
-                    raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {got})")
+                stored = f"[{record.unit}] with {len(record.values)}"
+                if stored != rule.removeprefix("of ").removesuffix(" components"):
+                    raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {stored})")
                 cells.ravel()[places] = True
         total = float(np.abs(values).sum())
         omitted = float(np.abs(values[:, ~cells]).sum())
