@@ -44,7 +44,7 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         if difference := unlike(self._versions, versions()):
             raise ClusterError(f"worker {worker.address} {difference}")
         if self._probe is not None and not self._probe.is_file():
-            raise ClusterError(f"worker {worker.address} must see the folder {self._probe.parent}")
+            raise ClusterError(f"worker {worker.address} must have access to {self._probe.parent}")
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
         threads = worker.state.nthreads
         self.state = self._begin(Share(threads, memory))
