@@ -258,7 +258,7 @@ class Cluster:
                 raise ClusterError(f"worker {worker} {difference}")
             if not facts_of_worker["sees"] and probe is not None:
                 raise ClusterError(
-                    f"worker {worker} must have access to {probe.parent}; use a folder shared by all workers"
+                    f"worker {worker} must have access to {probe.parent}; use a shared folder"
                 )
         limits: dict[str, float] = self._client.run(_limit)
         threads_of: dict[str, int] = self._client.nthreads()
