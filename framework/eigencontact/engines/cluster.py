@@ -257,9 +257,7 @@ class Cluster:
             if difference := unlike(packages, facts_of_worker["versions"]):
                 raise ClusterError(f"worker {worker} {difference}")
             if not facts_of_worker["sees"] and probe is not None:
-                raise ClusterError(
-                    f"worker {worker} must have access to {probe.parent}; use a shared folder"
-                )
+                raise ClusterError(f"worker {worker} must have access to {probe.parent}; use a shared folder")
         limits: dict[str, float] = self._client.run(_limit)
         threads_of: dict[str, int] = self._client.nthreads()
         memory, threads = max(limits.values()), max(threads_of.values())
