@@ -102,7 +102,7 @@ class TractionField(Cause):
             text = lattice.words
             price = section_cost if self._in_section else spectra_cost
             cost = price(self._layout(), tables, sampling, numerics, tractions=count)
-            if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
+            if lattice.finer != (1, 1):  # computed again in each step, few depths at a time
                 cost = Cost(
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
                     transient=cost.memory * min(1.0, _AT_ONCE / tables),

@@ -83,7 +83,7 @@ def moved_state(
     for name, record in state.records.items():
         values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *weights, optimize=True)
         if name == f"equivalent_eigenstrain_{record.body}":
-            if whole_cells:  # where the iteration begins; from other cells it begins anew
+            if whole_cells:  # start of the iteration; other cells give no start
                 moved[name] = replace(record, values=values, coords=dict(coords))
             continue
         plain, cells = name.removesuffix(f"_{record.body}"), np.zeros(shape, dtype=bool)
