@@ -166,7 +166,7 @@ def test_bent_faces_are_cut_around_their_middle(tmp_path):
         ("index.off", off(CUBE, [*SIDES[:5].tolist(), [1, 5, 7, 30]]), "name its 8 points; one names point number 31"),
         ("index.obj", obj(CUBE, SIDES, first=0), "name its 8 points; one names point number 0"),
         ("short.off", off(CUBE, SIDES)[:-10], "declares 8 points and 6 faces and has 13 lines"),
-        ("face.off", off(CUBE, SIDES)[:-3], "names fewer corners than it announces"),
+        ("face.off", off(CUBE, SIDES)[:-3], "has fewer corners than it declares"),
         ("number.off", off(CUBE, SIDES).replace("4 0 1 3 2", "4 0 1 3 2.5"), "readable mesh .*2.5"),
         ("nan.off", off(CUBE, SIDES).replace("0.0 0.0 0.0", "nan 0 0"), "finite coordinates"),
         ("head.off", "ON\n8 6 0\n", r"first line must be OFF \(got ON\)"),

@@ -274,7 +274,7 @@ def test_missing_points_are_refused_by_default(tmp_path):
     file = str(tmp_path / "m.npz")
     assert str(caught.value) == (
         f"topography.file must be without missing points (got {file!r} with 9 of 54 missing); set missing = 'far'"
-        " (they never touch) or 'interpolate' (filled from their neighbours)"
+        " (no contact there) or 'interpolate' (filled from their neighbours)"
     )
 
 
