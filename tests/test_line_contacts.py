@@ -226,7 +226,7 @@ def test_automatic_grids_and_units_of_a_scene():
 
 REFUSALS = {
     "force": ({"steps": [{"normal-load": "400 N"}]}, r"normal-load must be a force per length \[N/m\]; a line contact"),
-    "approach": ({"steps": [{"approach": 0.1}]}, "without grid.datum-depth .* name the depth"),
+    "approach": ({"steps": [{"approach": 0.1}]}, "without grid.datum-depth .* set the depth"),
     "shift": ({"steps": [{"normal-load": P}, {"shift-x": 0.1}], "friction": FRICTION}, "without grid.datum-depth"),
     "tilt": ({"steps": [{"normal-load": P, "tilt-x": 0.1}]}, "must not prescribe tilt-x in a line contact"),
     "travel": ({"steps": [{"normal-load": P, "travel-y": 0.1}]}, "must not prescribe travel-y in a line contact"),

@@ -160,11 +160,11 @@ class VerboseLines(ProgressLines):
     ) -> None:
         super().__init__(stream, clock)
         self._unit = unit
-        self._spent: Mapping[str, float] = {}
+        self._elapsed: Mapping[str, float] = {}
 
     def step_took(self, seconds: Mapping[str, float]) -> None:
         """Note the time [s] of each block in the step."""
-        self._spent = seconds
+        self._elapsed = seconds
 
     def step_finished(self, record: StepRecord, total: int) -> None:
         """Write the numbers, residuals and times of the step."""
@@ -180,7 +180,7 @@ class VerboseLines(ProgressLines):
             for name, value in numbers.items()
             if name.endswith("_residual") and value > 0.0
         ]
-        times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
+        times = [f"{name} {time_in_words(elapsed)}" for name, elapsed in self._elapsed.items() if elapsed >= _SHOWN]
         parts = [", ".join([*reached, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
         self._say(f"load step {record.index} of {total}: " + "; ".join(phrase for phrase in parts if phrase))

@@ -153,7 +153,7 @@ def test_a_field_of_a_region_has_a_target_of_its_own():
         ({"stres": {"section": "1 %"}}, "did you mean 'stress.section'"),
         ({"strain": {"section": "1 %"}}, "ask for one of .*stress.section, von-mises.section"),
         ({"stress": "1 %"}, "accuracy.stress must be a result of the scene"),
-        ({"stress": {"section": "150 %"}}, "accuracy.stress must be a table of targets by region, each a part"),
+        ({"stress": {"section": "150 %"}}, "accuracy.stress must be a table of targets by region, each a relative"),
         ({"stress": {}}, "accuracy.stress must be a table of targets by region"),
         ({"von-mises": {"section": "2 nm"}}, "accuracy.von-mises.section must be an error .Pa"),
     ],
@@ -460,6 +460,6 @@ def test_the_depth_of_a_maximum_is_known_to_the_points_of_its_region():
     found = ec.run(tables, accuracy="2 %").summary["accuracy"]
     assert found["reached"]
     assert "the points of its region give it to 250 nm only" in found["left_out"]["max_von_mises_depth"]
-    with pytest.raises(SceneError, match=r"max-von-mises-depth must be an error that the points of \[\[stress\]\]"):
+    with pytest.raises(SceneError, match=r"max-von-mises-depth must be at least the error by points of \[\[stress\]\]"):
         ec.run(tables, accuracy={"max-von-mises-depth": "2 %"})
     assert ec.run(tables, accuracy={"max-von-mises-depth": "20 %"}).summary["accuracy"]["reached"]

@@ -8,7 +8,7 @@ import pytest
 import eigencontact as ec
 from bodies import STEEL
 from eigencontact.core.material import Material
-from eigencontact.execution.mechanics.friction_contact import friction_cost
+from eigencontact.execution.mechanics.friction_cost import friction_cost
 from eigencontact.model.coupling import Coupling
 from eigencontact.scene.schema import Numerics
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY

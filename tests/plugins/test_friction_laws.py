@@ -150,7 +150,7 @@ REFUSED = {
     "no cap": ("shear-cap", {"coefficient": 0.1, "cap": 0.0}, "shear-cap.cap must be positive and finite [Pa] (got 0"),
     "cap of a length": ("shear-cap", {"coefficient": 0.1, "cap": "3 um"}, "shear-cap.cap must be a stress [Pa]; '3"),
     "nothing": ("coulomb-map", {"coefficient": 0.1}, "coulomb-map must have a file or regions (got neither); or set"),
-    "no base": ("coulomb-map", {"regions": [PATCH]}, "coulomb-map.coefficient must be given: without a file it holds"),
+    "no base": ("coulomb-map", {"regions": [PATCH]}, "coulomb-map.coefficient must be given without a file, for"),
     "no file": ("coulomb-map", {"file": "no.npz"}, "coulomb-map.file must be an existing file (got 'no.npz'); a rel"),
     "method": (
         "coulomb-map",

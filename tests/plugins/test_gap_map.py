@@ -80,7 +80,7 @@ def test_shares_of_cells_that_voxels_fill():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"value": 4}, r"voxels\.value must be a number that a voxel bears, 0, 3, 7 \(got 4\)"),
+        ({"value": 4}, r"voxels\.value must be the number of at least one voxel, 0, 3, 7 \(got 4\)"),
         ({"spacing": (1.0, 0.0, 1.0)}, r"voxels\.spacing must be three positive, finite lengths"),
     ],
 )

@@ -43,5 +43,5 @@ def test_refusals():
         Roughness(start=(0.0, 0.0), end=(1e-6, 0.0))
     with pytest.raises(SceneError, match="a body with eigenstrain or one that yields"):
         Roughness().observe(view())
-    with pytest.raises(SceneError, match="must hold cells of the window"):
+    with pytest.raises(SceneError, match="must contain cells of the window"):
         Roughness(start=(1.0, 1.0), end=(2.0, 2.0)).observe(view(residual_displacement_z=np.zeros((16, 32))))

@@ -274,7 +274,7 @@ def test_missing_points_are_refused_by_default(tmp_path):
     file = str(tmp_path / "m.npz")
     assert str(caught.value) == (
         f"topography.file must be without missing points (got {file!r} with 9 of 54 missing); set missing = 'far'"
-        " (they never touch) or 'interpolate' (filled from their neighbours)"
+        " (no contact there) or 'interpolate' (filled from their neighbours)"
     )
 
 
@@ -439,7 +439,7 @@ READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .tsv, .dat, .xyz,
             text(",0,1,2,3\n0,5,5,5,5\n1,5,5,5,5\n"),
             {},
             "a matrix of heights alone",
-            "its first row and column count; leave them out",
+            "its first row and column are coordinates; remove them",
         ),
         (
             "a.xyz",
@@ -555,7 +555,7 @@ def test_what_the_file_does_not_tell_is_asked_for_in_one_line(tmp_path, write, n
     with pytest.raises(SceneError) as caught:
         Topography(file=file, **table)
     assert str(caught.value) == (
-        f"topography.{asked} must be given (got None): {file!r} does not tell {words}; for example {example}"
+        f"topography.{asked} must be given (got None): {file!r} does not state {words}; for example {example}"
     )
     given = dict(one.replace("-", "_").replace('"', "").split(" = ") for one in example.split(", "))
     ec.make("topography", kind="geometry", file=file, **table, **given)  # the example would do

@@ -42,7 +42,7 @@ def eigencontact_register():
 class Stiffness(Stateless):
     """Load by approach: a number that no other place knows."""
 
-    name, why = "secant-stiffness", "a test"
+    name, reason = "secant-stiffness", "a test"
     requires = frozenset({"pressure"})
     provides = frozenset({"secant_stiffness"})
     requesters = dict.fromkeys(provides, "a test")

@@ -50,7 +50,7 @@ def test_files_without_the_address_of_a_scheduler(tmp_path, content):
     pytest.importorskip("distributed")
     path = tmp_path / "scheduler.json"
     path.write_bytes(content)
-    with pytest.raises(ClusterError, match=r"file .*scheduler.json must hold the address of a scheduler \(got "):
+    with pytest.raises(ClusterError, match=r"file .*scheduler.json must contain the address of a scheduler \(got "):
         sweep(SCENE, VARY, cluster=str(path))
 
 
@@ -68,15 +68,15 @@ def test_a_script_without_the_guard_is_refused_before_a_process_starts(tmp_path,
     script.write_text(f"from eigencontact.sweeps.sweep import sweep\n{before}{call}\n", encoding="utf-8")
     with pytest.raises(EigencontactError) as told:
         runpy.run_path(str(script), run_name="__main__")
-    guard = 'loads.py, line {} must stand below `if __name__ == "__main__":` (got {} outside of it)'
+    guard = 'loads.py, line {} must be below `if __name__ == "__main__":` (got {} outside of it)'
     assert (guard.format(2 + bool(before), what) in str(told.value)) == refused
     assert refused != (tmp_path / "out").exists()
 
 
 def test_options_that_contradict():
-    with pytest.raises(ClusterError, match="memory must be with --cluster"):
+    with pytest.raises(ClusterError, match="memory must be used with --cluster"):
         cluster_of(None, 4.0, None, say=print)
-    with pytest.raises(ClusterError, match="threads must be with --cluster"):
+    with pytest.raises(ClusterError, match="threads must be used with --cluster"):
         cluster_of(None, None, 4, say=print)
     pytest.importorskip("distributed")
     with pytest.raises(SceneError, match="workers must be without cluster"):
@@ -172,7 +172,7 @@ def test_a_worker_killed_while_it_is_asked(monkeypatch):
     pytest.importorskip("distributed")
     engine = Cluster("local:1")
     monkeypatch.setattr(engine, "_check", lambda _: max({}.values()))
-    with pytest.raises(ClusterError, match="workers of local:1 must stay while they are asked what they have"):
+    with pytest.raises(ClusterError, match="workers of local:1 must stay connected during the query"):
         next(engine.map(max, [1], lambda _: 5))
 
 
@@ -263,13 +263,13 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
         address = engine._client.scheduler.address
         with pytest.raises(ClusterError, match="memory of a task must be that of a worker"):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, memory=2.0 * machine_bytes()))
-        with pytest.raises(ClusterError, match=r"threads of a task must be those of a worker at most \(got 4096, "):
+        with pytest.raises(ClusterError, match=r"threads of a task must not exceed those of a worker \(got 4096, "):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, threads=4096))
         assert not sweep(SCENE, VARY, tmp_path / "enough", cluster=Cluster(address, threads=1)).failed
         touch = Path.touch
         unseen = lambda path: None if path.name.startswith(".eigencontact-") else touch(path)  # noqa: E731
         monkeypatch.setattr(Path, "touch", unseen)
-        with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
+        with pytest.raises(ClusterError, match=f"must have access to {tmp_path}"):
             sweep(SCENE, VARY, tmp_path, cluster=address)
 
 

@@ -291,7 +291,7 @@ def test_different_numbers_of_values_are_told(toy, done):
     report = perform(read_campaign(toy), done[0] / "toy", coarse=True)
     reasons = {f.reason for one in report.found for f in one.findings if f.word == "failed"}
     assert len(reasons) == 1
-    assert "as many values in all models" in reasons.pop()
+    assert "equally many values in all models" in reasons.pop()
     assert report.exit_code == 1
 
 

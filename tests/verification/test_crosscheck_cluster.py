@@ -91,7 +91,7 @@ def test_the_whole_command_while_a_worker_is_killed(verify, after):
 def test_more_memory_than_a_worker_has_is_refused(verify):
     outcome = verify("--cluster", "local:1", "--memory", "1e6")
     assert outcome.code == 6
-    assert "memory of a task must be that of a worker at most (got 1e+06 GB, the largest worker" in outcome.err
+    assert "memory of a task must not exceed that of a worker (got 1e+06 GB, the largest worker" in outcome.err
 
 
 @pytest.mark.slow

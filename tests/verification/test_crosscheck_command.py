@@ -126,7 +126,7 @@ def test_wrong_input_is_refused(verify, tmp_path, arguments, words):
 
 def test_what_has_no_quick_case_is_told_why_and_what_all_costs():
     """Two cases of four finite-element solutions each; not as if the file lacked something."""
-    words = r"a shape of revolution about z has \(got layer\); without --quick: 8 cases, 32 finite-element solves, "
+    words = r"for example a shape of revolution \(got layer\); without --quick: 8 cases, 32 finite-element solves, "
     with pytest.raises(ValueError, match=words):
         _chosen(cases, ["layer"], quick=True)
 

@@ -315,8 +315,8 @@ def test_formulas():
         ("linspace(0, 1, 1e12)", "must make at most 1000000 values"),
         ("geomspace(1, 2, 1e12)", "must make at most 1000000 values"),
         ("lattice(count(1e3), count(1e3), count(1e3))", "must make at most 1000000 values"),
-        ("'a' * 10**12", "no arithmetic on them"),
-        ("'%999999999999d' % 1", "no arithmetic on them"),
+        ("'a' * 10**12", "must not be used in arithmetic"),
+        ("'%999999999999d' % 1", "must not be used in arithmetic"),
     ],
 )
 def test_formulas_end_soon(text, words):

@@ -18,7 +18,7 @@ from eigencontact.convolution.backends import backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.plane_worker import Kernels, PlaneWorker, blocks_of
-from eigencontact.convolution.rows import Rows, same
+from eigencontact.convolution.rows import Rows, all_identical
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 from eigencontact.core.parallel import available_threads, in_parallel
@@ -153,7 +153,7 @@ class Convolver:
         n, widths = len(sources), [len(row) for row in kernels]
         require(set(widths) <= {n}, "convolution", "kernels", widths, f"rows of {n} kernels, one for each source")
         flat = [kernel for row in kernels for kernel in row]
-        if not same(flat, self._checked[0]):
+        if not all_identical(flat, self._checked[0]):
             self._check(flat)
         self.count += self._checked[1]
         targets = np.empty((len(kernels), *self.layout.target), self._real)

@@ -13,7 +13,7 @@ from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
 
-__all__ = ["Rows", "same"]
+__all__ = ["Rows", "all_identical"]
 
 # Bytes of the rows that are transformed together, small enough to stay in cache.
 _TOGETHER = 524_288
@@ -39,7 +39,7 @@ class Rows:
         self._most = max(1, _TOGETHER // (16 * layout.x.half))
         self._plans: tuple[dict[int, tuple[Array, Array, Plan]], ...] = ({}, {})
         #: Kernels of the last call, targets that they reach, and these kernels as one array.
-        self._known: list[Spectrum | None] = []
+        self._spectra_in_stack: list[Spectrum | None] = []
         self._reached, self._kernels = np.empty(0, np.intp), np.empty(0)
 
     @property
@@ -50,7 +50,7 @@ class Rows:
 
     def apply(self, sources: Array, kernels: list[Spectrum | None], targets: Array) -> None:
         """Convolve ``sources (n, 1, nx)`` with kernels ``[m * n]``, row by row, into ``targets (m, 1, tx)``."""
-        if not same(kernels, self._known):
+        if not all_identical(kernels, self._spectra_in_stack):
             self._stack(kernels, len(sources))
         if len(self._reached) < len(targets):
             targets[:] = 0
@@ -111,9 +111,9 @@ class Rows:
             for place, kernel in zip(row, kernels[count * target : count * (target + 1)], strict=True):
                 if kernel is not None:
                     (place.imag if kernel.imaginary else place)[:] = kernel.values[:, 0]
-        self._known, self._reached, self._kernels = kernels, reached, stack
+        self._spectra_in_stack, self._reached, self._kernels = kernels, reached, stack
 
 
-def same(first: Sequence[Any], second: Sequence[Any]) -> bool:
+def all_identical(first: Sequence[Any], second: Sequence[Any]) -> bool:
     """Whether two sequences hold the very same objects."""
     return len(first) == len(second) and all(map(is_, first, second))

@@ -171,16 +171,16 @@ class FileArrays(Mapping[str, FloatArray]):
     """
 
     def __init__(self, where: str, file: str) -> None:
-        self._where, self._file, self._held = where, file, _arrays_of(where, file)
+        self._where, self._file, self._arrays = where, file, _arrays_of(where, file)
 
     def __getitem__(self, name: str) -> FloatArray:
-        return _real(self._where, self._file, name, self._held[name])
+        return _real(self._where, self._file, name, self._arrays[name])
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._held)
+        return iter(self._arrays)
 
     def __len__(self) -> int:
-        return len(self._held)
+        return len(self._arrays)
 
 
 def read_arrays(where: str, file: str) -> FileArrays:

@@ -168,7 +168,7 @@ class Cluster:
                 raise
             except Exception as problem:
                 raise ClusterError(
-                    f"workers of {self._address} must stay while they are asked what they have (got "
+                    f"workers of {self._address} must stay connected during the query of their resources (got "
                     f"{type(problem).__name__}: {' '.join(str(problem).split())}); run the same command again"
                 ) from problem
             lost_tasks = deque[tuple[Task, str]]()
@@ -257,16 +257,16 @@ class Cluster:
             if difference := unlike(packages, facts_of_worker["versions"]):
                 raise ClusterError(f"worker {worker} {difference}")
             if not facts_of_worker["sees"] and probe is not None:
-                raise ClusterError(f"worker {worker} must see the folder {probe.parent}; give one that all share")
+                raise ClusterError(f"worker {worker} must have access to {probe.parent}; use a shared folder")
         limits: dict[str, float] = self._client.run(_limit)
         threads_of: dict[str, int] = self._client.nthreads()
         memory, threads = max(limits.values()), max(threads_of.values())
         if self._memory > memory:
             sizes = f"{self._memory / 1e9:.3g} GB, the largest worker {memory / 1e9:.3g} GB"
-            raise ClusterError(f"memory of a task must be that of a worker at most (got {sizes})")
+            raise ClusterError(f"memory of a task must not exceed that of a worker (got {sizes})")
         if self._threads > threads:
             sizes = f"{self._threads}, the largest worker {threads}"
-            raise ClusterError(f"threads of a task must be those of a worker at most (got {sizes})")
+            raise ClusterError(f"threads of a task must not exceed those of a worker (got {sizes})")
         if not any(limits[worker] >= self._memory and threads_of.get(worker, 0) >= self._threads for worker in limits):
             sizes = f"{self._memory / 1e9:.3g} GB and {self._threads} threads"
             raise ClusterError(f"a worker must have the memory and the threads of a task (none has {sizes})")
@@ -284,9 +284,9 @@ def cluster_of(
     """Cluster of the options ``--cluster``, ``--memory`` and ``--threads``; None without the first."""
     if address is None:
         if gigabytes is not None:
-            raise ClusterError(f"memory must be with --cluster, whose workers it chooses (got {gigabytes:g} GB)")
+            raise ClusterError(f"memory must be used with --cluster, because it selects workers (got {gigabytes:g} GB)")
         if threads is not None:
-            raise ClusterError(f"threads must be with --cluster, whose workers they choose (got {threads})")
+            raise ClusterError(f"threads must be used with --cluster, because it selects workers (got {threads})")
         return None
     return Cluster(address, memory=None if gigabytes is None else 1e9 * gigabytes, threads=threads, say=say)
 
@@ -300,7 +300,7 @@ def _address_in(file: Path) -> str:
     address = content.get("address") if isinstance(content, dict) else None
     if not isinstance(address, str) or not address:
         raise ClusterError(
-            f"cluster file {file} must hold the address of a scheduler (got {shown(content)}); "
+            f"cluster file {file} must contain the address of a scheduler (got {shown(content)}); "
             f"`dask scheduler --scheduler-file {file}` writes it"
         )
     return address

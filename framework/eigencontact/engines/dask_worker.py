@@ -36,7 +36,7 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
     """
 
     def __init__(self, begin: Callable[[Share], Any], probe: Path | None) -> None:
-        self.held: Any = None
+        self.state: Any = None
         self._begin, self._probe, self._versions = begin, probe, versions()
 
     async def setup(self, worker: Any) -> None:
@@ -44,18 +44,18 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         if difference := unlike(self._versions, versions()):
             raise ClusterError(f"worker {worker.address} {difference}")
         if self._probe is not None and not self._probe.is_file():
-            raise ClusterError(f"worker {worker.address} must see the folder {self._probe.parent}")
+            raise ClusterError(f"worker {worker.address} must have access to {self._probe.parent}")
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
         threads = worker.state.nthreads
-        self.held = self._begin(Share(threads, memory))
+        self.state = self._begin(Share(threads, memory))
         await worker.set_resources(**{ONE: 1, MEMORY: memory, THREADS: threads})
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as dask calls it
         """Release the shared resources."""
-        self.held = None
+        self.state = None
 
 
 def perform(question: bytes, name: str) -> Any:
     """Perform a task in this worker: a pickled function and its task (a scheduler lacks the packages of workers)."""
     function, task = loads(question)
-    return function(task, get_worker().plugins[name].held)
+    return function(task, get_worker().plugins[name].state)

@@ -146,13 +146,13 @@ class Processes(_Local):
 
 
 #: What the tasks of this process share, where it is one of a pool.
-_HELD: Any = None
+_STATE: Any = None
 
 
 def _begin(begin: Callable[[Share], Any], share: Share) -> None:
-    global _HELD  # noqa: PLW0603 - a process of a pool serves one pool
-    _HELD = begin(share)
+    global _STATE  # noqa: PLW0603 - a process of a pool serves one pool
+    _STATE = begin(share)
 
 
 def _perform(function: Callable[[Any, Any], Result], task: Any) -> Result:
-    return function(task, _HELD)
+    return function(task, _STATE)

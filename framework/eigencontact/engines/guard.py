@@ -49,7 +49,7 @@ def refuse_unguarded(call: str) -> None:
             if not any(isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or 0)
                        for node in ast.walk(statement)):  # fmt: skip
                 raise EigencontactError(
-                    f'{Path(path).name}, line {line} must stand below `if __name__ == "__main__":` (got {call} outside '
+                    f'{Path(path).name}, line {line} must be below `if __name__ == "__main__":` (got {call} outside '
                     "of it); each new process imports the script and would run this line again"
                 )
             return

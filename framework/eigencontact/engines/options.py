@@ -16,9 +16,9 @@ ClusterAddress = Annotated[
 ]
 TaskMemory = Annotated[
     float | None,
-    typer.Option("--memory", metavar="GB", min=0.1, help="Memory that a run needs of a cluster's worker."),
+    typer.Option("--memory", metavar="GB", min=0.1, help="Memory of a cluster's worker for one run."),
 ]
 TaskThreads = Annotated[
     int | None,
-    typer.Option("--threads", metavar="N", min=1, help="Threads that a run needs of a cluster's worker."),
+    typer.Option("--threads", metavar="N", min=1, help="Threads of a cluster's worker for one run."),
 ]

@@ -168,8 +168,8 @@ def reduced_in_plane(kernel: Kernel) -> dict[Kernel, float] | None:
     if ny:
         return {}
     if name == "psi" and nx >= 4:
-        others = {(origin, name, (nx - 2, 0, nz + 2)): -2.0, (origin, name, (nx - 4, 0, nz + 4)): -1.0}
-        return others | ({INSIDE: -8.0 * math.pi} if origin == "real" else {})
+        terms = {(origin, name, (nx - 2, 0, nz + 2)): -2.0, (origin, name, (nx - 4, 0, nz + 4)): -1.0}
+        return terms | ({INSIDE: -8.0 * math.pi} if origin == "real" else {})
     if name == "phi" and nx >= 2:
         return {(origin, name, (nx - 2, 0, nz + 2)): -1.0}
     return None

@@ -49,8 +49,8 @@ class CellBox:
     @property
     def names(self) -> str:
         """Names of the regions, for people."""
-        shown = [repr(source.name) for source in self.sources[:4]]
-        return ", ".join(shown) + (f" and {len(self.sources) - 4} more" if len(self.sources) > 4 else "")
+        quoted = [repr(source.name) for source in self.sources[:4]]
+        return ", ".join(quoted) + (f" and {len(self.sources) - 4} more" if len(self.sources) > 4 else "")
 
     @property
     def varies(self) -> bool:
@@ -246,11 +246,11 @@ def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> 
     bytes_per_cell = BYTES_OF_LAW_CELL if isinstance(source, Inhomogeneity) else BYTES_OF_ONE
     if lattice.cells <= most(bytes_per_cell):
         return
-    got = f"{nx} x {ny} x {nz} for {source.name!r}"
+    extent = f"{nx} x {ny} x {nz} for {source.name!r}"
     if setting is not None and _FEW * ny * nx <= comfortable(bytes_per_cell):
         name, value, power = setting
         nearest = cut_down(value**power, lattice.cells, each=bytes_per_cell) ** power
-        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do", bytes_per_cell)
+        refuse_more(lattice.cells, name, "cells inside a body", extent, f"{nearest:.3g} would do", bytes_per_cell)
     wide = f"{lattice.edges[2]:.3g} m x {lattice.edges[1]:.3g} m"
     advice = f"its cells are {wide} wide: give a smaller one, or a coarser grid"
-    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice, bytes_per_cell)
+    refuse_more(lattice.cells, source.where, "cells inside a body", extent, advice, bytes_per_cell)

@@ -130,14 +130,14 @@ def _wholes(sources: Sequence[Inhomogeneity], scene: Scene, bodies: Bodies) -> d
     resolution = scene.numerics.inclusion_resolution
     if resolution == "cells":
         return {}
-    chosen = [source for source in sources if _is_whole(source, resolution)]
-    if not chosen:
+    whole_sources = [source for source in sources if _is_whole(source, resolution)]
+    if not whole_sources:
         return {}
     from eigencontact.model.whole_degrees import degrees_of
 
     surface = scene.numerics.half_space not in ("full-space", "image-pressure")
-    degrees = degrees_of(chosen, resolution, bodies.half_space(chosen[0].body), surface=surface)
-    return {id(source): replace(source, degree=item) for source, item in zip(chosen, degrees, strict=True)}
+    degrees = degrees_of(whole_sources, resolution, bodies.half_space(whole_sources[0].body), surface=surface)
+    return {id(source): replace(source, degree=item) for source, item in zip(whole_sources, degrees, strict=True)}
 
 
 def _is_whole(source: Inhomogeneity, resolution: Whole) -> bool:

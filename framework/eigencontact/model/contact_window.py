@@ -21,7 +21,8 @@ from eigencontact.model.window import Window, given_grid
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import GridSpec, Scene
-from eigencontact.scene.steps import named_ramps, spaced_by_radius
+from eigencontact.scene.spacing import spaced_by_radius
+from eigencontact.scene.steps import named_ramps
 from eigencontact.solvers.coarse_contact import Separation, close_estimate, estimate_contact, settled_estimate
 from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.contact_growth import ContactGrowth, contact_growth

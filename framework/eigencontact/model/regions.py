@@ -176,13 +176,13 @@ def _refuse_many(request: StressRequest, grid: Grid) -> None:
     count, finer, power = across[0] * across[1] * depths, request.refinement or 1, sum(n > 1 for n in across)
     if count <= most():
         return
-    got = f"{shown(across[0])} x {shown(across[1])} points at {shown(depths)} depths"
+    extent = f"{shown(across[0])} x {shown(across[1])} points at {shown(depths)} depths"
     if request.depth_max is not None and count // depths <= most():
-        refuse_more(count, f"{where} depth-cells", "points", got, f"{comfortable() // (count // depths)} would do")
+        refuse_more(count, f"{where} depth-cells", "points", extent, f"{comfortable() // (count // depths)} would do")
     if count // finer**power <= most():
         advice = f"{max(1, int(cut_down(finer, count, power)))} is the most"
-        refuse_more(count, f"{where} refinement", "points", got, advice)
-    refuse_more(count, f"{where} start and end", "points", got, "ask for a smaller box, or a coarser refinement")
+        refuse_more(count, f"{where} refinement", "points", extent, advice)
+    refuse_more(count, f"{where} start and end", "points", extent, "ask for a smaller box, or a coarser refinement")
 
 
 def surface_lattice(grid: Grid) -> RegionLattice:

@@ -63,8 +63,8 @@ def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:
     if not media:
         return ""
     layered_bodies = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
-    how = "for each wave of the window" if periodic else "computed once as influence coefficients of cells"
-    return f"layered kernels of {layered_bodies} instead of half-space kernels, {how}"
+    method = "for each wave of the window" if periodic else "computed once as influence coefficients of cells"
+    return f"layered kernels of {layered_bodies} instead of half-space kernels, {method}"
 
 
 def _constants(material: Material) -> str:

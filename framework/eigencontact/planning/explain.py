@@ -19,7 +19,8 @@ from eigencontact.planning.facts import (
     law_lines,
 )
 from eigencontact.planning.memory import run_bytes
-from eigencontact.scene.steps import segments_of, spaced_by_radius
+from eigencontact.scene.spacing import spaced_by_radius
+from eigencontact.scene.steps import segments_of
 from eigencontact.warnings_.before import worst_above
 
 if TYPE_CHECKING:
@@ -270,9 +271,9 @@ def _alike(sources: Sequence[Source]) -> list[str]:
     for source in sources:
         groups.setdefault((source.key, source.how, source.body), []).append(source.name)
     lines = []
-    for (key, how, body), names in groups.items():
+    for (key, description, body), names in groups.items():
         label = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} of them"
-        lines.append(f"  {label} (plugin {key!r}, body {body}): {how}")
+        lines.append(f"  {label} (plugin {key!r}, body {body}): {description}")
     return lines
 
 

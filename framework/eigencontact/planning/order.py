@@ -30,16 +30,16 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
     for block in candidates:
         for quantity in block.provides:
             providers.setdefault(quantity, []).append(block)
-    needed: dict[str, Block] = {}
+    required: dict[str, Block] = {}
     open_ends = {quantity: requester for block in candidates for quantity, requester in block.requesters.items()}
     while open_ends:
         quantity, requester = open_ends.popitem()
         block = _only_provider(providers, quantity, requester)
-        if block.name not in needed:
-            needed[block.name] = block
+        if block.name not in required:
+            required[block.name] = block
             open_ends.update(dict.fromkeys(sorted(block.requires), f"block {block.name!r}"))
     places = {block.name: place for place, block in enumerate(candidates)}
-    before = {name: {providers[item][0].name for item in block.requires} for name, block in needed.items()}
+    before = {name: {providers[item][0].name for item in block.requires} for name, block in required.items()}
     sorter = TopologicalSorter(before)
     try:
         sorter.prepare()
@@ -51,7 +51,7 @@ def in_order(blocks: Iterable[Block]) -> list[Block]:
     while sorter.is_active():
         ready = sorted([*ready, *sorter.get_ready()], key=lambda name: places[name])
         first = ready.pop(0)
-        ordered.append(needed[first])
+        ordered.append(required[first])
         sorter.done(first)
     return ordered
 

@@ -34,7 +34,7 @@ def only_substrate() -> NDArray[np.intp]:
     return np.zeros((1, 1), dtype=np.intp)
 
 
-def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+def by_material(law: str, state: Any, names: Collection[str]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     """Each exposed material by name, with its cells ``(ny, nx)``.
 
     Parameters
@@ -43,7 +43,7 @@ def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[
         Name of the law for messages.
     state : FrictionState or WearState
         With ``material``, ``materials``, ``pressure``, ``x`` and ``y``.
-    known : collection of str
+    names : collection of str
         Materials of the law. Other materials may be exposed out of contact; the function omits them.
 
     Raises
@@ -54,13 +54,13 @@ def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[
     material = np.broadcast_to(state.material, state.pressure.shape)
     for number in np.unique(material):
         name, exposed = state.materials[number], np.asarray(material == number)
-        if name in known:
+        if name in names:
             yield name, exposed
             continue
         unknown_cells = exposed & (state.pressure > 0)
         if unknown_cells.any():
             row, column = (int(index) for index in np.argwhere(unknown_cells)[0])
             raise SceneError(
-                f"{law} must know every material in contact (got {', '.join(map(repr, known))}, and {name!r} at x = "
+                f"{law} must know every material in contact (got {', '.join(map(repr, names))}, and {name!r} at x = "
                 f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m); give it numbers for {name!r}"
             )

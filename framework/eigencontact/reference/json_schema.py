@@ -71,12 +71,12 @@ class _Definitions:
         """Table of a plugin with its keys and those of the scene: one for each plugin of the kind."""
         table_form = self.table(cls)
         further = {name: form for name, form in table_form["properties"].items() if name != "type"}
-        needed = [name for name in table_form["required"] if name != "type"]
+        required = [name for name in table_form["required"] if name != "type"]
         choices = []
         for entry in self.registry.of_kind(cls.kind):
             table = self._plugin(entry, further)
             place = place_field(entry.component) if "centers" in further else None  # centers take its place
-            table["required"] = [name for name in dict.fromkeys([*table["required"], *needed]) if name != place]
+            table["required"] = [name for name in dict.fromkeys([*table["required"], *required]) if name != place]
             choices.append(table)
         return {"anyOf": choices}
 

@@ -126,8 +126,8 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
 
     dissipated = float("nan")
     if "dissipated_energy" in history:
-        spent = np.asarray(history["dissipated_energy"], dtype=float)
-        dissipated = float(spent[last] - spent[first])
+        energy = np.asarray(history["dissipated_energy"], dtype=float)
+        dissipated = float(energy[last] - energy[first])
     return Cycle(
         first=first,
         last=last,

@@ -74,11 +74,11 @@ def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[P
     ResultsError
         When a step is damaged (named), when the sub-surface points differ between steps, or when the disk is full.
     """
-    plain, remembered, attrs = _columns(steps, histories)
-    sizes = {dim: n for c in (plain | remembered).values() for dim, n in zip(c.dims, c.whole, strict=True)}
+    plain, history_columns, attrs = _columns(steps, histories)
+    sizes = {dim: n for c in (plain | history_columns).values() for dim, n in zip(c.dims, c.whole, strict=True)}
     with replacing(target, "results") as sink, open_hdf5(sink, "w") as out:
-        lay_out(out, sizes, plain | remembered, attrs)
-        for parts, columns in ((steps, plain), (histories, remembered)):
+        lay_out(out, sizes, plain | history_columns, attrs)
+        for parts, columns in ((steps, plain), (histories, history_columns)):
             largest = max((c.dtype.itemsize * int(np.prod(c.shape)) for c in columns.values()), default=1)
             group = max(1, min(_GROUP, _GROUP_BYTES // max(1, largest)))
             for at in range(0, len(parts), group):
@@ -99,9 +99,9 @@ def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Data
     """
     import xarray as xr
 
-    plain, remembered, attrs = _columns(steps, histories)
+    plain, history_columns, attrs = _columns(steps, histories)
     variables = {}
-    for parts, columns in ((steps, plain), (histories, remembered)):
+    for parts, columns in ((steps, plain), (histories, history_columns)):
         for name, values in _values(parts, columns):
             column = columns[name]
             missing = {"_FillValue": column.dtype.type(np.nan)} if column.missing else {}
@@ -139,15 +139,15 @@ def _columns(
             f"sub-surface points must be the same in all steps (got {len(regions)} different sets); "
             "give every step the same regions"
         )
-    remembered: dict[str, Column] = {}
+    history_columns: dict[str, Column] = {}
     for history in histories[-1:]:  # the cells of a body only grow
         with _opened(history) as arrays, _damage_named(history):
-            remembered = {name: _column(variable, len(histories)) for name, variable in arrays.items()}
-            for name, column in remembered.items():
+            history_columns = {name: _column(variable, len(histories)) for name, variable in arrays.items()}
+            for name, column in history_columns.items():
                 column.count = len(histories)
                 if column.dims == (name,):
                     column.values = arrays[name][...]
-    return columns, remembered, attrs
+    return columns, history_columns, attrs
 
 
 def _column(variable: Any, steps: int) -> Column:

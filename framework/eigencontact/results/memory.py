@@ -93,8 +93,8 @@ class MemoryResults:
     """Variables of steps in memory, like those of `eigencontact.results.stored.open_stored` for a file."""
 
     def __init__(self, steps: list[Part], histories: list[Part]) -> None:
-        remembered = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
-        self.variables = remembered | {name: _MemoryVariable(steps, name) for name in steps[-1]}
+        history_variables = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
+        self.variables = history_variables | {name: _MemoryVariable(steps, name) for name in steps[-1]}
         self.attrs = dict(steps[-1].attrs)
 
     def __contains__(self, name: object) -> bool:

@@ -205,8 +205,8 @@ def _inside(
     for first in range(0, depths.size, together := max(1, _AT_ONCE // (rows * count))):
         block_depths = depths[first : first + together]
         stress = np.stack([elastic.at(edges, loaded, count, float(z)) for z in block_depths], axis=1)
-        tried = factor * stress.reshape(6, -1)
-        out[first : first + together] = exceeds(tried, np.repeat(block_depths, rows * count)).reshape(-1, rows, count)
+        scaled = factor * stress.reshape(6, -1)
+        out[first : first + together] = exceeds(scaled, np.repeat(block_depths, rows * count)).reshape(-1, rows, count)
     return out
 
 

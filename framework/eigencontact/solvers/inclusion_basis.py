@@ -104,8 +104,8 @@ def basis_of(
     orthonormal = np.linalg.solve(root, densities)
     rows = values.reshape(-1, len(points))
     inner = (rows * (weights / volume)) @ orthonormal.T
-    missed = np.abs(inner @ orthonormal - rows).max() / np.abs(rows).max()
-    require(missed < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
+    fit_error = np.abs(inner @ orthonormal - rows).max() / np.abs(rows).max()
+    require(fit_error < 1e-6, "inclusions", "densities", shape, f"densities that span polynomials of degree {degree}")
     flat, _ = np.linalg.qr(inner.reshape(len(values), -1).T)
     g = flat.T.reshape(len(values), 6, -1)
     M = 2.0 * G * compliance(matrix)

@@ -52,7 +52,7 @@ class Cut(Protocol):
     #: Prestrain of the first material minus that of the second, ``(6, n)`` [-].
     difference: FloatArray
     #: Last strain, jump and derivative of the jump, written by the law; empty at first.
-    found: dict[str, FloatArray]
+    last_response: dict[str, FloatArray]
 
 
 class _Response(NamedTuple):
@@ -163,9 +163,9 @@ class _Question:
 
     def start(self) -> FloatArray:
         """Start for the jump, extrapolated from the last one; within an increment the strain changes less and less."""
-        if not self._step.found:
+        if not self._step.last_response:
             return np.zeros_like(self._strain)
-        strain, jump, moved = (self._step.found[name] for name in ("strain", "jump", "moved"))
+        strain, jump, moved = (self._step.last_response[name] for name in ("strain", "jump", "moved"))
         return np.asarray(jump - np.einsum("nij,jn->in", moved, self._strain - strain))
 
     def at(self, jump: FloatArray) -> _State:
@@ -209,7 +209,7 @@ class _Question:
         f, (first, second) = self._share[:, None, None], state.answers
         unlike = first.tangent - second.tangent
         moved = np.asarray(np.linalg.solve(self._jacobian(state), unlike), dtype=float)
-        self._step.found.update(strain=self._strain, jump=state.jump, moved=moved)
+        self._step.last_response.update(strain=self._strain, jump=state.jump, moved=moved)
         tangent = f * first.tangent + (1.0 - f) * second.tangent - f * (1.0 - f) * unlike @ moved
         stress = self._share * first.stress + (1.0 - self._share) * second.stress
         second_variables = {self._law.stored[law_name]: values for law_name, values in second.variables.items()}

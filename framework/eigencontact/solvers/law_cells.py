@@ -117,18 +117,18 @@ class LawCells:
         PluginError
             A law returns an invalid response; see `eigencontact.solvers.law_answers`.
         """
-        out, remembered = np.empty_like(eigenstrain), []
+        out, variables = np.empty_like(eigenstrain), []
         for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
             e, s, fixed = eigenstrain[:, cells], stress[:, cells], prestrain[:, cells]
             with self._naming_cells(law, cells, step):
                 if self._around is not None and isinstance(law, AnsweringLaw):
-                    remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
+                    variables.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
                 foreign = s - product(self.self_stress, e)
                 solution = _newton(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
-                remembered.append(solution.answer.variables)
-        return out, remembered
+                variables.append(solution.answer.variables)
+        return out, variables
 
     def _cell_answers(
         self,
@@ -206,8 +206,8 @@ class LawCells:
             count = cells.stop - cells.start
             for chunk in _pieces(count, _CHUNK):
                 cells_of_chunk = slice(cells.start + chunk.start, cells.start + chunk.stop)
-                remembered = {name: value[:, chunk] for name, value in records.items()}
-                response = answer_of(law, strain[:, cells_of_chunk], remembered, step.of(chunk))
+                variables = {name: value[:, chunk] for name, value in records.items()}
+                response = answer_of(law, strain[:, cells_of_chunk], variables, step.of(chunk))
                 difference = np.linalg.norm(response.stress - stress[:, cells_of_chunk], axis=0)
                 worst = max(worst, float(np.where(response.finite, difference, np.inf).max()))
         return worst

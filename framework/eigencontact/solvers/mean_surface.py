@@ -149,7 +149,7 @@ class SurfaceAndCells:
     def nbytes(self) -> int:
         """Memory of the stored spectra."""
         ways = self._spectra[:1] if self._shared else self._spectra
-        return sum(s.nbytes for way in ways for layer in way for row in layer for s in row if s is not None)
+        return sum(s.nbytes for direction in ways for layer in direction for row in layer for s in row if s is not None)
 
     def stress(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mean Mandel stress [Pa] in the cells, ``(6, nz, ny, nx)``, by tractions on the grid, in their order."""

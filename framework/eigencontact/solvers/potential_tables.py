@@ -183,9 +183,9 @@ def _around_edges(
             place[axis] = zeros[axis] if axis == 2 else slice(zeros[axis][0], zeros[axis][0] + 1)
         mean = np.zeros(1)
         for moved in (first, second):
-            for way in (-distance, distance):
+            for offset in (-distance, distance):
                 neighbour = list(line)
-                neighbour[moved] = line[moved] + way
+                neighbour[moved] = line[moved] + offset
                 mean = mean + 0.25 * corner(*_open(neighbour))
         values[:, place[0], place[1], place[2]] = mean
 

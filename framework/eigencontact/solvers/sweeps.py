@@ -49,9 +49,9 @@ class Sweeps:
             return [work(k, rows) for k, rows in enumerate(self.blocks)]
         results: list[Any] = [None] * len(self.blocks)
 
-        def some(first: int) -> None:
+        def fill_block(first: int) -> None:
             for k in range(first, len(self.blocks), self._threads):
                 results[k] = work(k, self.blocks[k])
 
-        in_parallel(self._threads, [partial(some, first) for first in range(self._threads)])
+        in_parallel(self._threads, [partial(fill_block, first) for first in range(self._threads)])
         return results

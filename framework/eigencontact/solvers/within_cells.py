@@ -126,10 +126,10 @@ class WithinCells:
         """Change of the eigenstrain ``(6, n)`` per cell along an axis: to the next cell, or from the last one."""
         number, values = _at(self._region, cell), _at(padded, cell)
         slope = np.zeros_like(values)
-        for way in (-ahead, ahead):
-            neighbour = [index + way * (along == axis) for along, index in enumerate(cell)]
+        for offset in (-ahead, ahead):
+            neighbour = [index + offset * (along == axis) for along, index in enumerate(cell)]
             same_region = _at(self._region, neighbour) == number
-            slope = np.where(same_region, way * (_at(padded, neighbour) - values), slope)
+            slope = np.where(same_region, offset * (_at(padded, neighbour) - values), slope)
         return slope
 
 

@@ -146,10 +146,12 @@ def _with_fields(
     first = holding[0].fields
     for outcome in holding:
         for name in ("x", "y"):
-            mine, theirs = first[name], outcome.fields[name]
-            if mine.shape != theirs.shape or not np.allclose(mine, theirs, rtol=1e-9, atol=1e-12 * np.abs(mine).max()):
+            reference, places = first[name], outcome.fields[name]
+            if reference.shape != places.shape or not np.allclose(
+                reference, places, rtol=1e-9, atol=1e-12 * np.abs(reference).max()
+            ):
                 raise ResultsError(
-                    f"fields must lie on the same cells in all variants (got {mine.size} and {theirs.size} along "
+                    f"fields must lie on the same cells in all variants (got {reference.size} and {places.size} along "
                     f'{name} or others); give grid = "shared" (--shared-grid), or grid.cells and grid.size'
                 )
     dataset = dataset.assign_coords({name: ((name,), first[name], {"units": "m"}) for name in ("x", "y")})

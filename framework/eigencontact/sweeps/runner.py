@@ -121,13 +121,13 @@ def outcomes(
     ]
     if isinstance(engine, Cluster):
         engine.folder = folder
-    begin = _Held.within
+    begin = _WorkerState.within
     if isinstance(engine, Cluster):
         from eigencontact.hooks.files import texts_of
 
         scenes = [variant.scene for variant in variants if variant.scene is not None]
         files = dict.fromkeys(path for scene in scenes for path in scene.plugin_files)
-        begin = partial(_Held.within, texts=texts_of(files))
+        begin = partial(_WorkerState.within, texts=texts_of(files))
     with engine:
         for task, outcome in engine.map(_outcome, tasks, begin):
             if isinstance(outcome, DeadTask):
@@ -137,14 +137,14 @@ def outcomes(
 
 
 @dataclass(frozen=True)
-class _Held:
+class _WorkerState:
     """Shared data of the variants of one process: spectra of stress in regions, and the threads."""
 
     cache: Kept
     threads: int | None
 
     @classmethod
-    def within(cls, share: Share, texts: Mapping[str, str] | None = None) -> _Held:
+    def within(cls, share: Share, texts: Mapping[str, str] | None = None) -> _WorkerState:
         """Set up shared data for a part of a machine; `texts` replace plugin files that it cannot read."""
         if texts is not None:
             from eigencontact.hooks.files import hold_texts
@@ -153,7 +153,7 @@ class _Held:
         return cls(Kept(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
 
 
-def _outcome(task: _Task, state: _Held) -> Outcome:
+def _outcome(task: _Task, state: _WorkerState) -> Outcome:
     """Run one variant, or read its stored results."""
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}

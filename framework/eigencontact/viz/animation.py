@@ -65,7 +65,9 @@ def subject_of(dataset: Results) -> Subject | None:
     if dataset.sizes["step"] < 2:
         return None
     regions = json.loads(dataset.attrs["regions"])
-    planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
+    planes = [
+        name for name, kind in drawable(dataset).items() if kind == "section" and regions[name]["shape"] == "plane"
+    ]
     draw_pressure, draw_shear = (pressure_curve, shear_curve) if dataset.sizes["y"] == 1 else (pressure_map, shear_map)
     if wears(dataset) and "pressure" in dataset:
         pictures = (partial(worn_profiles, dataset), partial(draw_pressure, dataset))

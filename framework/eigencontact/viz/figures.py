@@ -150,10 +150,10 @@ def _surface(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
 def _regions(dataset: Results, step: int, loaded: int) -> Iterator[Picture]:
     """Pictures of the stress in regions; sections also at the largest load if that is another step."""
     when = moment(dataset, step)
-    for region, how in drawable(dataset).items():
+    for region, region_kind in drawable(dataset).items():
         field = f"{region}_{equivalent_of(dataset, region)}"
         stressed = not vanishes(dataset, [field], step)
-        if how == "profile":
+        if region_kind == "profile":
             if stressed:
                 sentence = f"Stresses along the line {region!r}{when}."
                 yield f"{region}.png", sentence, partial(stress_profile, dataset, region, step)

@@ -208,8 +208,8 @@ def _dissipation_title(dataset: Results, step: int) -> str:
         unit = si_unit(dataset, "dissipated_energy")
         title += f"\n{scale_for([work[step]], unit).text(work[step])} in all"
     if work is not None and skips:
-        spent = float(history["dissipated_energy"][step])
-        words = scale_for([spent], si_unit(dataset, "dissipated_energy")).text(spent)
+        energy = float(history["dissipated_energy"][step])
+        words = scale_for([energy], si_unit(dataset, "dissipated_energy")).text(energy)
         title += f", with skipped cycles; {words} in the solved increments"
     return with_error(title, dataset, "dissipated_energy_density", step)
 

@@ -132,10 +132,10 @@ def _energy_words(dataset: Results, modes: list[str]) -> str:
     if len(modes) == 1:
         ratio = "4 M\\varphi" if twisted else "4 Q\\delta"
         more.append(f"energy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}")
-    spent = cycle.dissipated
+    dissipated = cycle.dissipated
     if "plastic_work" in dataset:
-        spent += float(np.ptp(dataset["plastic_work"].values[[cycle.first, cycle.last]]))
-    if abs(cycle.work - spent) > _COARSE * abs(spent):
+        dissipated += float(np.ptp(dataset["plastic_work"].values[[cycle.first, cycle.last]]))
+    if abs(cycle.work - dissipated) > _COARSE * abs(dissipated):
         more.append("increments too coarse for the area of the drawn loop")
     return "\n".join(filter(None, [sentence, ", ".join(more)]))
 

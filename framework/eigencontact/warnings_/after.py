@@ -16,7 +16,7 @@ from eigencontact.model.resolution import FINE, percent
 from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.scene.holding import held_steps
-from eigencontact.scene.steps import spaced_by_radius
+from eigencontact.scene.spacing import spaced_by_radius
 from eigencontact.scene.whole import Whole
 from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing
 

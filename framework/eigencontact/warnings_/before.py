@@ -28,7 +28,8 @@ from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
-from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
+from eigencontact.scene.spacing import normal_control, spaced_by_radius, start_of_normal
+from eigencontact.scene.steps import named_ramps
 
 __all__ = ["PROMISE", "coarse_contact", "foreseen", "from_nothing", "worst_above"]
 

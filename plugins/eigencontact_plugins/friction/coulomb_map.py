@@ -123,7 +123,7 @@ class CoulombMap(FrictionLaw):
             if not self.regions:
                 raise SceneError(f'{self.key} must have a file or regions (got neither); or set type = "coulomb"')
             has_base = self.coefficient is not None
-            require(has_base, self.key, "coefficient", None, "given: without a file it holds outside the regions")
+            require(has_base, self.key, "coefficient", None, "given without a file, for points outside the regions")
         _ = self._map  # read and check the file before the run
 
     @cached_property

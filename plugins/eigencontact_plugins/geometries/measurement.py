@@ -135,7 +135,7 @@ def _refuse_labels(numbers: FloatArray, file: str) -> None:
     first = [numbers[0, 1:], numbers[1:, 0]]
     even = [line.size > 1 and np.allclose(np.diff(line), line[1] - line[0], rtol=1e-6, atol=0) for line in first]
     if np.isnan(numbers[0, 0]) and all(even) and all(line[1] != line[0] for line in first):
-        raise _refusal("a matrix of heights alone", file, "its first row and column count; leave them out")
+        raise _refusal("a matrix of heights alone", file, "its first row and column are coordinates; remove them")
 
 
 def _from_columns(table: FloatArray, header: Header, file: str) -> Measurement:

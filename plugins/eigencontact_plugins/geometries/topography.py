@@ -126,7 +126,7 @@ class Topography(Geometry):
         if absent.any() and self.missing == "error":
             raise SceneError(
                 f"{self.key}.file must be without missing points (got {self.file!r} with {absent.sum()} of"
-                f" {absent.size} missing); set missing = 'far' (they never touch) or 'interpolate' (filled from their"
+                f" {absent.size} missing); set missing = 'far' (no contact there) or 'interpolate' (filled from their"
                 " neighbours)"
             )
         if absent.any() and self.missing == "interpolate":
@@ -153,7 +153,7 @@ class Topography(Geometry):
             subject = " or ".join(_SILENT[name][0] for name in missing)
             example = ", ".join(f"{name.replace('_', '-')} = {_SILENT[name][1]}" for name in missing)
             raise SceneError(
-                f"{self.key}.{' and '.join(missing)} must be given (got None): {self.file!r} does not tell {subject}; "
+                f"{self.key}.{' and '.join(missing)} must be given (got None): {self.file!r} does not state {subject}; "
                 f"for example {example}"
             )
         assert height_unit is not None

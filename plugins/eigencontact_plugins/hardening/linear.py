@@ -60,7 +60,7 @@ class Linear(IsotropicHardening):
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `IsotropicHardening.flow_stress`; a tangent modulus needs the modulus of a material (`of_material`)."""
-        require(self.modulus is not None, self.key, "modulus", None, "known: a tangent modulus is one of a material")
+        require(self.modulus is not None, self.key, "modulus", None, "known; a tangent modulus requires a material")
         slope = float(self.modulus or 0.0)
         floor = 1e-3 * self.yield_stress if self.least_stress is None else self.least_stress
         stress = self.yield_stress + slope * p

@@ -46,5 +46,5 @@ class BodyConstants(ConstitutiveLaw):
         E, nu = self.young_modulus, self.poisson_ratio
         if E is None or nu is None:
             name = "young-modulus" if E is None else "poisson-ratio"
-            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
+            raise SceneError(f"{self.key}.{name} must be given (got none), or the law must be used in a body")
         return E, nu

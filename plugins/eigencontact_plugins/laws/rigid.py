@@ -27,7 +27,7 @@ class Rigid(LinearLaw):
 
     def stiffness_matrix(self) -> FloatArray:
         """Infinite; see `LinearLaw.stiffness_matrix`."""
-        raise SceneError(f"{self.key} must not be asked for a stiffness (it is infinite); solvers ask for its factors")
+        raise SceneError(f"{self.key} must be used by its factors, because its stiffness is infinite")
 
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:  # noqa: ARG002
         """See `LinearLaw.factors`."""

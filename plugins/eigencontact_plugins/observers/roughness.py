@@ -60,7 +60,7 @@ class Roughness(Observer):
             heights = heights[np.broadcast_to(inside, heights.shape)]
             if not heights.size:
                 raise SceneError(
-                    f"{self.key}.start and end must hold cells of the window (got {self.start}, {self.end})"
+                    f"{self.key}.start and end must contain cells of the window (got {self.start}, {self.end})"
                 )
         mean = float(heights.mean())
         return {

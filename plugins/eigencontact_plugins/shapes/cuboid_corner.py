@@ -47,12 +47,12 @@ class Corner:
         self.squares = tuple(t * t for t in self.x)
         self.R: FloatArray = np.sqrt(self.squares[0] + self.squares[1] + self.squares[2])
         self.side = side
-        self._known: dict[tuple[str, int], FloatArray] = {}
+        self._computed: dict[tuple[str, int], FloatArray] = {}
 
     def _once(self, name: str, i: int, compute: Callable[[int], FloatArray]) -> FloatArray:
-        value = self._known.get((name, i))
+        value = self._computed.get((name, i))
         if value is None:
-            value = self._known[name, i] = compute(i)
+            value = self._computed[name, i] = compute(i)
         return value
 
     def u(self) -> FloatArray:

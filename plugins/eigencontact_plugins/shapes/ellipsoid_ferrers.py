@@ -134,11 +134,11 @@ def outer_derivatives(
     points : three arrays (points,)
         Coordinates along the axes of the ellipsoid.
     """
-    needed: dict[Order, set[int]] = {}
+    exponents: dict[Order, set[int]] = {}
     for n, order in columns:
         for _, inverse, _ in _terms(order):
-            needed.setdefault(inverse, set()).add(n)
-    moments = _moments(semi_axes, needed, points)
+            exponents.setdefault(inverse, set()).add(n)
+    moments = _moments(semi_axes, exponents, points)
     powers = [_powers(values, max(order[axis] for _, order in columns)) for axis, values in enumerate(points)]
     whole = np.pi * float(semi_axes.prod())
     out = np.zeros((len(columns), points[0].size))
@@ -152,7 +152,7 @@ def outer_derivatives(
 
 
 def _moments(
-    semi_axes: FloatArray, needed: dict[Order, set[int]], points: tuple[FloatArray, FloatArray, FloatArray]
+    semi_axes: FloatArray, exponents: dict[Order, set[int]], points: tuple[FloatArray, FloatArray, FloatArray]
 ) -> Table:
     """Integral along the cut or residue of the Σk-th derivative of U^(n+1) [log U] by U, times Π (a_i² + s)^-k_i/Δ."""
     short = float(semi_axes.min())
@@ -160,13 +160,13 @@ def _moments(
     level = ellipsoidal_level(semi_axes, points)
     # U(λ) = 0: U = (s - λ) Σ x_i²/((a_i² + λ)(a_i² + s)) avoids a difference of nearly equal numbers.
     slopes = [values * values / (level + e) for values, e in zip(points, excess, strict=True)]
-    out: Table = {(n, order): np.empty(level.shape) for order, of_order in needed.items() for n in of_order}
-    along = {order: {n for n in of_order if sum(order) <= n + 1} for order, of_order in needed.items()}
+    out: Table = {(n, order): np.empty(level.shape) for order, of_order in exponents.items() for n in of_order}
+    along = {order: {n for n in of_order if sum(order) <= n + 1} for order, of_order in exponents.items()}
     for place, step, inverse, weight in level_rules(excess, level):
         U = step * sum(slope[place] * values for slope, values in zip(slopes, inverse, strict=True))
         for (n, order), values in _sums(along, inverse, weight, U).items():
             out[n, order][place] = factorial(n + 1) / factorial(n + 1 - sum(order)) * values
-    at_pole = {order: needed[order] - along[order] for order in needed}
+    at_pole = {order: exponents[order] - along[order] for order in exponents}
     for (n, order), values in _residues(at_pole, excess, level, slopes).items():
         above = sum(order) - n - 1
         out[n, order][:] = (-1.0) ** (above - 1) * factorial(n + 1) * factorial(above - 1) * values
@@ -174,13 +174,13 @@ def _moments(
 
 
 def _residues(
-    needed: dict[Order, set[int]], excess: FloatArray, level: FloatArray, slopes: Sequence[FloatArray]
+    exponents: dict[Order, set[int]], excess: FloatArray, level: FloatArray, slopes: Sequence[FloatArray]
 ) -> Table:
     """Residue at λ of U^-p Π (a_i² + s)^-k_i/Δ, p = Σ k - n - 1, by Taylor series in (s - λ)/(λ + c²)."""
-    orders = [order for order, of_order in needed.items() if of_order]
+    orders = [order for order, of_order in exponents.items() if of_order]
     if not orders:
         return {}
-    length = max(sum(order) - n - 1 for order in orders for n in needed[order])
+    length = max(sum(order) - n - 1 for order in orders for n in exponents[order])
     inverse = [1.0 / (level + e) for e in excess]
     ratios = [level * values for values in inverse]
     factors = [
@@ -205,7 +205,7 @@ def _residues(
         if order[1:] not in pairs:
             pairs[order[1], order[2]] = _product(factors[1][order[1]], factors[2][order[2]])
         series = _product(factors[0][order[0]], pairs[order[1], order[2]])
-        for n in needed[order]:
+        for n in exponents[order]:
             p = sum(order) - n - 1
             out[n, order] = level * np.einsum("mp,mp->p", series[:p], poles[p - 1][p - 1 :: -1])
     return out
@@ -227,17 +227,17 @@ def _product(first: FloatArray, second: FloatArray) -> FloatArray:
     return out
 
 
-def _sums(needed: dict[Order, set[int]], inverse: Sequence[FloatArray], weight: FloatArray, U: FloatArray) -> Table:
+def _sums(exponents: dict[Order, set[int]], inverse: Sequence[FloatArray], weight: FloatArray, U: FloatArray) -> Table:
     """Sums over the first axis of weight Π inverse_i^k_i U^(n + 1 - Σ k)."""
-    orders = [order for order, of_order in needed.items() if of_order]
+    orders = [order for order, of_order in exponents.items() if of_order]
     if not orders:
         return {}
     powers = [_powers(values, max(order[axis] for order in orders)) for axis, values in enumerate(inverse)]
-    most = max(n + 1 - sum(order) for order in orders for n in needed[order])
+    most = max(n + 1 - sum(order) for order in orders for n in exponents[order])
     weights = [weight * values for values in _powers(U, most)]
     out: Table = {}
     for order in orders:
         product = powers[0][order[0]] * powers[1][order[1]] * powers[2][order[2]]
-        for n in needed[order]:
+        for n in exponents[order]:
             out[n, order] = np.einsum("qp,qp->p", product, weights[n + 1 - sum(order)])
     return out

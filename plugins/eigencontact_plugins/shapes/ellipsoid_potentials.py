@@ -69,7 +69,7 @@ class Region:
         self.order = order
         self.x = variables(*points, order)
         self.outside = outside
-        self._made: dict[tuple[str, tuple[int, ...]], Jet] = {}
+        self._derivatives: dict[tuple[str, tuple[int, ...]], Jet] = {}
         short = float(semi_axes.min())
         self.excess = (semi_axes - short) * (semi_axes + short)  # a_i² - c², exact for nearly equal axes
         if outside:
@@ -104,22 +104,22 @@ class Region:
     def layer(self, *axes: int) -> Jet:
         """2 g y_i y_j / h or 2 g λ y_i y_j y_k / h: the additional terms outside."""
         key = ("layer", axes)
-        if key not in self._made:
+        if key not in self._derivatives:
             if axes == ():
-                self._made[key] = self.scale * self.twice_over_h
+                self._derivatives[key] = self.scale * self.twice_over_h
             elif len(axes) < 3:
-                self._made[key] = self.layer(*axes[:-1]) * self.y[axes[-1]]
+                self._derivatives[key] = self.layer(*axes[:-1]) * self.y[axes[-1]]
             else:
-                self._made[key] = self.layer(*axes[:2]) * (self.level * self.y[axes[2]])
-        return self._made[key]
+                self._derivatives[key] = self.layer(*axes[:2]) * (self.level * self.y[axes[2]])
+        return self._derivatives[key]
 
     def integral(self, *axes: int) -> Jet:
         """I_i or J_ij as a jet: its gradient is elementary."""
         axes = tuple(sorted(axes))
         key = ("integral", axes)
-        if key not in self._made:
-            self._made[key] = self._integral(axes)
-        return self._made[key]
+        if key not in self._derivatives:
+            self._derivatives[key] = self._integral(axes)
+        return self._derivatives[key]
 
     def _integral(self, axes: tuple[int, ...]) -> Jet:
         value = self.integrals[axes]

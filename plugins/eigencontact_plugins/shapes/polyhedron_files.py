@@ -56,10 +56,10 @@ def _off(path: Path) -> Content:
         raise ValueError(f"its first line must be OFF (got {' '.join(head)})")
     count, number = (int(text) for text in (head[1:] or lines.pop(0))[:2])
     if len(lines) < count + number:
-        raise ValueError(f"it announces {count} points and {number} faces and has {len(lines)} lines for them")
+        raise ValueError(f"it declares {count} points and {number} faces and has {len(lines)} lines for them")
     faces = [[int(text) for text in line[: 1 + int(line[0])]] for line in lines[count : count + number]]
     if any(len(face) != 1 + face[0] for face in faces):
-        raise ValueError("a face names fewer corners than it announces")
+        raise ValueError("a face has fewer corners than it declares")
     return _points(line[:3] for line in lines[:count]), _tables([face[1:] for face in faces]), []
 
 

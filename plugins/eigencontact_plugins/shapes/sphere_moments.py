@@ -149,8 +149,8 @@ def moment_sums(
         scales = np.array([radius ** ((2 if name == "phi" else 4) - sum(order)) for order in orders])
         derivatives = _derivatives(degree, where, name, tuple(orders))
         for first in range(0, count, _ROWS):  # transposed sums that fit into a cache
-            some = (of_orders[first : first + _ROWS] * scales).reshape(-1, derivatives.shape[1])
-            total[first : first + _ROWS] += (derivatives @ some.T).T
+            block = (of_orders[first : first + _ROWS] * scales).reshape(-1, derivatives.shape[1])
+            total[first : first + _ROWS] += (derivatives @ block.T).T
     x, y, z = (np.ravel(axis) for axis in points)
     if tests is not None:
         products = np.zeros((2 * len(functions.half), len(tests)))

@@ -74,7 +74,7 @@ class VoxelShape(InclusionShape):
         if not filled.any():
             numbers = np.unique(labels).astype(int).tolist()
             listed = ", ".join(map(str, numbers[:12])) + (" ..." if len(numbers) > 12 else "")
-            require(False, self.key, "value", self.value, f"a number that a voxel bears, {listed}")
+            require(False, self.key, "value", self.value, f"the number of at least one voxel, {listed}")
         box = []
         for axis in range(3):
             planes = np.flatnonzero(filled.any(axis=tuple({0, 1, 2} - {axis})))

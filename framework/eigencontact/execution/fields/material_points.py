@@ -190,9 +190,9 @@ class MaterialPoints:
         stress = np.einsum("ij,jzyx->izyx", region.stress_of_strain, strain - prestrain)
         if region.compatible is not None:
             stress = region.compatible.of(stress)
-        needed = np.zeros(self._cells.shape, dtype=bool)
-        needed.reshape(-1)[self._between.about[:, region.points]] = True
-        partial_cells = np.flatnonzero(needed[region.place] & (share < 1.0))
+        neighbours = np.zeros(self._cells.shape, dtype=bool)
+        neighbours.reshape(-1)[self._between.about[:, region.points]] = True
+        partial_cells = np.flatnonzero(neighbours[region.place] & (share < 1.0))
         if partial_cells.size:
             stress.reshape(6, -1)[:, partial_cells] = continued(stress, share**2, partial_cells)
         field[where] = stress

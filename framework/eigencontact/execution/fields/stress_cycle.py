@@ -72,13 +72,13 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
             for name, item in dataset.data_vars.items()
             if tuple(item.dims) == ("step",) and np.asarray(item.values).dtype.kind == "f"
         }
-        found = last_cycle(scalars) or last_cycle(scalars, "twist")
-        if found is None:
+        closed_cycle = last_cycle(scalars) or last_cycle(scalars, "twist")
+        if closed_cycle is None:
             raise SceneError(
                 "cycle must be given where the load history has no closed cycle (got 'last'); say 'all', or the "
                 f"numbers of its first and last step within {numbers[0]} and {numbers[-1]}"
             )
-        return list(range(found.first, found.last + 1))
+        return list(range(closed_cycle.first, closed_cycle.last + 1))
     ends: Any = cycle if isinstance(cycle, list | tuple) and len(cycle) == 2 else (None, None)
     if not (all(end in numbers for end in ends) and ends[0] <= ends[1]):
         raise SceneError(

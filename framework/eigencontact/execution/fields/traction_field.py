@@ -102,7 +102,7 @@ class TractionField(Cause):
             text = lattice.words
             price = section_cost if self._in_section else spectra_cost
             cost = price(self._layout(), tables, sampling, numerics, tractions=count)
-            if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
+            if lattice.finer != (1, 1):  # computed again in each step, few depths at a time
                 cost = Cost(
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
                     transient=cost.memory * min(1.0, _AT_ONCE / tables),
@@ -204,8 +204,8 @@ class TractionField(Cause):
         influences = [kernel.influence for kernel in self._kernels[quantity]]
         kernels = tuple((type(influence), influence.key, influence.traction) for influence in influences)
         data = tuple((kernel.datum, kernel.period) for kernel in self._kernels[quantity])
-        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
-        return (quantity, self._grid, self._body, kernels, source, near, points, how)
+        settings = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin), data)
+        return (quantity, self._grid, self._body, kernels, source, near, points, settings)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:
         from eigencontact.solvers.surface_means import MeansOnLattice

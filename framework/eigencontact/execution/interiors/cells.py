@@ -41,7 +41,7 @@ _BURIED = 0.5
 #: Typical Krylov iterations per solve, and typical rounds between the solve and the contact, for the cost.
 _ITERATIONS, _ROUNDS = 15, 8
 #: Applications of the operator per step, without and with a contact.
-_ALONE, _TOGETHER = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
+_WITHOUT_CONTACT, _WITH_CONTACT = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
 #: Factor on the applications if some cells are empty: a void near the surface takes 340 under its contact.
 _EMPTY = 5.0
 #: Seconds per component of the stress, function of a whole inclusion, and point.
@@ -91,7 +91,7 @@ class Cells(Responding):
     @property
     def _applications(self) -> float:
         """Typical applications of the operator in one step."""
-        usual = _TOGETHER if self._kernels else _ALONE
+        usual = _WITH_CONTACT if self._kernels else _WITHOUT_CONTACT
         return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:

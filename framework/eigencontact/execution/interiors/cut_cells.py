@@ -24,12 +24,12 @@ class CutStep(LawStep):
     fraction: FloatArray
     resistance: FloatArray
     difference: FloatArray
-    found: dict[str, FloatArray] = field(default_factory=dict)
+    last_response: dict[str, FloatArray] = field(default_factory=dict)
 
     def of(self, points: slice) -> CutStep:
         """Evaluation at some of the points."""
         names = "x", "y", "z", "fraction", "resistance", "difference"
-        return replace(self, means={}, found={}, **{name: getattr(self, name)[..., points] for name in names})
+        return replace(self, means={}, last_response={}, **{name: getattr(self, name)[..., points] for name in names})
 
 
 @dataclass(frozen=True, eq=False)

@@ -83,7 +83,7 @@ def moved_state(
     for name, record in state.records.items():
         values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *weights, optimize=True)
         if name == f"equivalent_eigenstrain_{record.body}":
-            if whole_cells:  # where the iteration begins; from other cells it begins anew
+            if whole_cells:  # start of the iteration; other cells give no start
                 moved[name] = replace(record, values=values, coords=dict(coords))
             continue
         plain, cells = name.removesuffix(f"_{record.body}"), np.zeros(shape, dtype=bool)
@@ -91,9 +91,9 @@ def moved_state(
             variable = law.variables.get(plain)
             if variable is not None:
                 rule = f"of [{variable.unit}] with {variable.components} components"
-                got = f"[{record.unit}] with {len(record.values)}"
-                if got != rule.removeprefix("of ").removesuffix(" components"):
-                    raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {got})")
+                stored = f"[{record.unit}] with {len(record.values)}"
+                if stored != rule.removeprefix("of ").removesuffix(" components"):
+                    raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {stored})")
                 cells.ravel()[places] = True
         total = float(np.abs(values).sum())
         omitted = float(np.abs(values[:, ~cells]).sum())

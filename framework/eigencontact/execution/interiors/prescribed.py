@@ -48,5 +48,5 @@ class PrescribedEigenstrain(Interior):
 
 def names_of(names: list[str]) -> str:
     """Names of regions for messages, at most the first four."""
-    shown = ", ".join(map(repr, names[:4]))
-    return shown if len(names) <= 4 else f"{shown} and {len(names) - 4} more"
+    quoted = ", ".join(map(repr, names[:4]))
+    return quoted if len(names) <= 4 else f"{quoted} and {len(names) - 4} more"

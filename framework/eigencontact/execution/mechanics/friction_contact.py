@@ -10,14 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution.layout import fast_even
-from eigencontact.convolution.pace import speed
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.bulk import dragged, relative_strain
 from eigencontact.core.numbers import Number
-from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
-from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import (
     COUPLING_RESIDUAL,
     Contact,
@@ -28,29 +24,26 @@ from eigencontact.execution.blocks.contact import (
 )
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import contact_precision
-from eigencontact.execution.blocks.sampling import tables_of_images
 from eigencontact.execution.blocks.surface import Slide
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
+from eigencontact.execution.mechanics.friction_cost import friction_cost, pressed_share
 from eigencontact.execution.mechanics.normal_contact import (
     NORMAL_FIELDS,
     NORMAL_NUMBERS,
     cell_deflection,
     layers_cost,
-    normal_cost,
     normal_scalars,
     normal_work,
     scaled_normal,
     surface_kernels,
 )
 from eigencontact.model.bodies import without_layers
-from eigencontact.model.coupling import Coupling
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
 from eigencontact.model.window import Window
 from eigencontact.plugin import FrictionState
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
-from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Numerics, Step
 from eigencontact.solvers.contact_area import contact_area, radius_of_area
 from eigencontact.solvers.control import Control
@@ -59,19 +52,11 @@ from eigencontact.solvers.tangential.control import MODES, mode_fields
 if TYPE_CHECKING:
     from eigencontact.solvers.tangential.contact import FrictionalSolution, Sliding
 
-__all__ = ["ContactWithFriction", "friction_cost", "friction_fields"]
+__all__ = ["ContactWithFriction", "friction_fields"]
 
 
 #: Values of the stored field ``contact_zone``.
 _SLIP, _STICK = 1.0, 2.0
-#: Typical applications of the tangential kernels per solve, and typical rounds of normal and tangential solves. The
-#: bundled scenes take 18 to 25 applications per increment if the pressure does not depend on the shear, otherwise 10 to
-#: 28 per round and 3 to 5 rounds.
-_APPLICATIONS, _ROUNDS = 20, 4
-#: Prescribed values that can change the pressure if it does not depend on the shear.
-_NORMAL = (*(name for pair in NORMAL_MODES for name in pair), *TRAVEL)
-
-
 #: Scalars of a contact with friction, in addition to those of every contact.
 FRICTION_NUMBERS = (
     Number(name="tangential_load_x", unit="N", meaning="tangential load along x, on body 1"),
@@ -156,7 +141,7 @@ class ContactWithFriction(Contact):
         self._coefficients = {(i, j): interface.pair(i, j) for i, j in pairs}
         self.kernels = surface_kernels(interface, window, pairs)
         tractions = [ALONG[j].name for _, j in pairs]
-        self.cost = friction_cost(window.grid.shape, window.box, coupling, self._numerics, _pressed(ramps))
+        self.cost = friction_cost(window.grid.shape, window.box, coupling, self._numerics, pressed_share(ramps))
         self.cost += layers_cost(interface, window, tractions, periodic=self._periodic)
 
     def start(self) -> None:
@@ -381,49 +366,3 @@ def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
         sliding=_scaled_sliding(solution.sliding, factor),
         tangential_by_pressure=factor * solution.tangential_by_pressure,
     )
-
-
-def _pressed(ramps: Sequence[Step]) -> float:
-    """Fraction of the increments that change the pressure."""
-    if any(ramp.slides for ramp in ramps):
-        return 1.0
-    counts, changed, before = 0, 0, None
-    for ramp in ramps:
-        prescribed = [getattr(ramp, name) for name in _NORMAL]
-        counts += ramp.increments
-        changed += ramp.increments * (prescribed != before)
-        before = prescribed
-    return changed / max(1, counts)
-
-
-def friction_cost(
-    shape: tuple[int, int], box: tuple[int, int], coupling: Coupling, numerics: Numerics, pressed: float = 1.0
-) -> Cost:
-    """Predicted cost of normal and tangential contact, from the pairs of displacement and traction with a kernel.
-
-    The counts are typical of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their
-    approximate inverse per round, and `_ROUNDS` rounds if the pressure depends on the shear. `pressed` is the fraction
-    of the steps that change the pressure if it does not.
-    """
-    pace, periodic, pairs = speed(numerics.precision, numerics.threads), numerics.boundary == "periodic", coupling.pairs
-    normal = normal_cost(shape, box, numerics)
-    (ny, nx), (by, bx) = shape, (shape if periodic else box)
-    fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
-    count, cross = len(coupling.components), sum((i == "z") != (j == "z") for i, j in pairs)
-    coupled = any(i == "z" and j != "z" for i, j in pairs)
-    rounds = _ROUNDS if coupled else 1
-    iteration_seconds = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
-    iteration_seconds += 1.4e-8 * count * by * bx + 1.5e-4  # the vectors of the iteration, cell by cell
-    whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
-    # Coefficients of the cross terms cost more than those of the pressure.
-    once = len(pairs) * tables_of_images(numerics) * 3e-7 * (ny + by) * (nx + bx) / 4
-    solve = (
-        rounds * (_APPLICATIONS * iteration_seconds + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
-    )
-    real = 8 if numerics.precision == "double" else 4
-    padded = real * (ny + by) * (nx + bx)
-    boxes = 3 if coupled else 1  # the contact changes from round to round, and each box has spectra of its own
-    memory = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
-    memory += padded * (boxes * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
-    solve += (1.0 if coupled else pressed) * normal.seconds_per_step
-    return Cost(memory=normal.memory + memory, seconds_once=once, seconds_per_step=solve)

@@ -29,7 +29,7 @@ _PAIR, _LOAD = 2e-8, 0.5
 #: Fraction of the pairs that remain if distant regions contribute by expansions.
 _EXPANDED = 0.06
 
-_KNOWN: dict[tuple[object, ...], float] = {}
+_TIMES: dict[tuple[object, ...], float] = {}
 
 
 class ClosedForms(Route):
@@ -95,10 +95,10 @@ class ClosedForms(Route):
         """Measured time per point on one thread [s]; equal shapes at similar points are timed once."""
         mandel = source.uniform_eigenstrain(1.0)
         key = (type(source.shape), self.quantity, self.half_space.space, tuple(mandel != 0), self.lattice.shape)
-        if key not in _KNOWN:
+        if key not in _TIMES:
             points, strain = self._some_points(), mandel if mandel.any() else np.ones(6)
-            _KNOWN[key] = timed(lambda: self._at(source, strain, points, threads=1)) / points[0].size
-        return _KNOWN[key]
+            _TIMES[key] = timed(lambda: self._at(source, strain, points, threads=1)) / points[0].size
+        return _TIMES[key]
 
     def _some_points(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         return self.lattice.flat_points(every=max(1, int(np.prod(self.lattice.shape)) // _SAMPLE))

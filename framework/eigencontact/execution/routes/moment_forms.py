@@ -33,8 +33,8 @@ class MomentForms(Route):
     def cost(self) -> Cost:
         """See `Route.cost`; only the field is stored."""
         count = int(np.prod(self.lattice.shape))
-        chosen = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
-        functions = [2 * (item.degree + _ABOVE) ** 2 for item in chosen if item is not None]
+        degrees = [source.degree for source in self.sources if isinstance(source, Inhomogeneity)]
+        functions = [2 * (item.degree + _ABOVE) ** 2 for item in degrees if item is not None]
         seconds = count * (len(functions) * _POINT + sum(functions) * _FUNCTION)
         memory = 8.0 * count * len(self.rows) * 3 + 64e6
         return Cost(memory=memory, seconds_per_step=seconds / working_threads(self.half_space.threads))

@@ -10,15 +10,8 @@ from eigencontact.core.bulk import NO_BULK
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.blocks.surface import Slide
 from eigencontact.scene.holding import held_bulk, held_steps, held_travel
-from eigencontact.scene.steps import (
-    Segment,
-    Step,
-    normal_control,
-    ramps_of,
-    segments_of,
-    spaced_by_radius,
-    start_of_normal,
-)
+from eigencontact.scene.spacing import normal_control, spaced_by_radius, start_of_normal
+from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of
 from eigencontact.solvers.contact_growth import ContactGrowth
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
@@ -94,15 +87,15 @@ class LoadHistory:
         graded = (frozenset[int](), frozenset[int]()) if growth is None else spaced_by_radius(steps, friction=friction)
         self._ends = _ends_of_increments(growth, self._ramps, graded[0])
         # From the second cycle on, values without a prescription keep their value from the end of the previous cycle.
-        self._again: dict[int, tuple[Step, tuple[float, float], Ends, dict[str, float]]] = {}
+        self._repeated: dict[int, tuple[Step, tuple[float, float], Ends, dict[str, float]]] = {}
         for segment in self._segments:
             cycle = ramps[segment.first : segment.first + segment.ramps]
             if segment.repeat > 1:
                 twice = [*ramps[: segment.first], *cycle, *cycle]
                 held_ramps, places = held_steps(twice) if friction else twice, held_travel(twice)
                 ends = _ends_of_increments(growth, held_ramps, {place + len(cycle) for place in graded[1]})
-                again = list(zip(held_ramps, places, ends, held_bulk(twice, bulk), strict=True))[-len(cycle) :]
-                self._again |= dict(enumerate(again, segment.first))
+                repeated = list(zip(held_ramps, places, ends, held_bulk(twice, bulk), strict=True))[-len(cycle) :]
+                self._repeated |= dict(enumerate(repeated, segment.first))
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
         """Next increment; None at the end. `cycles` is the number of cycles that a finished cycle represents."""
@@ -124,7 +117,7 @@ class LoadHistory:
 
     def _at(self, index: int, segment: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
         count = self._ramps[ramp].increments
-        ends = self._ends[ramp] if cycle == 1 else self._again[ramp][2]
+        ends = self._ends[ramp] if cycle == 1 else self._repeated[ramp][2]
         before, fraction = ((number - more) / count if ends is None else ends[number - more] for more in (1, 0))
         begin = sum(previous.ramps * previous.repeat for previous in self._segments[: self._segments.index(segment)])
         time = begin + (cycle - 1) * segment.ramps + (ramp - segment.first) + fraction
@@ -151,16 +144,16 @@ class LoadHistory:
 
     def ramp(self, point: LoadPoint) -> Step:
         """Ramp of a point with all prescribed values at its end; with friction it includes values of earlier ramps."""
-        return self._ramps[point.ramp] if point.cycle == 1 else self._again[point.ramp][0]
+        return self._ramps[point.ramp] if point.cycle == 1 else self._repeated[point.ramp][0]
 
     def ramp_before(self, point: LoadPoint) -> Step | None:
         """Ramp before that of a point; None at the start."""
         segment = point.segment
         if point.ramp > segment.first:
-            return self._ramps[point.ramp - 1] if point.cycle == 1 else self._again[point.ramp - 1][0]
+            return self._ramps[point.ramp - 1] if point.cycle == 1 else self._repeated[point.ramp - 1][0]
         if point.cycle == 1:
             return self._ramps[point.ramp - 1] if point.ramp else None
-        return self._again[self._before_again(point)][0]
+        return self._repeated[self._before_again(point)][0]
 
     def cycle(self, point: LoadPoint) -> CyclePlace | None:
         """Position of a point in its cycle; None in a plain step."""
@@ -178,7 +171,7 @@ class LoadHistory:
         ramp = self.ramp(point)
         if ramp.sliding_distance is not None:
             along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
-            even = (self._ends[point.ramp] if point.cycle == 1 else self._again[point.ramp][2]) is None
+            even = (self._ends[point.ramp] if point.cycle == 1 else self._repeated[point.ramp][2]) is None
             share = 1.0 / ramp.increments if even else point.fraction - point.before
             return Slide(distance=ramp.sliding_distance * share, direction=along)
         if before is None:
@@ -189,11 +182,11 @@ class LoadHistory:
 
     def travel(self, point: LoadPoint) -> tuple[float, float]:
         """Position (x, y) of the geometry [m] at a point; a ramp starts at the end of the previous one."""
-        end = self._places[point.ramp] if point.cycle == 1 else self._again[point.ramp][1]
+        end = self._places[point.ramp] if point.cycle == 1 else self._repeated[point.ramp][1]
         if point.fraction == 1.0:
             return end
         if point.cycle > 1:
-            start = self._again[self._before_again(point)][1]
+            start = self._repeated[self._before_again(point)][1]
         else:
             start = self._places[point.ramp - 1] if point.ramp else (0.0, 0.0)
         (x0, y0), (x1, y1) = start, end
@@ -201,11 +194,11 @@ class LoadHistory:
 
     def bulk(self, point: LoadPoint) -> dict[str, float]:
         """Bulk stress [Pa] at a point, by name; a ramp starts at the end of the previous one."""
-        end = self._bulk[point.ramp] if point.cycle == 1 else self._again[point.ramp][3]
+        end = self._bulk[point.ramp] if point.cycle == 1 else self._repeated[point.ramp][3]
         if point.fraction == 1.0:
             return end
         if point.cycle > 1:
-            start = self._again[self._before_again(point)][3]
+            start = self._repeated[self._before_again(point)][3]
         else:
             start = self._bulk[point.ramp - 1] if point.ramp else self._bulk_at_rest
         return {name: start[name] + point.fraction * (value - start[name]) for name, value in end.items()}

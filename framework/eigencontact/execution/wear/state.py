@@ -18,7 +18,7 @@ __all__ = ["WornState", "recalled", "store", "updated"]
 #: Decimals of a shift in cells: a shift by whole cells needs no interpolation.
 _DIGITS = 9
 #: Stored state of wear: unit and meaning.
-_REMEMBERED = {
+_STORED_STATE = {
     "update": ("m", "worn depth added at the end of the step, after its pressure was computed"),
     "total_energy": ("J/m2", "work of friction per area so far, with skipped cycles"),
     "depth_2": ("m", "worn depth of body 2, in coordinates of body 2"),
@@ -132,7 +132,7 @@ def recalled(
         cells = (round(travel[0] / grid.dx, _DIGITS), round(travel[1] / grid.dy, _DIGITS))
     if last is None:
         return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
-    stored = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
+    stored = {name: last.history[f"wear_{name}"].values[0] for name in _STORED_STATE if f"wear_{name}" in last.history}
     if "rate" in stored:
         stored.setdefault("steady", zero)
     depth = {body: last.fields[f"worn_depth_{body}"] for body in bodies}
@@ -169,7 +169,7 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
     for name, values in {"total_energy": state.energy, **body2_depth, **state.memory}.items():
         if name == "steady" and not values.any():  # for example for a contact of constant size
             continue
-        unit, meaning = _REMEMBERED[name]
+        unit, meaning = _STORED_STATE[name]
         step.history[f"wear_{name}"] = HistoryRecord(
             name=f"wear_{name}", body=1, values=values[None], coords=coords, unit=unit, meaning=meaning
         )

@@ -143,8 +143,8 @@ class WornSurface:
             memory["peak_pressure"] = peak
         slip, energy = (_increase(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.surface.slide is not None:
-            missed = float(np.abs(step.fields["pressure"] - self._expected).sum())
-            step.scalars["wear_lag"] = missed / max(float(self._expected.sum()), np.finfo(float).tiny)
+            difference = float(np.abs(step.fields["pressure"] - self._expected).sum())
+            step.scalars["wear_lag"] = difference / max(float(self._expected.sum()), np.finfo(float).tiny)
             if "start_slip" in memory:  # the increment has already worn the surfaces
                 memory["start_slip"] = memory["start_slip"] + slip
                 memory["start_dissipated"] = memory["start_dissipated"] + energy

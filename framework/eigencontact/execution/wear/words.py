@@ -34,12 +34,12 @@ def wear_lines(wear: WearModel, steps: Sequence[Step]) -> list[str]:
 
 def _solved_cycles(repeat: int, table: Wear) -> str:
     """Number of solved cycles in words."""
-    solved = table.solved_cycles(repeat)
-    if solved == repeat:
+    count = table.solved_cycles(repeat)
+    if count == repeat:
         return "all of them solved"
     if table.error is None:
-        return f"{solved} of them solved: one for {table.cycles_per_update} cycles"
-    return f"about {solved} of them solved, for an error of the worn volume of at most {percent(table.error)}"
+        return f"{count} of them solved: one for {table.cycles_per_update} cycles"
+    return f"about {count} of them solved, for an error of the worn volume of at most {percent(table.error)}"
 
 
 def left_out_of_wear(model: Model, table: Wear) -> list[LeftOut]:
