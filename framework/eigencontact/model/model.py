@@ -27,6 +27,7 @@ from eigencontact.model.window import Window, window_of_regions
 from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene
+from eigencontact.scene.step_messages import keys_of_scene
 from eigencontact.scene.steps import expected_points
 
 __all__ = ["Model", "build_model"]
@@ -173,7 +174,8 @@ def _window(scene: Scene, bodies: Bodies, interface: Interface | None) -> Window
         return window_of_regions(scene, bodies)
     from eigencontact.model.contact_window import contact_window
 
-    return kept_or_made(lambda: _key(scene), lambda: contact_window(scene, interface))
+    with keys_of_scene(scene.steps):
+        return kept_or_made(lambda: _key(scene), lambda: contact_window(scene, interface))
 
 
 def _key(scene: Scene) -> str:
