@@ -154,7 +154,7 @@ REFUSED = [
     ({"load": 1, "bodies": (None, ec.HalfSpace(E, NU, law={"type": "j2"}))}, "bodies.2.law.hardening must be given"),
     ({"load": 1, "bodies": ec.HalfSpace(E, NU, inclusions={"type": "sphere"})}, "HalfSpace.inclusions[0] must be"),
     ({"load": 1, "bodies": ec.HalfSpace(E, NU, voxels=WRONG)}, "Voxels.materials[5].material.young-modulus"),
-    ({"load": 1, "friction": 0.1, "shift": 1e-7, "tangential_load": 0.1}, "or shift [m] (got both)"),
+    ({"load": 1, "friction": 0.1, "shift": 1e-7, "tangential_load": 0.1}, "or shift (got both)"),
     ({"load": 1, "steps": [{"normal-load": 1}]}, "solve_contact.steps must be given alone"),
     ({"load": 1, "numerics": {"tolerances": 1e-6}}, "unknown key 'tolerances'"),
 ]
