@@ -17,8 +17,8 @@ __all__ = ["NORMAL", "RADIUS", "SHEAR", "SIZE", "WIDTHS", "bounds"]
 SHEAR, NORMAL, SIZE, RADIUS, WIDTHS = range(5)
 #: The closed form of eigenvalues errs by a part of 1e-8 of the deviator.
 _SLACK = 1e-7
-#: Bounds by J2 below this part of the largest one are not improved.
-_NEAR = 0.6
+#: Of more points the bounds are those by J2, without eigenvalues.
+_FEW = 1024
 #: A path without a part of its size in further directions has no width there.
 _FLAT = 1e-24
 
@@ -108,8 +108,8 @@ def bounds(tensors: Any, kind: int, out: Any) -> None:
     """Fill the bounds ``(points,)`` of one kind for paths of Mandel vectors ``(steps, 6, points)``.
 
     A tensor of an amplitude is that less the centre of the box around the path. The largest shear is at most the root
-    of J2, the largest eigenvalue at most the mean and 2 / sqrt 3 of that root. Eigenvalues are found at points whose
-    bound by J2 is near the largest of all, and there at steps whose bound passes the largest eigenvalue so far.
+    of J2, the largest eigenvalue at most the mean and 2 / sqrt 3 of that root. Eigenvalues are found of few points, and
+    there at steps whose bound by J2 passes the largest eigenvalue so far.
     """
     steps = tensors.shape[0]
     path, root = np.empty((steps, 6)), np.sqrt(2.0)
@@ -123,21 +123,11 @@ def bounds(tensors: Any, kind: int, out: Any) -> None:
             out[p] = np.sqrt(squares[largest])
         else:
             best = -np.inf
-            for t in range(steps):
-                best = max(best, means[t] + np.sqrt(factor * squares[t]))
-            out[p] = best
-    if kind >= RADIUS:
-        return
-    near = _NEAR * out.max()
-    for p in range(out.size):
-        if out[p] < near:
-            continue
-        largest, best = _copied(tensors, p, kind, path, squares, means), -np.inf
-        for number in range(-1, steps):
-            t = number if number >= 0 else largest
-            over = best - means[t]
-            if over < 0.0 or factor * squares[t] > over * over:
-                row = path[t]
-                value = _principal(row[0], row[1], row[2], row[3] / root, row[4] / root, row[5] / root, kind)
+            for number in range(-1, steps):
+                t = number if number >= 0 else largest
+                value = means[t] + np.sqrt(factor * squares[t])
+                if value > best and out.size <= _FEW:
+                    row = path[t]
+                    value = _principal(row[0], row[1], row[2], row[3] / root, row[4] / root, row[5] / root, kind)
                 best = max(best, value)
-        out[p] = best
+            out[p] = best

@@ -125,7 +125,8 @@ class PathBounds:
     -----
     With c the centre of the box around a path, the shear of every tensor on a plane lies in a circle around the shear
     of c whose radius is the largest shear of the difference: the bound of the shear amplitude is exact for a path that
-    is a line. The bound of the normal maximum, the largest principal stress, is always exact.
+    is a line. The bound of the normal maximum, the largest principal stress, is always exact. Of more than 1024 points
+    both follow from J2, without eigenvalues, and are up to 15 % of the root of J2 larger.
 
     Examples
     --------

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.parallel import in_parallel
 from eigencontact.errors import PluginError
@@ -19,8 +19,8 @@ from eigencontact.scene.fatigue import CriticalDistance
 
 __all__ = ["largest_first", "utilisation_of"]
 
-#: Points whose stress is read, and whose bounds are asked for, at once, at most: 50 MB of a cycle of 33 steps.
-_PART = 30_000
+#: Points whose stress is read, and whose bounds are asked for, at once: they fit the cache.
+_PART = 4_000
 #: Points with the largest bounds that are evaluated first, and the growth of the parts that follow.
 _FIRST, _GROWTH = 16, 4
 #: Round-off of a bound and of a damage parameter, as a part.
@@ -65,23 +65,28 @@ def largest_first(
         return checked_damage(criterion, at(slice(None))).value
     where, bound = f"upper_bound of fatigue criterion {criterion.key!r}", np.empty(points)
 
-    def ask(part: slice) -> None:
+    def ask(part: Any) -> None:
         values = real_answer(criterion.upper_bound(at(part)), where)
         if values.shape != bound[part].shape or not np.all(np.isfinite(values)):
             raise PluginError(f"{where} must be finite, of shape {bound[part].shape} (got shape {values.shape})")
         bound[part] = values
 
-    size = min(_PART, -(-points // threads))
-    in_parallel(threads, [partial(ask, slice(start, start + size)) for start in range(0, points, size)])
+    in_parallel(threads, [partial(ask, slice(start, start + _PART)) for start in range(0, points, _PART)])
     value, best = np.full(points, -np.inf), -np.inf
     order, start, count = np.argsort(-bound), 0, _FIRST
-    while start < points and bound[order[start]] >= best - _ROUND_OFF * abs(best):
-        part = order[start : start + count]
-        part = part[bound[part] >= best - _ROUND_OFF * abs(best)]
+
+    def able(part: IntArray) -> IntArray:
+        return part[bound[part] >= best - _ROUND_OFF * abs(best)]
+
+    while (part := able(order[start : start + count])).size:
+        ask(part)  # the bounds of few points may be closer
+        start, count, part = start + count, count * _GROWTH, able(part)
+        if not part.size:
+            continue
         value[part] = checked_damage(criterion, at(part)).value
         excess = value[part] - bound[part] - _ROUND_OFF * np.abs(bound[part])
         if excess.max() > 0.0:
             worst = part[excess.argmax()]
             raise PluginError(f"{where} must be at least the damage, {value[worst]:.9g} (got {bound[worst]:.9g})")
-        best, start, count = float(value.max()), start + count, count * _GROWTH
+        best = max(best, float(value[part].max()))
     return value
