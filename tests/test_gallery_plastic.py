@@ -97,7 +97,7 @@ def test_the_observer_knows_the_zone(finished):
     pitch = np.diff(last["cells_1_z"].values)[0]
     assert float(last["plastic_zone_volume"]) == close(cells * edge**2 * pitch, rel=1e-9)
     assert 6e-6 < float(last["plastic_zone_deepest"]) < 15e-6
-    assert last["plastic_zone_volume"].attrs["units"] == "m^3"
+    assert last["plastic_zone_volume"].attrs["units"] == "m3"
 
 
 def test_perfectly_plastic_hertz(finished):

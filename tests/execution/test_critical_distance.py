@@ -45,7 +45,7 @@ def region(dims, *axes):
     shape = places.shape[1:]
     return CycleOfRegion(
         region="r", body=1, dims=tuple(f"r_{name}" for name in dims), shape=shape, places=places.reshape(3, -1),
-        steps=(1, 2), cycle=StressCycle(stress=np.zeros((2, 6, places[0].size))),
+        steps=(1, 2), at=StressCycle(stress=np.zeros((2, 6, places[0].size))).at,
     )  # fmt: skip
 
 

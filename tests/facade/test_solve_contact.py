@@ -133,8 +133,8 @@ def test_looks(pressed):
 
 WRONG = ec.Voxels(np.full((1, 2, 2), 5), DX, {5: {"young_modulus": -1.0, "poisson_ratio": 0.2}})
 REFUSED = [
-    ({}, "solve_contact must be given load [N] or approach [m] (got neither)"),
-    ({"load": 1, "approach": 1e-7}, "solve_contact must be given load [N] or approach [m] (got both)"),
+    ({}, "solve_contact must be given load or approach (got neither)"),
+    ({"load": 1, "approach": 1e-7}, "solve_contact must be given load or approach (got both)"),
     ({"load": -1.0}, "solve_contact: load must be zero or positive, and finite [N]"),
     ({"load": "1 m"}, "solve_contact: load must be a force [N]"),
     ({"load": 1, "spacing": None}, "solve_contact.spacing must be given with an array"),
@@ -154,7 +154,7 @@ REFUSED = [
     ({"load": 1, "bodies": (None, ec.HalfSpace(E, NU, law={"type": "j2"}))}, "bodies.2.law.hardening must be given"),
     ({"load": 1, "bodies": ec.HalfSpace(E, NU, inclusions={"type": "sphere"})}, "HalfSpace.inclusions[0] must be"),
     ({"load": 1, "bodies": ec.HalfSpace(E, NU, voxels=WRONG)}, "Voxels.materials[5].material.young-modulus"),
-    ({"load": 1, "friction": 0.1, "shift": 1e-7, "tangential_load": 0.1}, "or shift [m] (got both)"),
+    ({"load": 1, "friction": 0.1, "shift": 1e-7, "tangential_load": 0.1}, "or shift (got both)"),
     ({"load": 1, "steps": [{"normal-load": 1}]}, "solve_contact.steps must be given alone"),
     ({"load": 1, "numerics": {"tolerances": 1e-6}}, "unknown key 'tolerances'"),
 ]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eigencontact as ec
-from eigencontact.core.paths import PlanePaths, half_sphere, smallest_balls, worst_planes
+from eigencontact.core.paths import PathBounds, PlanePaths, half_sphere, smallest_balls, worst_planes
 from eigencontact.plugin import DamageParameter, StressCycle, to_mandel
 from eigencontact_plugins.fatigue import crossland, dang_van, findley, mcdiarmid
 from eigencontact_verification.conformance import parametrize_with_checks
@@ -233,6 +233,12 @@ def test_a_largest_value_over_points_is_found(monkeypatch):
 
     monkeypatch.setattr(crossland.Crossland, "damage", damage)
     assert "check_points_apart" in failing_checks(CRITERIA[0])
+
+
+def test_a_bound_without_the_normal_stress_is_found(monkeypatch):
+    bound = lambda self, cycle: PathBounds(cycle.stress).shear_amplitude()  # noqa: E731, ARG005
+    monkeypatch.setattr(findley.Findley, "upper_bound", bound)
+    assert failing_checks(CRITERIA[2]) == {"check_upper_bound"}
 
 
 @pytest.mark.parametrize(

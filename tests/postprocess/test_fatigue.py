@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 import eigencontact as ec
 from eigencontact.plugin import StressCycle, to_mandel
@@ -63,3 +64,23 @@ def test_command_stores_map_picture_and_summary(tmp_path):
 def test_an_answer_is_shown_by_its_words(pressed):
     answer = ec.fatigue(pressed, CRITERION, cycle="all", region="section")
     assert repr(answer) == f"Fatigue({'; '.join(answer.lines())})"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{", "--life must be keys and values, slope = 5, knee-cycles = 1e6 (got '{': Invalid initial character"),
+        (
+            "slope = 5 knee",
+            "--life must be keys and values, slope = 5, knee-cycles = 1e6 (got 'slope = 5 knee': Unclosed",
+        ),
+    ],
+)
+def test_text_of_a_life_that_is_no_table(tmp_path, capsys, text, words):
+    from eigencontact.postprocess.fatigue_command import fatigue
+
+    with pytest.raises(typer.Exit):
+        fatigue(tmp_path, criterion="crossland", changes=["slope=0.3", "limit-amplitude=2 GPa"], life=text)
+    message = capsys.readouterr().err
+    assert words in message
+    assert "line 1" not in message

@@ -130,7 +130,7 @@ REFUSED = {
     ),
     "moment": (
         ["grid={cells=16, size=[2e-5, 2e-5]}", "steps.moment-y=1e-3"],
-        "step.moment_y must be smaller than the load times half the window, 6.5e-06 N m (got 0.001)",
+        "steps.moment-y must be smaller than the load times half the window, 6.5e-06 N m (got 0.001)",
     ),
     "load beyond the window": (
         ["grid={cells=16, size=[2e-5, 2e-5]}", "steps.normal-load=50"],

@@ -95,6 +95,35 @@ def test_utilisation_at_a_critical_distance():
     assert near["distance"] == "5 um"  # the table of the caller stays whole
 
 
+def test_variants_of_one_load_share_its_window(answer):
+    """They have the numbers of maps of their own, and the window is chosen once for each load."""
+    scene = ec.load_scene("fretting-mode-1", SMALL)
+    for j, amplitude in enumerate(("0.05 um", "0.5 um", "1.1 um")):
+        alone = ec.fretting_map(scene, load=["12 N"], amplitude=[amplitude]).dataset
+        for name in ("regime", "cycle_energy", "energy_ratio", "max_pressure", "contact_radius"):
+            assert float(alone[name][0, 0]) == close(float(answer.dataset[name][1, j]), rel=1e-12)
+
+
+def test_windows_of_a_map_are_chosen_once_for_a_load(monkeypatch):
+    from eigencontact.model import contact_window as chosen
+
+    loads, choose = [], chosen.contact_window
+    monkeypatch.setattr(chosen, "contact_window", lambda *scene: loads.append(scene) or choose(*scene))
+    ec.fretting_map(ec.load_scene("fretting-mode-1", SMALL), load=["6 N", "12 N"], amplitude=["0.3 um", "0.5 um"])
+    assert len(loads) == 2
+
+
+def test_a_scene_with_a_fatigue_table_keeps_its_region():
+    table = {"type": "crossland", "slope": 0.3, "limit-amplitude": "2 GPa"}
+    section = {"name": "section", "shape": "plane", "normal": "y", "depth-max": "20 um", "depth-cells": 8}
+    tables = ec.load_scene("fretting-mode-1", [*SMALL, "grid.cells-per-contact-radius=4"]).resolved()
+    scene = {**tables, "stress": [section], "fatigue": [table]}
+    answer = ec.fretting_map(scene, load=["12 N"], amplitude=["0.5 um"], criterion=table).dataset
+    assert float(answer["fatigue_crossland_utilisation"][0, 0]) == close(float(answer["utilisation"][0, 0]), rel=1e-12)
+    without = ec.fretting_map(scene, load=["12 N"], amplitude=["0.5 um"]).dataset
+    assert float(without["fatigue_crossland_utilisation"][0, 0]) == close(float(answer["utilisation"][0, 0]), rel=1e-12)
+
+
 @pytest.mark.parametrize("worn", [True, False])
 def test_picture_has_worn_depths_of_a_scene_that_wears(answer, tmp_path, worn):
     from eigencontact.viz.fretting_map import draw_fretting_map

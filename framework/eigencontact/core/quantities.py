@@ -29,6 +29,7 @@ __all__ = [
     "Stress",
     "Unit",
     "loads_per_length",
+    "unit_as_read",
     "unit_of",
 ]
 
@@ -80,7 +81,7 @@ class Unit:
     def _within_reach(self, value: Any) -> Any:
         """Refuse finite numbers whose products would leave the range of numbers; infinity is for the field to judge."""
         if isinstance(value, float) and LARGEST < abs(value) < inf:
-            raise ValueError(f"of a size up to {LARGEST:g} [{self.symbol}]")
+            raise ValueError(f"of a size up to {LARGEST:g} [{unit_as_read(self.symbol)}]")
         return value
 
 
@@ -92,6 +93,18 @@ def loads_per_length(*, line: bool) -> Iterator[None]:
         yield
     finally:
         _line.reset(token)
+
+
+def unit_as_read(unit: str) -> str:
+    """Unit in which a quantity is read here: per length within `loads_per_length` of a line contact.
+
+    Examples
+    --------
+    >>> with loads_per_length(line=True):
+    ...     unit_as_read("N")
+    'N/m'
+    """
+    return per_length(unit, line=_line.get())
 
 
 #: Annotations for the fields of plugins: ``radius: Length``.

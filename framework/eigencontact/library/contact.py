@@ -282,13 +282,13 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
     """Tables of the steps: the normal steps, then one along the surface."""
     if (load is None) == (approach is None):
         controls = "neither" if load is None else "both"
-        raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {controls})")
+        raise SceneError(f"{_HERE} must be given load or approach (got {controls})")
     name, argument, history = ("normal-load", "load", load) if approach is None else ("approach", "approach", approach)
     values = _listed(history, argument)
     require(len(values) > 0, _HERE, argument, history, "one value or more")
     steps: list[dict[str, Any]] = [{name: value} for value in values]
     if tangential is not None and shift is not None:
-        raise SceneError(f"{_HERE} must be given tangential_load [N] or shift [m] (got both)")
+        raise SceneError(f"{_HERE} must be given tangential_load or shift (got both)")
     for argument, scene_name, value in (
         ("tangential_load", "tangential-load", tangential),
         ("shift", "shift", shift),

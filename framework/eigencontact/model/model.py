@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,8 @@ from types import MappingProxyType
 from typing import Any
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.kept import kept_or_made
+from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies, build_bodies
 from eigencontact.model.cells import Cells, cut_cells, place_sources
@@ -24,6 +27,7 @@ from eigencontact.model.window import Window, window_of_regions
 from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene
+from eigencontact.scene.step_messages import keys_of_scene
 from eigencontact.scene.steps import expected_points
 
 __all__ = ["Model", "build_model"]
@@ -170,4 +174,19 @@ def _window(scene: Scene, bodies: Bodies, interface: Interface | None) -> Window
         return window_of_regions(scene, bodies)
     from eigencontact.model.contact_window import contact_window
 
-    return contact_window(scene, interface)
+    with keys_of_scene(scene.steps):
+        return kept_or_made(lambda: _key(scene), lambda: contact_window(scene, interface))
+
+
+def _key(scene: Scene) -> str:
+    """All that chooses the window of a contact, for variants of a sweep: motions along the surface up to a factor."""
+    tables = scene.resolved()
+    for name in ("title", "description", "name", "stress", "observers", "fatigue", "output"):
+        tables.pop(name, None)
+    steps = [inner for step in tables["steps"] for inner in (step, *step.get("cycle", ()))]
+    for key in (name.replace("_", "-") for mode in TANGENTIAL_MODES for name in mode):
+        largest = max((abs(step[key]) for step in steps if step.get(key)), default=1.0)
+        for step in steps:
+            if step.get(key):
+                step[key] = round(step[key] / largest, 12)
+    return json.dumps(tables, sort_keys=True)

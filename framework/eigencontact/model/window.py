@@ -49,6 +49,11 @@ class Window:
     expected: ContactEstimate | None = None
     growth: ContactGrowth | None = None
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the curve of growth [bytes]."""
+        return 0 if self.growth is None else self.growth.radius.nbytes + self.growth.normal_load.nbytes
+
 
 def window_of_regions(scene: Scene, bodies: Bodies) -> Window:
     """Window of a scene without a contact: prescribed, or around its regions."""

@@ -22,7 +22,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.paths import PlanePaths, smallest_balls, worst_planes
+from eigencontact.core.paths import PathBounds, PlanePaths, smallest_balls, worst_planes
 from eigencontact.core.quantities import (
     Angle,
     DataFile,
@@ -67,7 +67,7 @@ from eigencontact.plugin.constitutive import (
     Variable,
 )
 from eigencontact.plugin.damage import DamageLaw, PlasticDamage, StrainDamage
-from eigencontact.plugin.fatigue import DamageParameter, FatigueCriterion, HasKnownValues, StressCycle
+from eigencontact.plugin.fatigue import DamageParameter, FatigueCriterion, HasKnownValues, HasUpperBound, StressCycle
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
@@ -117,6 +117,7 @@ __all__ = [
     "HasReferencePressure",
     "HasResponseAtDepths",
     "HasSidedPotentials",
+    "HasUpperBound",
     "HasVolumeFractions",
     "HasWavenumberResponse",
     "InclusionShape",
@@ -135,6 +136,7 @@ __all__ = [
     "NotUnique",
     "Observer",
     "Order",
+    "PathBounds",
     "Place",
     "PlanePaths",
     "PlasticDamage",

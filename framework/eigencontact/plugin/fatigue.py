@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from eigencontact.core.arrays import FloatArray, real_answer
 from eigencontact.errors import PluginError
 from eigencontact.plugin.component import Component
 
-__all__ = ["DamageParameter", "FatigueCriterion", "HasKnownValues", "StressCycle", "checked_damage"]
+__all__ = ["DamageParameter", "FatigueCriterion", "HasKnownValues", "HasUpperBound", "StressCycle", "checked_damage"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -43,6 +43,12 @@ class StressCycle:
     def points(self) -> int:
         """Number of points."""
         return int(self.stress.shape[-1])
+
+    def at(self, points: Any) -> StressCycle:
+        """Cycle of some points: their indices, a slice or a mask."""
+        return StressCycle(
+            stress=self.stress[..., points], strain=None if self.strain is None else self.strain[..., points]
+        )
 
     @property
     def hydrostatic(self) -> FloatArray:
@@ -136,6 +142,17 @@ class HasKnownValues(Protocol):
         on a plane to three corners of a regular triangle, the amplitude is the radius of the circle around them.
         Strain is the elastic one.
         """
+
+
+@runtime_checkable
+class HasUpperBound(Protocol):
+    """Ability: a bound that costs less than the damage parameter, for the search of the largest value of a region.
+
+    A fretting map evaluates `FatigueCriterion.damage` only at points whose bound reaches the largest value.
+    """
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """At least the damage parameter ``(points,)`` of `FatigueCriterion.damage`, finite."""
 
 
 def checked_damage(criterion: FatigueCriterion, cycle: StressCycle) -> DamageParameter:

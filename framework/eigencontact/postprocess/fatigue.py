@@ -14,6 +14,7 @@ from eigencontact.core.parallel import available_threads
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
 from eigencontact.execution.fields.fatigue import Damage, damage_of
+from eigencontact.execution.fields.largest_damage import utilisation_of
 from eigencontact.plugin.fatigue import FatigueCriterion
 from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.plot import opened
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.stored import Results
 
-__all__ = ["Fatigue", "fatigue"]
+__all__ = ["Fatigue", "fatigue", "utilisation"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,6 +160,24 @@ def fatigue(
             ("damage parameter, utilisation and planes, with coordinates and units", "hot spot and warnings"),
             lambda path: draw_fatigue(dataset, answer.dataset, summary, path),
         )  # fmt: skip
+
+
+def utilisation(results: Any, criterion: Any, *, region: str | None = None, threads: int | None = None) -> float:
+    """Largest damage parameter over the limit in the last closed cycle, or that at the critical distance.
+
+    The number is that of `fatigue`, which evaluates all points; this evaluates those that can have the largest.
+
+    Parameters
+    ----------
+    criterion : FatigueCriterion, mapping or str
+        As of `fatigue`; ``distance`` and ``method`` may be in the table.
+    """
+    table = dict(criterion) if isinstance(criterion, Mapping) else criterion
+    near = {key: table.pop(key) for key in ("distance", "method") if isinstance(table, dict) and key in table}
+    component, settings = _component(table), CriticalDistance.of(**near)
+    with opened(results) as dataset:
+        cycle_region = cycle_of_region(dataset, region, "last", strain=component.needs_strain, source=None)
+        return utilisation_of(component, cycle_region, settings, threads or available_threads())
 
 
 def _component(criterion: Any) -> FatigueCriterion:

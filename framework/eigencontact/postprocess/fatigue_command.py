@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -56,9 +56,11 @@ def fatigue(
     with refusals():
         from eigencontact.postprocess.fatigue import fatigue as evaluate
         from eigencontact.results.reader import results_file
+        from eigencontact.scene.inline_table import inline_table
         from eigencontact.scene.installed import add_plugin_files
 
         add_plugin_files(plugin or [])
+        rule = "--life must be keys and values, slope = 5, knee-cycles = 1e6"
         answer = evaluate(
             results,
             {"type": criterion, **parameters_of(changes or [])},
@@ -66,19 +68,7 @@ def fatigue(
             cycle=steps_of(cycle),
             distance=distance,
             method=method,  # type: ignore[arg-type]
-            life=None if life is None else _table(life, "--life"),
+            life=None if life is None else inline_table(life, rule),
             folder=output or results_file(results).parent,
         )
     print_answer(answer, quiet=quiet, as_json=as_json)
-
-
-def _table(text: str, option: str) -> dict[str, Any]:
-    """Table of keys and values between commas, written as in a scene."""
-    import tomllib
-
-    from eigencontact.errors import SceneError
-
-    try:
-        return dict(tomllib.loads(f"table = {{ {text.strip().strip('{}')} }}")["table"])
-    except tomllib.TOMLDecodeError as problem:
-        raise SceneError(f"{option} must be keys and values, key = value, ... (got {text!r}: {problem})") from None

@@ -27,6 +27,7 @@ from eigencontact.planning.provenance import run_info
 from eigencontact.results.atomic import of_this_version
 from eigencontact.results.records import RunInfo, StepRecord
 from eigencontact.results.stepfile import names_remembered, read_attributes, read_history, read_step, stored_steps
+from eigencontact.scene.inline_table import inline_table
 from eigencontact.scene.schema import Scene
 
 __all__ = ["look", "plan_of_region", "region_table", "revisit"]
@@ -40,15 +41,7 @@ def region_table(text: str) -> dict[str, Any]:
     >>> region_table('shape = "plane", depth-max = "2 mm"')
     {'shape': 'plane', 'depth-max': '2 mm'}
     """
-    inside = text.strip()
-    inside = inside[1:-1] if inside.startswith("{") and inside.endswith("}") else inside
-    try:
-        return dict(tomllib.loads(f"region = {{{inside}}}")["region"])
-    except (tomllib.TOMLDecodeError, RecursionError) as problem:
-        raise SceneError(
-            f'region must be a table like those of [[stress]], shape = "plane", depth-max = "1 mm" '
-            f"(got {shown(text)}: {problem})"
-        ) from None
+    return inline_table(text, 'region must be a table like those of [[stress]], shape = "plane", depth-max = "1 mm"')
 
 
 def revisit(

@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     import xarray
 
     from eigencontact.results.memory import MemoryStore
     from eigencontact.results.store import ResultStore
+    from eigencontact.results.stored import Results
 
 __all__ = ["RunResult"]
 
@@ -47,6 +50,10 @@ class RunResult:
     @cached_property
     def dataset(self) -> xarray.Dataset:  # noqa: D102 - an attribute to its users, described above
         return self._store.dataset()
+
+    def stored(self) -> AbstractContextManager[Results]:
+        """Stored variables in a ``with`` block; of a run in memory before its `dataset` is asked for."""
+        return self._store.opened()
 
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table

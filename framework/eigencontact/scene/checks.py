@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from eigencontact.core.names import FOLDER_RULE, is_folder_name
-from eigencontact.core.quantities import Unit
+from eigencontact.core.quantities import Unit, unit_as_read
 from eigencontact.core.units import LARGEST, NUMBER, SMALLEST
 from eigencontact.errors import SceneError
 from eigencontact.scene.annotations import parts_of
@@ -34,10 +34,10 @@ __all__ = [
 Check = Callable[[float], float]
 
 
-def _check(rule: str, holds: Callable[[float], bool]) -> Check:
+def _check(rule: str, holds: Callable[[float], bool], unit: str = "") -> Check:
     def validate(value: float) -> float:
         if not holds(value):
-            raise ValueError(rule)
+            raise ValueError(rule.replace(f"[{unit}]", f"[{unit_as_read(unit)}]"))
         return value
 
     return _with_rule(validate, rule)
@@ -51,23 +51,24 @@ def _with_rule(validate: Check, rule: str) -> Check:
 
 def positive(unit: str) -> Check:
     """Positive and finite, of a size that can be reckoned with."""
-    return _sized(unit, _check(f"positive and finite [{unit}]", lambda value: value > 0 and isfinite(value)))
+    return _sized(unit, _check(f"positive and finite [{unit}]", lambda value: value > 0 and isfinite(value), unit))
 
 
 def non_negative(unit: str) -> Check:
     """Zero or positive, and finite, of a size that can be reckoned with."""
-    return _sized(unit, _check(f"zero or positive, and finite [{unit}]", lambda value: value >= 0 and isfinite(value)))
+    rule = f"zero or positive, and finite [{unit}]"
+    return _sized(unit, _check(rule, lambda value: value >= 0 and isfinite(value), unit))
 
 
 def finite(unit: str) -> Check:
     """Require a finite number within the range of computations; small numbers may result from rounding."""
-    return _sized(unit, _check(f"finite [{unit}]", isfinite), smallest=0.0)
+    return _sized(unit, _check(f"finite [{unit}]", isfinite, unit), smallest=0.0)
 
 
 def _sized(unit: str, check: Check, smallest: float = SMALLEST) -> Check:
     def validate(value: float) -> float:
         if check(value) and not smallest <= abs(value) <= LARGEST:
-            raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit}]")
+            raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit_as_read(unit)}]")
         return value
 
     return _with_rule(validate, check.rule)  # type: ignore[attr-defined]

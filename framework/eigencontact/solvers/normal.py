@@ -154,6 +154,7 @@ def _check(grid: Grid, separation: FloatArray, control: Control, start: FloatArr
             "moment_x": (grid.center[1], grid.size[1], grid.dy),
             "moment_y": (-grid.center[0], grid.size[0], grid.dx),
         }
+        unit = grid.unit("N m")
         for name, (middle, side, edge) in sides.items():
             moment = getattr(control, name)
             if moment is None:
@@ -161,7 +162,7 @@ def _check(grid: Grid, separation: FloatArray, control: Control, start: FloatArr
             limit, about = 0.5 * control.normal_load * side, moment - control.normal_load * middle
             if abs(about) >= limit:
                 raise SceneError(
-                    f"step.{name} must be smaller than the load times half the window, {limit:.4g} N m "
+                    f"step.{name} must be smaller than the load times half the window, {limit:.4g} {unit} "
                     f"(got {about:.4g}{' about the middle of the window' if middle else ''}); the centre of pressure "
                     "would lie outside the window"
                 )
@@ -169,7 +170,7 @@ def _check(grid: Grid, separation: FloatArray, control: Control, start: FloatArr
             if abs(about) > 1e-12 * limit and abs(about) >= (1.0 - 1e-12) * borne:
                 raise SceneError(
                     f"step.{name} must be smaller than the load times the distance of the outermost middles "
-                    f"of cells, {borne:.4g} N m (got {about:.4g}{' about the window' if middle else ''}): "
+                    f"of cells, {borne:.4g} {unit} (got {about:.4g}{' about the window' if middle else ''}): "
                     "pressure that is uniform in each cell bears no more; give smaller cells or a larger window"
                 )
 

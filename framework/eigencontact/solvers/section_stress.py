@@ -23,6 +23,9 @@ from eigencontact.solvers.subsurface import StressKernel, TableAt, all_tables, f
 
 __all__ = ["SectionStress"]
 
+#: Depths that `SectionStress.apply` transforms at once: more leave the cache, fewer wait for numpy's calls.
+_AT_ONCE = 16
+
 
 class SectionStress:
     """Stress or displacement on one row of points at several depths; kernels are sampled and transformed once.
@@ -58,36 +61,36 @@ class SectionStress:
         self._offsets = axes[self._across].origin + np.arange(1.0 - axes[self._across].sources, 1.0)
         self._images = mirrored(self._offsets)
         self._threads = threads or available_threads()
-        self._precision = precision
         self._names = tuple(kernels[0].components)
         self._parities = [[kernel.parity(name) for name in self._names] for kernel in kernels]
         x, y = (self._offsets, self._row.lattice) if self._across else (self._row.lattice, self._offsets)
         reach = max(float(np.abs(x).max()) * grid.dx, float(np.abs(y).max()) * grid.dy)
         prepared = all_tables(kernels, self.depths, grid.half_widths, reach, self._threads)
-        #: Transformed kernels ``(components, tractions, rows across, wavenumbers)`` at each depth.
-        self._kernels: list[NDArray[Any]] = [np.empty(0)] * self.depths.size
+        #: Transformed kernels ``(depths, components, tractions, rows across, wavenumbers)``.
+        shape = (self.depths.size, len(self._names), len(prepared), self._offsets.size - self._images, self._row.half)
+        real_type, complex_type = ("f4", "c8") if precision == "single" else ("f8", "c16")
+        self._kernels: NDArray[Any] = np.empty(shape, real_type if self._row.symmetric else complex_type)
         in_parallel(self._threads, [partial(self._fill, k, prepared) for k in range(self.depths.size)])
+        #: Components that are not zero throughout: a line contact has four.
+        self._present = np.flatnonzero(self._kernels.any(axis=(0, 2, 3, 4)))
+        self._kernels = self._kernels[:, self._present]
 
     def _fill(self, k: int, prepared: Sequence[TableAt]) -> None:
         """Sample and transform all components at one depth."""
         grid, row, offsets = self.grid, self._row, self._offsets[self._images :]
         x, y = (offsets, row.lattice) if self._across else (row.lattice, offsets)
-        shape = (len(self._names), len(prepared), offsets.size, row.half)
-        real_type, complex_type = ("f4", "c8") if self._precision == "single" else ("f8", "c16")
-        out = np.empty(shape, real_type if row.symmetric else complex_type)
         for t, tables in enumerate(prepared):
             for c, table in enumerate(tables(k, x * grid.dx, y * grid.dy)):
                 values = table.T if self._across else table
                 if row.symmetric:
-                    out[c, t] = parity_transform(values, 1, self._parities[t][c][1 - self._across], 1)
+                    self._kernels[k, c, t] = parity_transform(values, 1, self._parities[t][c][1 - self._across], 1)
                 else:
-                    out[c, t] = np.fft.rfft(row.scatter(values, 1), axis=1)
-        self._kernels[k] = out
+                    self._kernels[k, c, t] = np.fft.rfft(row.scatter(values, 1), axis=1)
 
     @property
     def nbytes(self) -> int:
         """Memory of the transformed kernels."""
-        return sum(kernel.nbytes for kernel in self._kernels)
+        return self._kernels.nbytes
 
     def covers(self, box: Box) -> bool:
         """Whether `apply` accepts tractions on `box`."""
@@ -95,17 +98,19 @@ class SectionStress:
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]; or displacement, ``(3, ...)`` [m]."""
-        waves = self._waves(tractions)
+        waves = self._waves(tractions)[self._present]
         components = [np.ascontiguousarray(component) for component in (waves.real, waves.imag)]
         row = self._row
-        out = np.empty((len(self._names), self.depths.size, row.targets))
+        out = np.zeros((len(self._names), self.depths.size, row.targets))
 
-        def superpose(k: int) -> None:
-            real, imaginary = (np.einsum("ctrk,ctrk->ck", self._kernels[k], component) for component in components)
-            values = np.fft.irfft(real + 1j * imaginary, n=row.length, axis=1)
-            out[:, k] = values[:, row.target_start : row.target_start + row.targets]
+        def superpose(layers: slice) -> None:
+            real, imaginary = (np.einsum("zctrk,ctrk->czk", self._kernels[layers], part) for part in components)
+            values = np.fft.irfft(real + 1j * imaginary, n=row.length, axis=2)
+            out[self._present, layers] = values[..., row.target_start : row.target_start + row.targets]
 
-        in_parallel(self._threads, [partial(superpose, k) for k in range(self.depths.size)])
+        step = min(_AT_ONCE, -(-self.depths.size // self._threads))
+        starts = range(0, self.depths.size, step)
+        in_parallel(self._threads, [partial(superpose, slice(start, start + step)) for start in starts])
         return np.expand_dims(out, 2 + self._across)
 
     def _waves(self, tractions: Sequence[FloatArray]) -> NDArray[np.complex128]:

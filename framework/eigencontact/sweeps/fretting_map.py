@@ -123,7 +123,7 @@ def fretting_map(
 
     loaded = load_scene(scene)
     tables = loaded.resolved()
-    if criterion is None and crack is None:
+    if criterion is None and crack is None and not tables["fatigue"]:
         tables = {**tables, "stress": []}  # nothing reads it
     driven = _driven(tables)
     line = loaded.grid.line
@@ -227,28 +227,26 @@ def _numbers(
     result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, region: str | None, threads: int | None
 ) -> dict[str, float]:
     """Numbers of one run, in the process that ran it."""
-    dataset = result.dataset
-    scalars = {str(name): np.asarray(item.values) for name, item in dataset.data_vars.items() if item.dims == ("step",)}
-    cycle = last_cycle({name: values for name, values in scalars.items() if values.dtype.kind == "f"})
+    rows = result.summary["history"]
+    history = {name: np.array([row[name] for row in rows], dtype=float) for name in rows[0]}
+    cycle = last_cycle(history)
     if cycle is None:
         raise SceneError("steps of a map must end with a closed cycle of the motion (got none)")
     energy = cycle.dissipated if np.isfinite(cycle.dissipated) else cycle.area
     ratio = cycle.energy_ratio
-    slips = scalars.get("slip_fraction")
+    slips = history.get("slip_fraction")
     gross = ratio > _GROSS if slips is None else slips[cycle.first + 1 : cycle.last + 1].max() >= 1.0
     out = {"regime": 2.0 if gross else float(ratio >= _STICK), "cycle_energy": energy, "energy_ratio": ratio}
-    if criterion is not None:
-        from eigencontact.postprocess.fatigue import fatigue
+    with result.stored() as results:
+        if criterion is not None:
+            from eigencontact.postprocess.fatigue import utilisation
 
-        table = dict(criterion) if isinstance(criterion, Mapping) else criterion
-        near = {key: table.pop(key) for key in ("distance", "method") if isinstance(table, dict) and key in table}
-        summary = fatigue(result, table, region=region, threads=threads, **near).summary
-        out["utilisation"] = summary["at_distance" if near.get("distance") else "utilisation"]
-    if crack is not None:
-        from eigencontact.postprocess.crack import crack as evaluate
+            out["utilisation"] = utilisation(results, criterion, region=region, threads=threads)
+        if crack is not None:
+            from eigencontact.postprocess.crack import crack as evaluate
 
-        stop = evaluate(result, region=region, **crack).summary["arrest_length"]
-        out["arrest_length"] = float("inf") if stop is None else stop
+            stop = evaluate(results, region=region, **crack).summary["arrest_length"]
+            out["arrest_length"] = float("inf") if stop is None else stop
     return out
 
 

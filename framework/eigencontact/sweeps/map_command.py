@@ -12,6 +12,9 @@ from eigencontact.command_help import QuietOption, refusals
 
 __all__ = ["fretting_map"]
 
+#: Tables of the options.
+_EXAMPLES = {"criterion": 'type = "crossland", slope = 0.3, …', "crack": 'at = [0, 0], angle = 0, length = "50 um", …'}
+
 
 def fretting_map(
     scene: Annotated[
@@ -28,11 +31,11 @@ def fretting_map(
     ] = None,
     criterion: Annotated[
         str | None,
-        typer.Option("--criterion", metavar="TABLE", help='Fatigue criterion: `type = "crossland", slope = 0.3, …`.'),
+        typer.Option("--criterion", metavar="TABLE", help=f"Fatigue criterion: `{_EXAMPLES['criterion']}`."),
     ] = None,
     crack: Annotated[
         str | None,
-        typer.Option("--crack", metavar="TABLE", help='Crack: `at = [0, 0], angle = 0, length = "50 um", …`.'),
+        typer.Option("--crack", metavar="TABLE", help=f"Crack: `{_EXAMPLES['crack']}`."),
     ] = None,
     region: Annotated[
         str | None, typer.Option("--region", metavar="NAME", help="Region with stress, for criterion and crack.")
@@ -49,16 +52,17 @@ def fretting_map(
     """
     with refusals():
         from eigencontact.app import load_scene
-        from eigencontact.postprocess.revisit import region_table
+        from eigencontact.scene.inline_table import inline_table
         from eigencontact.sweeps.fretting_map import fretting_map as evaluate
 
+        rules = [f"--{name} must be keys and values, {example}" for name, example in _EXAMPLES.items()]
         loaded = load_scene(scene, changes or [])
         answer = evaluate(
             loaded,
             load=load,
             amplitude=amplitude,
-            criterion=None if criterion is None else region_table(criterion),
-            crack=None if crack is None else {key.replace("-", "_"): v for key, v in region_table(crack).items()},
+            criterion=None if criterion is None else inline_table(criterion, rules[0]),
+            crack=None if crack is None else {k.replace("-", "_"): v for k, v in inline_table(crack, rules[1]).items()},
             region=region,
             workers=workers,
             folder=output or Path(f"{loaded.label}-map"),

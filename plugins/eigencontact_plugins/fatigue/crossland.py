@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import DamageParameter, StressCycle, hook_for, smallest_balls
+from eigencontact.plugin import SQRT2, DamageParameter, FloatArray, PathBounds, StressCycle, hook_for, smallest_balls
 from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Crossland"]
@@ -40,6 +40,11 @@ class Crossland(WeightedNormalStress):
         """Damage parameter [Pa]; see `FatigueCriterion`."""
         amplitude = smallest_balls(cycle.deviator)[1] / np.sqrt(2.0)
         return DamageParameter(amplitude + self.slope * cycle.hydrostatic.max(axis=0))
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """With the ball around the centre of the box of the deviator; see `HasUpperBound`."""
+        amplitude = PathBounds(cycle.stress).deviator_radius() / SQRT2
+        return np.asarray(amplitude + self.slope * cycle.hydrostatic.max(axis=0))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

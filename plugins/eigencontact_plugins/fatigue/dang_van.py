@@ -12,6 +12,7 @@ from eigencontact.plugin import (
     SQRT2,
     DamageParameter,
     FloatArray,
+    PathBounds,
     StressCycle,
     hook_for,
     smallest_balls,
@@ -62,6 +63,11 @@ class DangVan(WeightedNormalStress):
         axes = directions[number[worst, every]]
         normal = (axes[..., 0] + axes[..., 2]) / SQRT2
         return DamageParameter(at_times[worst, every], normal * np.where(normal[:, 2:] < 0, -1.0, 1.0))
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """With the ball around the centre of the box of the deviator: s* is nearer; see `HasUpperBound`."""
+        amplitude = PathBounds(cycle.stress).deviator_radius() / SQRT2
+        return np.asarray(amplitude + self.slope * cycle.hydrostatic.max(axis=0))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

@@ -11,6 +11,8 @@ import numpy as np
 from eigencontact.plugin import (
     DamageParameter,
     FatigueCriterion,
+    FloatArray,
+    PathBounds,
     PlanePaths,
     Stress,
     StressCycle,
@@ -72,6 +74,11 @@ class FatemiSocie(FatigueCriterion):
                 )
             )
         )
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """With the largest shear amplitude and the largest principal stress; see `HasUpperBound`."""
+        shear, weight = PathBounds(np.asarray(cycle.strain)).shear_amplitude(), self.slope / self.yield_stress
+        return np.asarray(2.0 * shear * (1.0 + weight * np.maximum(PathBounds(cycle.stress).normal_maximum(), 0.0)))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms at the angle from the axis of the largest shear; see `HasKnownValues`."""

@@ -10,6 +10,8 @@ import numpy as np
 
 from eigencontact.plugin import (
     DamageParameter,
+    FloatArray,
+    PathBounds,
     PlanePaths,
     StressCycle,
     hook_for,
@@ -42,6 +44,11 @@ class Findley(WeightedNormalStress):
         return DamageParameter(
             *worst_planes(lambda at: planes.shear_amplitude(at) + self.slope * planes.normal_maximum(at))
         )
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """Sum of the largest shear amplitude and the largest principal stress; see `HasUpperBound`."""
+        bounds = PathBounds(cycle.stress)
+        return bounds.shear_amplitude() + self.slope * bounds.normal_maximum()
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

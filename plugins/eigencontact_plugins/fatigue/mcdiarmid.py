@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 from eigencontact.plugin import (
     DamageParameter,
     FatigueCriterion,
+    FloatArray,
+    PathBounds,
     PlanePaths,
     Stress,
     StressCycle,
@@ -64,6 +66,11 @@ class McDiarmid(FatigueCriterion):
         _, normal = worst_planes(lambda at: planes.shear_amplitude(at) + _TIE * planes.normal_maximum(at))
         at, weight = normal[:, None], self.limit_amplitude / (2.0 * self.tensile_strength)
         return DamageParameter((planes.shear_amplitude(at) + weight * planes.normal_maximum(at))[:, 0], normal)
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """Sum of the largest shear amplitude and the largest principal stress; see `HasUpperBound`."""
+        bounds, weight = PathBounds(cycle.stress), self.limit_amplitude / (2.0 * self.tensile_strength)
+        return bounds.shear_amplitude() + weight * bounds.normal_maximum()
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

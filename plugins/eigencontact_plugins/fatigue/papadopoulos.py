@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import SQRT2, DamageParameter, FloatArray, StressCycle, hook_for
+from eigencontact.plugin import SQRT2, DamageParameter, FloatArray, PathBounds, StressCycle, hook_for
 from eigencontact_plugins.fatigue.rules import WeightedNormalStress
 
 __all__ = ["Papadopoulos"]
@@ -55,6 +55,11 @@ class Papadopoulos(WeightedNormalStress):
                 high, low = np.maximum(high, shear), np.minimum(low, shear)
             mean[span] = weights @ (0.5 * (high - low)) ** 2
         return DamageParameter(np.sqrt(5.0 * mean) + self.slope * cycle.hydrostatic.max(axis=0))
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """With half widths of the path of the deviator along orthogonal directions; see `HasUpperBound`."""
+        amplitude = PathBounds(cycle.stress).deviator_widths() / SQRT2
+        return np.asarray(amplitude + self.slope * cycle.hydrostatic.max(axis=0))
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

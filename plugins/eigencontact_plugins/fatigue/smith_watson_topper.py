@@ -11,6 +11,8 @@ import numpy as np
 from eigencontact.plugin import (
     DamageParameter,
     FatigueCriterion,
+    FloatArray,
+    PathBounds,
     PlanePaths,
     Stress,
     StressCycle,
@@ -58,6 +60,11 @@ class SmithWatsonTopper(FatigueCriterion):
         return DamageParameter(
             *worst_planes(lambda at: np.maximum(stress.normal_maximum(at), 0.0) * strain.normal_amplitude(at))
         )
+
+    def upper_bound(self, cycle: StressCycle) -> FloatArray:
+        """Product of the largest principal stress and the largest strain amplitude; see `HasUpperBound`."""
+        strain = PathBounds(np.asarray(cycle.strain)).normal_amplitude()
+        return np.asarray(np.maximum(PathBounds(cycle.stress).normal_maximum(), 0.0) * strain)
 
     def known_values(self, amplitude: float, young_modulus: float, poisson_ratio: float) -> Mapping[str, float]:
         """Closed forms; see `HasKnownValues`."""

@@ -37,7 +37,7 @@ class PlasticZone(Observer):
         "x": "m",
         "y": "m",
         "depth": "m",
-        "volume": "m^3",
+        "volume": "m3",
         "deepest": "m",
         "shallowest": "m",
         "radius": "m",

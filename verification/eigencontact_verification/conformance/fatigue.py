@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import SQRT2, HasKnownValues, StressCycle, mandel_rotation
+from eigencontact.plugin import SQRT2, HasKnownValues, HasUpperBound, StressCycle, mandel_rotation
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 
 FloatArray = NDArray[np.float64]
@@ -178,3 +178,26 @@ def check_known_values(criterion: Any) -> None:
             _values(criterion, plain), np.array([expected]), _KNOWN, f"damage of {name}", "its closed form",
             "an amplitude is half of a range, and the radius of the smallest circle or ball, not half of a chord",
         )  # fmt: skip
+
+
+@check
+def check_upper_bound(criterion: Any) -> None:
+    """The bound of `HasUpperBound` is nowhere below the damage parameter."""
+    if not isinstance(criterion, HasUpperBound):
+        return
+    shapes = [*_named().values(), np.zeros((2, 6)), np.array([[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]])]
+    plain = [(f"cycle {number} of closed forms", _AMPLITUDE * shape[:, :, None]) for number, shape in enumerate(shapes)]
+    for case, stress in [*plain, *((f"{steps} random steps", _stress(steps, 40)) for steps in (1, 2, 3, 8, 24))]:
+        for name, factor in (("tension", 1.0), ("compression", -1.0)):
+            cycle = _cycle(factor * stress)
+            bound, value = np.asarray(criterion.upper_bound(cycle)), _values(criterion, factor * stress)
+            ensure(
+                bound.shape == value.shape and np.all(np.isfinite(bound)), f"upper_bound of {case}",
+                f"finite, of shape {value.shape}", f"shape {bound.shape}", "one number a point",
+            )  # fmt: skip
+            worst = int((bound - value).argmin())
+            ensure(
+                bound[worst] >= value[worst] - _EXACT * abs(value[worst]), f"upper_bound of {case} in {name}",
+                f"at least the damage, {value[worst]:.9g}", f"{bound[worst]:.9g}",
+                "a bound that is too small hides the hot spot of a fretting map",
+            )  # fmt: skip

@@ -72,7 +72,8 @@ def spectra_cost(
 def section_cost(layout: Layout, depths: int, sampling: float, numerics: Numerics, *, tractions: int = 1) -> Cost:
     """Cost of six components on one row of points at `depths` depths; see `spectra_cost`.
 
-    The factors were measured on sections through contacts of 64 to 512 cells (`eigencontact.solvers.section_stress`).
+    The factors of a step were measured on sections through contacts of 32 to 256 cells and of lines, those
+    of the set-up on contacts of 64 to 512 cells (`eigencontact.solvers.section_stress`).
     """
     real = 8 if numerics.precision == "double" else 4
     axes = (layout.y, layout.x)
@@ -82,6 +83,6 @@ def section_cost(layout: Layout, depths: int, sampling: float, numerics: Numeric
     outputs, stored = 6 * depths, rows * row.half * (1 if row.symmetric else 2)
     workers = working_threads(min(numerics.threads or available_threads(), max(1, depths)))
     once = tractions * (depths * sampling * rows * row.lattice.size + outputs * (stored * 5e-9 + 3e-5)) / workers
-    step = outputs * (tractions * stored * 2e-9 + 3e-5) / workers
+    step = outputs * (tractions * stored * 1.7e-9 + 2e-6) / workers
     memory = tractions * (outputs * stored * real + 6.0 * stored * 48) + 16.0 * outputs * row.targets
     return Cost(memory=memory, seconds_once=once, seconds_per_step=step)

@@ -126,9 +126,7 @@ def damage_in_parts(
     answers: dict[int, DamageParameter] = {}
 
     def ask(start: int) -> None:
-        chunk = slice(start, start + _PART)
-        strain = None if cycle.strain is None else cycle.strain[..., chunk]
-        answers[start] = checked_damage(criterion, StressCycle(stress=cycle.stress[..., chunk], strain=strain))
+        answers[start] = checked_damage(criterion, cycle.at(slice(start, start + _PART)))
 
     in_parallel(threads, [partial(ask, start) for start in starts])
     normals = [normal for start in starts if (normal := answers[start].normal) is not None]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.tensors import to_mandel
+from eigencontact.core.tensors import SQRT2
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.plugin.fatigue import StressCycle
 from eigencontact.results.cycles import last_cycle
@@ -42,8 +42,8 @@ class CycleOfRegion:
         Coordinates x, y, z of the points [m].
     steps : tuple of int
         Numbers of the load steps of the cycle.
-    cycle : StressCycle
-        Stress of the cycle, and strain if requested.
+    at : callable
+        Returns the stress, and the strain if requested, at some points: their indices, a slice or a mask.
     """
 
     region: str
@@ -52,7 +52,12 @@ class CycleOfRegion:
     shape: tuple[int, ...]
     places: FloatArray
     steps: tuple[int, ...]
-    cycle: StressCycle
+    at: Callable[[Any], StressCycle]
+
+    @property
+    def cycle(self) -> StressCycle:
+        """Stress and strain of all points, read anew."""
+        return self.at(slice(None))
 
 
 def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
@@ -118,14 +123,19 @@ def cycle_of_region(
     first = parts[rows[0][0]]
     described = json.loads(first.attrs["regions"])[name]
     dims = tuple(f"{name}_{axis}" for axis in described["dims"])
-    stress = np.stack([_field(parts[part], f"{name}_stress", step) for part, step in rows])
-    strains = None
-    if strain and f"{name}_strain" in first:
-        strains = np.stack([_field(parts[part], f"{name}_strain", step) for part, step in rows])
-    elif strain:
+    stored = f"{name}_strain" in first
+    constants = None
+    if strain and not stored:
         body = tomllib.loads(str(dataset.attrs["scene"])).get(f"body{described['body']}", {})
         materials = [item for item in ("inclusions", "layers") if item in dataset.attrs]
-        strains = elastic_strain(stress, *elastic_constants(body, materials, name))
+        constants = elastic_constants(body, materials, name)
+
+    def at(points: Any) -> StressCycle:
+        stress = _paths(parts, f"{name}_stress", rows, points)
+        if constants is not None:
+            return StressCycle(stress=stress, strain=elastic_strain(stress, *constants))
+        return StressCycle(stress=stress, strain=_paths(parts, f"{name}_strain", rows, points) if strain else None)
+
     return CycleOfRegion(
         region=name,
         body=int(described["body"]),
@@ -133,7 +143,7 @@ def cycle_of_region(
         shape=tuple(first.sizes[dim] for dim in dims),
         places=_places(first, name, list(described["dims"])),
         steps=tuple(int(dataset["step"][step]) for step in steps),
-        cycle=StressCycle(stress=stress, strain=strains),
+        at=at,
     )
 
 
@@ -162,9 +172,11 @@ def _stored_region(dataset: Results, region: str | None) -> str:
     return str(region)
 
 
-def _field(dataset: Any, name: str, step: int) -> FloatArray:
-    """Mandel vectors ``(6, points)``."""
-    return to_mandel(np.asarray(dataset[name][step].values, dtype=float).reshape(6, -1))
+def _paths(parts: Mapping[int, Any], name: str, rows: Sequence[tuple[int, int]], points: Any) -> FloatArray:
+    """Mandel vectors ``(steps, 6, points)`` of a field at some points, by part and step."""
+    out = np.stack([np.asarray(parts[part][name][step].values).reshape(6, -1)[:, points] for part, step in rows])
+    out[:, 3:] *= SQRT2
+    return out
 
 
 def _places(dataset: Any, name: str, dims: list[str]) -> FloatArray:

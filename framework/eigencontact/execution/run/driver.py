@@ -21,6 +21,7 @@ from eigencontact.execution.run.loading import (
 )
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene
+from eigencontact.scene.step_messages import keys_of_scene
 from eigencontact.scene.steps import Step as Ramp
 from eigencontact.solvers.contact_growth import ContactGrowth
 
@@ -97,10 +98,11 @@ def drive(
         total = max(plan.steps, point.index)
         if watcher is not None:
             watcher.step_started(point, total)
-        point, last = course.settled(point, last)
-        course.passes(point, last)
-        step = course.step(point, before, last)
-        elapsed = course.advance(step)
+        with keys_of_scene(plan.scene.steps, point.ramp, point.index):
+            point, last = course.settled(point, last)
+            course.passes(point, last)
+            step = course.step(point, before, last)
+            elapsed = course.advance(step)
         last, before = step.record(), point
         yield last
         report_times = getattr(watcher, "step_took", None)

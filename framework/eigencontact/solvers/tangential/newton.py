@@ -192,7 +192,7 @@ class _Iteration:
         for _ in range(_INNER):
             change = allowed(problem.apply(direction) + curvature * direction)
             bend = inner(direction, change)
-            if not bend > 0.0:
+            if not (bend > 0.0 and slope > 0.0):
                 break
             amount = slope / bend
             step += amount * direction
