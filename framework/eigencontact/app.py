@@ -94,11 +94,15 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
 
 
 def explain(
-    scene: Scene | str | Path | Mapping[str, Any], *, accuracy: str | float | Mapping[str, Any] | None = None
+    scene: Scene | str | Path | Mapping[str, Any],
+    *,
+    accuracy: str | float | Mapping[str, Any] | None = None,
+    errors: bool = False,
 ) -> str:
     """Describe a scene before the run: model, kernels, memory, time, and omitted effects with reasons.
 
-    With an accuracy, as an argument like that of `run` or in the scene, it also predicts the necessary runs.
+    With an accuracy, as an argument like that of `run` or in the scene, it also predicts the necessary runs, and with
+    errors their coarser runs.
 
     Examples
     --------
@@ -106,24 +110,34 @@ def explain(
     hertz: Hertz contact: rigid sphere on steel
     """
     planned = plan(scene)
-    forecast = foretold(planned, accuracy)
-    if forecast is None:
+    told = foretold(planned, accuracy, errors=errors)
+    if not told:
         return planned.explain()
-    from eigencontact.accuracy.forecast import forecast_text
+    from eigencontact.accuracy.forecast import bars_text, forecast_text
 
-    return f"{planned.explain()}\n\n{forecast_text(forecast)}"
+    text = forecast_text(told["accuracy"]) if "accuracy" in told else bars_text(told["errors"], planned)
+    return f"{planned.explain()}\n\n{text}"
 
 
-def foretold(planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None) -> dict[str, Any] | None:
-    """Predicted runs to an accuracy, from the argument of `run` or the scene; None without a prescribed accuracy."""
+def foretold(
+    planned: Plan, accuracy: str | float | Mapping[str, Any] | None = None, *, errors: bool = False
+) -> dict[str, dict[str, Any]]:
+    """Predicted runs to an ``accuracy``, or those for ``errors``, from the arguments of `run` or the scene.
+
+    Empty without either; like `run` it needs no errors where an accuracy is prescribed.
+    """
     if accuracy is None and planned.scene.accuracy is None:
-        return None
+        if not (errors or planned.scene.output.errors):
+            return {}
+        from eigencontact.accuracy.forecast import of_bars
+
+        return {"errors": of_bars(planned, _maker(planned, None))}
     from eigencontact.accuracy.forecast import forecast
     from eigencontact.scene.accuracy import with_accuracy
 
     scene = planned.scene if accuracy is None else with_accuracy(planned.scene, accuracy)
     assert scene.accuracy is not None
-    return forecast(planned, scene.accuracy, _maker(planned, None))
+    return {"accuracy": forecast(planned, scene.accuracy, _maker(planned, None))}
 
 
 def run(

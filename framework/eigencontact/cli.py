@@ -97,6 +97,9 @@ SceneArgument = Annotated[
         autocompletion=completion.scenes,
     ),
 ]
+ErrorsOption = Annotated[
+    bool, typer.Option("--errors", help="Estimate the error of every number and field from coarser runs.")
+]
 AccuracyOption = Annotated[
     str | None,
     typer.Option(
@@ -130,9 +133,7 @@ def run(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
-    errors: Annotated[
-        bool, typer.Option("--errors", help="Estimate the error of every number and field from coarser runs.")
-    ] = False,
+    errors: ErrorsOption = False,
     accuracy: AccuracyOption = None,
     quiet: QuietOption = False,
     verbose: Annotated[
@@ -223,7 +224,12 @@ def _spent(seconds: dict[str, float]) -> str:
 
 @app.command(cls=HelpfulCommand)
 def explain(
-    scene: SceneArgument, *, changes: SetOption = None, accuracy: AccuracyOption = None, as_json: JsonOption = False
+    scene: SceneArgument,
+    *,
+    changes: SetOption = None,
+    errors: ErrorsOption = False,
+    accuracy: AccuracyOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Describe a scene before the run: model, kernels, memory, time, and omitted effects with reasons.
 
@@ -234,11 +240,10 @@ def explain(
     with refusals():
         loaded = calls.load_scene(scene, changes or [])
         if not as_json:
-            typer.echo(calls.explain(loaded, accuracy=accuracy))
+            typer.echo(calls.explain(loaded, accuracy=accuracy, errors=errors))
             return
         planned = calls.plan(loaded)
-        forecast = calls.foretold(planned, accuracy)
-        typer.echo(json.dumps({**planned.to_dict(), **({} if forecast is None else {"accuracy": forecast})}, indent=2))
+        typer.echo(json.dumps({**planned.to_dict(), **calls.foretold(planned, accuracy, errors=errors)}, indent=2))
 
 
 @app.command(cls=HelpfulCommand)

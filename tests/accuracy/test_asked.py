@@ -13,16 +13,18 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.accuracy import bars
-from eigencontact.accuracy.bars import Run
+from eigencontact.accuracy.bars import Run, error_bars
 from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pilot_tables, pursue
-from eigencontact.accuracy.runs import Runs
+from eigencontact.accuracy.runs import Runs, memory_of
 from eigencontact.accuracy.settings import finer_settings
 from eigencontact.accuracy.sources import SOURCES, error_sources
 from eigencontact.accuracy.targets import Targets
 from eigencontact.accuracy.words import accuracy_lines
+from eigencontact.app import foretold
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import EigencontactError, NotConverged, ResultsError, SceneError
+from eigencontact.planning.memory import results_bytes
 from eigencontact_verification.benchmarks.accuracy_asked import verdict
 
 LOAD, RADIUS = 0.65, 105e-6
@@ -359,7 +361,7 @@ def test_a_run_before_with_a_wrong_step_size_is_seen(monkeypatch, source):
         test_cells_are_varied_on_few_load_steps()
 
 
-def known(depth, table, tables=None):
+def known(depth, table, tables=None, **budget):
     """Pursuit of a depth that follows from the plan, nothing is solved; and the plans that it would solve."""
     solved = []
 
@@ -369,7 +371,7 @@ def known(depth, table, tables=None):
         return Run(plan, summary(value))
 
     planned = ec.plan({**HERTZ, **(tables or {}), "accuracy": {"approach": "1 %"}})
-    targets = planned.scene.accuracy.model_copy(update={"numbers": table["depth"]})
+    targets = planned.scene.accuracy.model_copy(update={"numbers": table["depth"], **budget})
     targets.__pydantic_extra__.clear()
     return pursue(planned, targets, Runs(make=ec.plan, solve=solve)), solved
 
@@ -423,6 +425,49 @@ def test_explain_foretells_the_way_without_solving(monkeypatch):
     assert "accuracy asked for" not in ec.explain(HERTZ)
     with pytest.raises(EigencontactError, match="did you mean 'max-pressure'"):
         ec.explain(HERTZ, accuracy={"max-pressur": "1 %"})
+
+
+def test_the_memory_of_the_results_of_all_load_steps_is_foretold():
+    """Of a history it is far more than that of the arrays of a run."""
+    coarse = {**HERTZ, **HISTORY, "grid": {"cells-per-contact-radius": 6}, "numerics": {"allow-coarse": True}}
+    for tables in (coarse, {**HERTZ, "stress": LINE}):
+        planned = ec.plan(tables)
+        held = ec.run(planned).dataset
+        stored = sum(held[name].nbytes for name in held.data_vars)
+        assert stored == close(results_bytes(planned), 0.15)
+    planned = ec.plan({**coarse, "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.1, "increments": 60}]})
+    assert results_bytes(planned) > 2.0 * planned.cost.peak
+
+
+def test_explain_foretells_the_time_and_memory_of_error_bars(command):
+    coarse = {**HERTZ, **HISTORY, "grid": {"cells-per-contact-radius": 12}}
+    told = foretold(ec.plan(coarse), errors=True)["errors"]
+    runs = []
+
+    def solve(tables, _):
+        runs.append(ec.plan(tables))
+        return Run(runs[-1], summary(1.0 + 0.1 / runs[-1].steps))
+
+    planned = ec.plan(coarse)
+    error_bars(planned, summary(1.0 + 0.1 / planned.steps), solve)
+    assert told["runs"] == len(runs)
+    assert told["seconds"] == close(sum(plan.seconds for plan in runs), 1e-6)
+    assert told["memory"] >= sum(results_bytes(plan) for plan in runs)
+    assert "at most 4 coarser runs" in ec.explain(coarse, errors=True)
+    assert "error bars" in ec.explain({**coarse, "output": {"errors": True}})
+    assert "error bars" not in ec.explain(coarse)
+    said = json.loads(command("explain", "hertz", "--errors", "--json").out)
+    assert said["errors"]["runs"] == 2
+
+
+def test_the_results_of_all_runs_count_against_the_memory():
+    def depth(plan):
+        return 1.0 + 0.5 / plan.steps
+
+    pilot = memory_of(ec.plan(pilot_tables(ec.plan({**HERTZ, **HISTORY}))))
+    answers = [known(depth, {"depth": "1 %"}, HISTORY, memory=part * pilot)[0] for part in (1.5, 1e3)]
+    assert [answer.last.holds for answer in answers] == [False, True]
+    assert "memory" in answers[0].stopped
 
 
 def test_the_commands_take_an_accuracy(command, tmp_path):

@@ -196,7 +196,7 @@ def error_bars(
     bars = joined_bars(summary, comparisons)
     seconds = perf_counter() - began
     return Accuracy(
-        bars=bars, left_out=left_out, runs=coarser.runs, seconds=seconds, comparisons=comparisons, varied=varied
+        bars=bars, left_out=left_out, runs=len(coarser.made), seconds=seconds, comparisons=comparisons, varied=varied
     )
 
 
@@ -207,7 +207,7 @@ class Coarser:
     own: Run
     solve: Solve
     grid: Mapping[str, Any] | None = None
-    runs: int = 0
+    made: list[Run] = field(default_factory=list)
     _kept: Kept = field(default_factory=lambda: Kept(_KEPT_BYTES))
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
 
@@ -252,7 +252,7 @@ class Coarser:
     def _solved(self, tables: Mapping[str, Any], words: str) -> tuple[Mapping[str, Any], Run]:
         with self._kept.offered():  # runs on the same cells share operators
             run = self.solve(tables, words)
-        self.runs += 1
+        self.made.append(run)
         return tables, run
 
 

@@ -1,28 +1,58 @@
-"""Predicted cost of a run to an accuracy, from the cost of each source and known orders, without a solution."""
+"""Predicted cost of error bars and of a run to an accuracy, from plans and known orders, without a solution."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.accuracy.bars import Coarser, Run, Varied
 from eigencontact.accuracy.levers import cheapest, levers_of
 from eigencontact.accuracy.pursuit import DEFAULT_TIME, pilot_tables
+from eigencontact.accuracy.runs import memory_of
 from eigencontact.accuracy.sources import error_sources
 from eigencontact.accuracy.targets import Targets, check_names
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.core.units import readable, time_in_words
 from eigencontact.model.resolution import cells_per_radius, pressure_error
+from eigencontact.planning.memory import results_bytes
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
-__all__ = ["forecast", "forecast_text"]
+__all__ = ["bars_text", "forecast", "forecast_text", "of_bars"]
 
 #: Errors of the first run, in times of the target, for which the way is told.
 _EXCESS = (2.0, 5.0, 20.0)
 #: Known orders: of pressures and displacements, of areas and what scatters.
 _ORDERS = (2.0, 1.0)
+
+
+def of_bars(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
+    """Number of the coarser runs of error bars, their time [s] and their memory [bytes].
+
+    All runs that a source may take are counted. Their results stay in memory until the errors of fields are known.
+    """
+    coarser = Coarser(Run(plan, {}), lambda tables, _: Run(make(tables), {}))
+    varied = dict[str, Varied]()
+    for source in error_sources(plan):
+        runs, _ = coarser.vary(source, varied)
+        if runs.others:
+            varied[source.name] = runs
+    plans = [run.plan for run in coarser.made]
+    arrays = max((float(one.cost.peak) for one in plans), default=0.0)
+    return {
+        "runs": len(plans),
+        "seconds": sum(one.seconds for one in plans),
+        "memory": arrays + sum(results_bytes(one) for one in plans),
+    }
+
+
+def bars_text(told: Mapping[str, Any], plan: Plan) -> str:
+    """Cost of the error bars of a plan in words."""
+    share = f", {told['seconds'] / plan.seconds:.2g} times that of the run" if plan.seconds else ""
+    price = f"{time_in_words(told['seconds'])}{share}; {readable(told['memory'], 'B')} of memory with all their results"
+    return f"error bars\n  at most {told['runs']} coarser runs, {price}"
 
 
 def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
@@ -40,13 +70,14 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
     Returns
     -------
     dict
-        Times [s] and memory of arrays [bytes], as the plans predict them; plain data.
+        Times [s] and memory [bytes], as the plans predict them; plain data. The memory is that of the arrays and of the
+        results of all load steps, which stay in memory until the end.
     """
     check_names(table, plan)
     tables = pilot_tables(plan)
     pilot = make(tables)
     levers = levers_of(pilot, make)
-    runs = 1 + sum(len(source.variations(pilot)) for source in error_sources(pilot))
+    coarser = of_bars(pilot, make)
     cells = [lever for lever in levers if lever.source.name == "cells"]
     finer = []
     for excess in _EXCESS if cells else ():
@@ -61,7 +92,7 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
         "targets": ({} if table.numbers is None else {"numbers": table.numbers}) | table.targets,
         "time": table.time or DEFAULT_TIME,
         "memory": table.memory,
-        "first": {**_size(pilot), "runs": runs},
+        "first": {**_size(pilot), "runs": 1 + coarser["runs"], "coarser": coarser},
         "pressure_error": None if expected is None else pressure_error(cells_per_radius(expected, pilot.grid)),
         "sources": {
             lever.source.name: {"factor": lever.source.stride, "seconds": lever.seconds, "memory": lever.memory}
@@ -73,7 +104,7 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
 
 def _size(plan: Plan) -> dict[str, Any]:
     cells = [plan.grid.nx, plan.grid.ny]
-    return {"cells": cells, "load_steps": plan.steps, "seconds": plan.seconds, "memory": plan.cost.peak}
+    return {"cells": cells, "load_steps": plan.steps, "seconds": plan.seconds, "memory": memory_of(plan)}
 
 
 def forecast_text(told: Mapping[str, Any]) -> str:
@@ -81,11 +112,11 @@ def forecast_text(told: Mapping[str, Any]) -> str:
     targets = ", ".join(
         f"{'all main results' if name == 'numbers' else name} {target}" for name, target in told["targets"].items()
     )
-    first = told["first"]
+    first, coarser = told["first"], told["first"]["coarser"]
     lines = [
         "accuracy asked for",
         f"  targets: {targets}; at most {time_in_words(told['time'])}",
-        f"  first run: {_words(first)}; with its coarser runs {first['runs']} runs",
+        f"  first run: {_words(first)}; at most {coarser['runs']} coarser runs, {_price(coarser)}",
     ]
     if told["pressure_error"] is not None:
         lines.append(f"  there the largest pressure is known to {100 * told['pressure_error']:.2g} % or better")
@@ -104,5 +135,8 @@ def forecast_text(told: Mapping[str, Any]) -> str:
 
 def _words(row: Mapping[str, Any]) -> str:
     nx, ny = row["cells"]
-    price = f"{time_in_words(row['seconds'])}, {readable(float(row['memory']), 'B')}"
-    return f"{nx} x {ny} cells, {row['load_steps']} step{'s' if row['load_steps'] != 1 else ''}, {price}"
+    return f"{nx} x {ny} cells, {row['load_steps']} step{'s' if row['load_steps'] != 1 else ''}, {_price(row)}"
+
+
+def _price(row: Mapping[str, Any]) -> str:
+    return f"{time_in_words(row['seconds'])}, {readable(float(row['memory']), 'B')}"

@@ -8,6 +8,7 @@ from math import inf, log
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import changed
+from eigencontact.accuracy.runs import memory_of
 from eigencontact.accuracy.sources import ErrorSource, error_sources
 from eigencontact.errors import EigencontactError
 
@@ -115,7 +116,7 @@ def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mappi
         return None
     seconds, memory = (
         log(max(after, 1e-12) / max(before, 1e-12)) / log(factor)
-        for after, before in ((finer.seconds, plan.seconds), (finer.cost.peak, plan.cost.peak))
+        for after, before in ((finer.seconds, plan.seconds), (memory_of(finer), memory_of(plan)))
     )
     least = _SQUARE if source.name == "cells" else _FREE
     return Lever(source=source, seconds=max(least, seconds), memory=max(0.0, memory))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from eigencontact.accuracy.bars import Accuracy, Run
 from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.levers import Way, cheapest, levers_of
-from eigencontact.accuracy.runs import Runs, edge_of
+from eigencontact.accuracy.runs import Runs, edge_of, memory_of
 from eigencontact.accuracy.targets import Targets, check_names, is_field, targets_of, variable_of
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.numbers import ErrorBar
@@ -126,7 +126,7 @@ class Answer:
         if self.more is not None:
             accuracy["more"] = {
                 "seconds": self.more.seconds * last.seconds,
-                "memory": self.more.memory * last.run.plan.cost.peak,
+                "memory": self.more.memory * memory_of(last.run.plan),
                 "factors": self.more.factors,
                 "holds": self.more.holds,
             }
@@ -196,7 +196,7 @@ class _Course:
     def refuse_pilot(self, plan: Plan) -> None:
         """Refuse a budget that the first run exceeds."""
         time, memory = self.table.time, self.table.memory
-        for key, given, needed in (("time", time, plan.seconds), ("memory", memory, float(plan.cost.peak))):
+        for key, given, needed in (("time", time, plan.seconds), ("memory", memory, memory_of(plan))):
             if given is not None and needed > given:
                 texts = [time_in_words(value) if key == "time" else readable(value, "B") for value in (needed, given)]
                 raise SceneError(f'accuracy.{key} must be at least "{texts[0]}" for the first run (got "{texts[1]}")')
@@ -212,7 +212,7 @@ class _Course:
         most = self.left / (
             rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.found.seconds))
         )
-        memory = self.memory / max(rung.run.plan.cost.peak, 1.0)
+        memory = max(0.0, self.memory - self.runs.held) / max(memory_of(rung.run.plan), 1.0)
         whole = cheapest(levers, bars, targets, orders=orders, far=True)
         beyond = None if whole.seconds <= most and whole.memory <= memory and whole.holds else whole
         if beyond is not None and len(rungs) > 1:

@@ -14,11 +14,12 @@ from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.fields import FieldErrors
 from eigencontact.accuracy.sources import SOURCES, ErrorSource, Variation, error_sources
 from eigencontact.errors import EigencontactError
+from eigencontact.planning.memory import results_bytes
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Runs", "edge_of"]
+__all__ = ["Runs", "edge_of", "memory_of"]
 
 #: Grids that were solved before stand for those of the source "cells" within these ratios of their edges. Farther ones
 #: make the bars of numbers that scatter 2 to 9 times as wide as the usual ones, which costs more than a coarser run.
@@ -31,6 +32,11 @@ _CELLS = next(source for source in SOURCES if source.name == "cells")
 def edge_of(plan: Plan) -> float:
     """Edge of the cells, both directions alike [m]."""
     return plan.grid.mean_edge
+
+
+def memory_of(plan: Plan) -> float:
+    """Memory of the arrays of a run and of the results of all its load steps [bytes]."""
+    return plan.cost.peak + results_bytes(plan)
 
 
 @dataclass
@@ -55,6 +61,11 @@ class Runs:
     _grids: list[tuple[float, Mapping[str, Any]]] = field(default_factory=list)
     _first: Plan | None = None
     _last: tuple[Run, Mapping[str, Varied]] | None = None
+
+    @property
+    def held(self) -> float:
+        """Memory of the results of all runs [bytes]: the errors of fields compare them."""
+        return sum(results_bytes(run.plan) for run in self._known.values())
 
     def rung(
         self, plan: Plan, words: str, *, refined: Collection[str] = (), small: Collection[str] = ()

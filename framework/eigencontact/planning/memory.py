@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from math import prod
 from typing import TYPE_CHECKING
 
 from eigencontact.core.memory import resident_bytes
@@ -11,7 +12,10 @@ from eigencontact.core.parallel import available_threads
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["run_bytes"]
+__all__ = ["results_bytes", "run_bytes"]
+
+#: Components of the quantities of a region; others have one.
+_COMPONENTS = {"stress": 6, "strain": 6, "displacement": 3, "principal": 3}
 
 #: What the first step adds beside its arrays: parts of scipy, compiled loops, and room that the allocator keeps. Of the
 #: bundled scenes 5 to 36 MB.
@@ -54,3 +58,21 @@ def run_bytes(plan: Plan, *, stored: bool = True, painter: bool = True) -> float
     if stored and output.animation:
         late += _FILM
     return resident_bytes() + late + plan.cost.peak
+
+
+def results_bytes(plan: Plan) -> float:
+    """Memory of the results of all load steps [bytes], as of a run without a folder.
+
+    Fields of the surface, of the regions, and of the cells of bodies with eigenstrain.
+    """
+    from eigencontact.model.regions import region_lattice
+
+    grid, model = plan.grid, plan.model
+    doubles = grid.nx * grid.ny * sum(":" not in name for block in plan.blocks for name in block.wanted)
+    for request in model.cells.requests:
+        components = sum(_COMPONENTS.get(name, 1) for name in (*request.fields, *request.quantities))
+        doubles += components * prod(region_lattice(request, grid).shape)
+    remembered = max((sum(one.components for one in law.variables.values()) for law in model.laws), default=0)
+    cells = sum(prod(source.lattice.shape) for source in model.cells.inhomogeneities if source.lattice is not None)
+    histories = plan.steps if plan.scene.output.history == "all" else 1
+    return 8.0 * (plan.steps * doubles + histories * cells * (_COMPONENTS["strain"] + remembered))
