@@ -26,7 +26,7 @@ class CutStep(LawStep):
     difference: FloatArray
     found: dict[str, FloatArray] = field(default_factory=dict)
 
-    def of(self, points: slice) -> CutStep:
+    def of(self, points: slice | IntArray) -> CutStep:
         """The same of some of the points."""
         names = "x", "y", "z", "fraction", "resistance", "difference"
         return replace(self, means={}, found={}, **{name: getattr(self, name)[..., points] for name in names})
