@@ -68,11 +68,11 @@ def results_bytes(plan: Plan) -> float:
     from eigencontact.model.regions import region_lattice
 
     grid, model = plan.grid, plan.model
-    doubles = grid.nx * grid.ny * sum(":" not in name for block in plan.blocks for name in block.wanted)
+    doubles = grid.nx * grid.ny * sum(":" not in name for block in plan.blocks for name in block.requesters)
     for request in model.cells.requests:
         components = sum(_COMPONENTS.get(name, 1) for name in (*request.fields, *request.quantities))
         doubles += components * prod(region_lattice(request, grid).shape)
-    remembered = max((sum(one.components for one in law.variables.values()) for law in model.laws), default=0)
+    state = max((sum(variable.components for variable in law.variables.values()) for law in model.laws), default=0)
     cells = sum(prod(source.lattice.shape) for source in model.cells.inhomogeneities if source.lattice is not None)
     histories = plan.steps if plan.scene.output.history == "all" else 1
-    return 8.0 * (plan.steps * doubles + histories * cells * (_COMPONENTS["strain"] + remembered))
+    return 8.0 * (plan.steps * doubles + histories * cells * (_COMPONENTS["strain"] + state))

@@ -89,7 +89,7 @@ class LawStep:
     duration: float
     means: Mapping[str, FloatArray] = field(default_factory=dict)
 
-    def of(self, points: slice) -> LawStep:
+    def of(self, points: slice | NDArray[np.intp]) -> LawStep:
         """The same of some of the points."""
         means = {name: values[:, points] for name, values in self.means.items()}
         return replace(self, x=self.x[points], y=self.y[points], z=self.z[points], means=means)

@@ -151,11 +151,14 @@ class SurfaceAndCells:
         ways = self._spectra[:1] if self._shared else self._spectra
         return sum(s.nbytes for direction in ways for layer in direction for row in layer for s in row if s is not None)
 
-    def stress(self, tractions: Sequence[FloatArray]) -> FloatArray:
-        """Mean Mandel stress [Pa] in the cells, ``(6, nz, ny, nx)``, by tractions on the grid, in their order."""
-        rows = [row for layer in self._spectra[0] for row in layer]
+    def stress(self, tractions: Sequence[FloatArray], layers: slice = slice(None)) -> FloatArray:
+        """Mean Mandel stress [Pa] in the cells, ``(6, nz, ny, nx)``, by tractions on the grid, in their order.
+
+        Layers by default are all.
+        """
+        rows = [row for layer in self._spectra[0][layers] for row in layer]
         values = self._convolvers[0].apply(np.asarray(tractions), rows)
-        stacked = values.reshape(self.cells.shape[0], len(COMPONENTS), *values.shape[1:])
+        stacked = values.reshape(-1, len(COMPONENTS), *values.shape[1:])
         return np.asarray(np.moveaxis(stacked, 1, 0), dtype=float)
 
     def displacement(self, eigenstrain: ArrayLike) -> FloatArray:

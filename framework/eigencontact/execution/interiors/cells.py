@@ -31,6 +31,8 @@ from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 if TYPE_CHECKING:
     from eigencontact.core.grid import Grid
     from eigencontact.execution.interiors.beside_cells import BesideCells
+    from eigencontact.solvers.cells import Cells as LatticeOfCells
+    from eigencontact.solvers.flowing_part import Window
     from eigencontact.solvers.mean_stress import MeanVolumeField
 
 __all__ = ["Cells"]
@@ -162,16 +164,12 @@ class Cells(Responding):
 
     def start(self) -> None:
         """See `Interior.start`."""
-        from eigencontact.solvers.mean_stress import MeanVolumeField
         from eigencontact.solvers.mean_surface import MeanStressKernel, SurfaceAndCells
 
         precision, threads = self._numerics.precision, self._numerics.threads
         often = self._applications * self._half_space.steps
         cells, grid = self._box.cells(self._grid), self._grid
-        self._operator = MeanVolumeField(
-            self._half_space.cell, cells, cells, precision=precision, applications=often,
-            **self._half_space.options("stress"),
-        )  # fmt: skip
+        self._operator = self._field_in(cells)
         self._places = self._box.centres(grid).flat_points()
         self._content = MaterialCells(self._box, self.sources, grid, matrix_law(self._half_space.material))
         self._worn_depth = np.zeros(grid.shape)
@@ -183,6 +181,16 @@ class Cells(Responding):
             self._joint = SurfaceAndCells(
                 grid, kernels, directions, cells, precision=precision, threads=threads, applications=often
             )
+
+    def _field_in(self, cells: LatticeOfCells) -> MeanVolumeField:
+        """Mean stress in some cells by their eigenstrain."""
+        from eigencontact.solvers.mean_stress import MeanVolumeField
+
+        often = self._applications * self._half_space.steps
+        return MeanVolumeField(
+            self._half_space.cell, cells, cells, precision=self._numerics.precision, applications=often,
+            **self._half_space.options("stress"),
+        )  # fmt: skip
 
     def _fill(self) -> None:
         """Build the equations of the present content of the cells; the operators do not change."""
@@ -227,21 +235,33 @@ class Cells(Responding):
 
     def applied(self, tractions: Fields) -> FloatArray:
         """See `Responding.applied`."""
+        nz, ny, nx = self._content.shape
+        return self.applied_in((slice(0, nz), slice(0, ny), slice(0, nx)), tractions)
+
+    def applied_in(self, window: Window, tractions: Fields) -> FloatArray:
+        """`applied` in a part of the box."""
+        layers, *columns = window
         if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
-            contact_stress = self._joint.stress(loads(self.body, self._tractions, tractions))
-            total = np.ascontiguousarray(self.at_centres(contact_stress))
+            # The values at centres need the means of both neighbours.
+            wide = slice(max(layers.start - 1, 0), min(layers.stop + 1, self._content.shape[0]))
+            contact_stress = self._joint.stress(loads(self.body, self._tractions, tractions), wide)
+            inside = slice(layers.start - wide.start, layers.stop - wide.start)
+            total = np.ascontiguousarray(self.at_centres(contact_stress, wide)[:, inside, *columns])
         else:
-            total = np.zeros((6, *self._content.shape))
+            total = np.zeros((6, *(span.stop - span.start for span in window)))
         if self._prescribed is not None:
-            total += self._prescribed.at(self._time)
+            total += self._prescribed.at(self._time)[:, *window]
         if self._bulk is not None:
             total += self._bulk.reshape(6, 1, 1, 1)
         if self.beside is not None:
-            total += self.beside.stress()
+            total += self.beside.stress()[:, *window]
         return total
 
-    def at_centres(self, means: FloatArray) -> FloatArray:
-        """Values at the cell centres from means ``(..., nz, ny, nx)``; cells of linear laws keep the means."""
+    def at_centres(self, means: FloatArray, layers: slice | None = None) -> FloatArray:  # noqa: ARG002
+        """Values at the cell centres from means ``(..., nz, ny, nx)``; cells of linear laws keep the means.
+
+        The means are those of all layers, or of `layers`.
+        """
         return means
 
     def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:

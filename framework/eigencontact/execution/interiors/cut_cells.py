@@ -26,7 +26,7 @@ class CutStep(LawStep):
     difference: FloatArray
     last_response: dict[str, FloatArray] = field(default_factory=dict)
 
-    def of(self, points: slice) -> CutStep:
+    def of(self, points: slice | IntArray) -> CutStep:
         """Evaluation at some of the points."""
         names = "x", "y", "z", "fraction", "resistance", "difference"
         return replace(self, means={}, last_response={}, **{name: getattr(self, name)[..., points] for name in names})

@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.array_types import FloatArray
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.elasticity import shear_ratios
 from eigencontact.core.material import Material
 from eigencontact.core.numbers import Number
 from eigencontact.core.parallel import available_threads
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.averages import Averages
@@ -35,12 +36,15 @@ from eigencontact.execution.interiors.linked_cells import linked_cells
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.growth import enlarged, lattice_of
 from eigencontact.model.sources import Inhomogeneity, Lattice
-from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings
+from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LawStep, Surroundings
 from eigencontact.results.records import HistoryRecord
+from eigencontact.solvers.flowing_part import LARGEST_PART
 from eigencontact.solvers.second_order import centre_values
 
 if TYPE_CHECKING:
     from eigencontact.execution.interiors.finer_cells import Levels
+    from eigencontact.solvers.cell_sweeps import Sweep
+    from eigencontact.solvers.flowing_part import FlowingPart
 
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
@@ -76,6 +80,8 @@ class SweptCells(Cells):
         self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
         self.state_names |= {self._name(name) for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
+        if len(self.sources) == 1 and not self._linear:
+            self.cost += Cost(memory=LARGEST_PART * self._operator_cost(self._box.lattice).memory)
         self.reason += ", swept with the contact" if self._kernels else ", swept"
 
     def _name(self, variable: str) -> str:
@@ -106,17 +112,41 @@ class SweptCells(Cells):
             matrix, self._system.self_stress, self._laws, around, self._content.shape, self._numerics.threads
         )
         self._sweeps = CellSweeps(self._system, cells)
+        self._part = self._flowing_part(around)
 
-    def at_centres(self, means: FloatArray) -> FloatArray:
+    def _flowing_part(self, around: Surroundings) -> FlowingPart | None:
+        """Restricted sweeps where a single law, whose response of a cell needs no Newton iteration, fills the box."""
+        from eigencontact.solvers.flowing_part import FlowingPart
+        from eigencontact.solvers.law_cells import LawCells
+
+        if len(self._laws) != 1 or self._cut:
+            return None
+        law, filled = self._laws[0]
+        if not isinstance(law, HasCellAnswer) or law.averaged or filled.size != self._places[0].size:
+            return None
+        cells, matrix = self._box.cells(self._grid), self._half_space.material
+
+        def laws(some: NDArray[np.intp]) -> LawCells:
+            return LawCells(matrix, self._system.self_stress, [(law, some)], around, None, self._numerics.threads)
+
+        return FlowingPart(self._content.shape, lambda window: self._field_in(cells.part(window)), laws)
+
+    def at_centres(self, means: FloatArray, layers: slice | None = None) -> FloatArray:
         """See `Cells.at_centres`."""
         if self._faces is None:
             return means
-        return centre_values(means, self._faces, self._numerics.threads or available_threads())
+        faces = self._faces
+        if layers is not None:
+            along_z, along_y, along_x = faces
+            faces = along_z[layers.start : layers.stop - 1], along_y[layers], along_x[layers]
+        return centre_values(means, faces, self._numerics.threads or available_threads())
 
     def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
         self._sweeping, self._start = True, self.eigenstrain
+        if self._part is not None:
+            self._part.begin()
         self._before = [self._variables(law, cells, last) for law, cells in self._laws]
         self._after = self._before
         self._about = self._averages.of(self._before)
@@ -167,11 +197,22 @@ class SweptCells(Cells):
         """See `Interior.image`."""
         if not self._sweeping:
             return super().image(tractions, tolerance)
-        before, self._load = self._applied, self.applied(tractions)
-        sweep = self._sweeps.sweep(
-            self.eigenstrain, self._load, self._prestrain, self._before, self._steps, self._start, self._joint_stress()
-        )
-        self._after, self._residual, self._size = sweep.variables, sweep.residual, sweep.size
+        before, sweep = self._applied, self._sweep_of_part(tractions)
+        if sweep is None or sweep.residual <= self._numerics.tolerance:
+            self._load = self.applied(tractions)
+            sweep = self._sweeps.sweep(
+                self.eigenstrain,
+                self._load,
+                self._prestrain,
+                self._before,
+                self._steps,
+                self._start,
+                self._joint_stress(),
+            )
+            self._after, self._size = sweep.variables, sweep.size
+            if self._part is not None and self.levels is None:
+                self._part.follow(_present(self.eigenstrain) | _present(sweep.image) | _present(self._start))
+        self._residual = sweep.residual
         self._operator_calls += self._applied - before
         self._change = sweep.image - self.eigenstrain
         if not self._about.size:
@@ -182,10 +223,22 @@ class SweptCells(Cells):
         self._residual = max(sweep.residual, change)
         return np.concatenate([sweep.image, means]), self._residual
 
+    def _sweep_of_part(self, tractions: Fields) -> Sweep | None:
+        """Sweep over the part of the box that flows; None where the whole box must be swept.
+
+        That is where nothing has flowed yet in the increment, and where the edge of the part has begun to flow.
+        """
+        part = self._part
+        if part is None or part.window is None or part.reaches_rim or self.eigenstrain is self._start:
+            return None
+        start = self._prestrain, self._before, self._steps
+        return part.sweep(self.eigenstrain, self.applied_in(part.window, tractions), start, self._size)
+
     @property
     def _applied(self) -> int:
-        """Number of operator applications so far; for two levels, those of both."""
-        return self._sweeps.applications + (0 if self.levels is None else self.levels.field.applications)
+        """Number of operator applications so far; the first level counts those of both."""
+        others = 0 if self.levels is None else self.levels.field.applications
+        return self._sweeps.applications + others + (0 if self._part is None else self._part.applications)
 
     def _joint_stress(self) -> FloatArray | None:
         """Stress in these cells by the eigenstrain of both levels; None with a single level."""
@@ -283,6 +336,11 @@ class SweptCells(Cells):
                     records[key] = self._record(key, np.zeros(shape), variable.unit, variable.meaning)
                 records[key].values.reshape(shape[0], -1)[:, cells] = variables[name]
         return records
+
+
+def _present(eigenstrain: FloatArray) -> BoolArray:
+    """Cells with an eigenstrain."""
+    return np.asarray(np.any(eigenstrain != 0.0, axis=0))
 
 
 def should_sweep(subsurface: Subsurface) -> bool:
