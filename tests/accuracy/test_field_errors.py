@@ -284,6 +284,7 @@ def test_pictures_show_errors_and_are_the_same_without_them(tmp_path):
     assert "estimated error" in pressure_profiles(data).axes[0].get_legend_handles_labels()[1]
 
 
+@pytest.mark.slow
 def test_the_curves_of_a_sweep_have_error_bars(tmp_path):
     asked = COARSE | {"output": {"errors": True, "pictures": False}}
     swept = ec.sweep(asked, {"steps.normal-load": [0.3, 0.6]}, tmp_path / "sweep").dataset

@@ -62,7 +62,11 @@ class Counting:
         self.counts.append(count_operators().total())
 
 
-@pytest.mark.parametrize("name", SCENES)
+#: The box that grows takes as long as the others together.
+SLOW = {"box that grows"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES])
 def test_a_plan_runs_twice_with_equal_results_and_leaves_no_operator(name, tmp_path, monkeypatch):
     """In memory and in a folder; operators are alive while steps are solved, and not while pictures are drawn."""
     counts, watcher = [], Counting()

@@ -57,6 +57,7 @@ def test_without_wear_layers_stay():
     assert worn[-1].scalars["layer_lost_1"] == worn[-1].scalars["layer_error"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_from_its_records_to_the_bit():
     made = scene(coated(), (3,), (5,), grid={"cells": 20, "size": [5 * H, 5 * H]})
     whole = records(made)

@@ -104,6 +104,7 @@ def test_softening_perfect_and_nearly_incompressible_bodies_are_ordinary(results
     assert abs(strain).max() > 5e-3
 
 
+@pytest.mark.slow
 def test_the_softer_the_deeper(results):
     depth = [float(results[name]["max_sink"][-1]) for name in ("hardens", "perfect", "softens")]
     assert depth[0] < 0.9 * depth[1] < 0.85 * depth[2]

@@ -1,9 +1,6 @@
 """Fatigue of a run: the number is the criterion's own, at the place it names; refusals."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -45,19 +42,17 @@ def test_a_cycle_of_one_step_says_that_nothing_has_an_amplitude(pressed):
     assert "the cycle has one step" in found.summary["warnings"][0]["words"]
 
 
-def test_command_stores_map_picture_and_summary(tmp_path):
+def test_command_stores_map_picture_and_summary(tmp_path, command):
     """Pressed and released: two steps; values below the hot spot at a critical distance."""
     changes = ["grid.cells-per-contact-radius=8", "stress.0.depth-cells=10", "output.pictures=false"]
     scene = ec.load_scene("hertz", changes).resolved()
     ec.run({**scene, "steps": [{"normal-load": 0.65}, {"normal-load": 0.0}]}, tmp_path / "run")
     options = ["--criterion", "findley", "--set", "slope=0.3", "--set", "limit-amplitude='3 GPa'", "--cycle", "all"]
-    command = [Path(sys.executable).with_name("eigencontact"), "fatigue", tmp_path / "run", *options]
-    command += ["--region", "section", "--distance", "2 um"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = command("fatigue", tmp_path / "run", *options, "--region", "section", "--distance", "2 um")
+    assert done.code == 0, done.err
     stored = json.loads((tmp_path / "run" / "fatigue-findley-section.json").read_text(encoding="utf-8"))
     assert 0.0 < stored["utilisation"] < 10.0
-    assert "one step" not in done.stdout + done.stderr
+    assert "one step" not in done.out + done.err
     assert {path.suffix for path in (tmp_path / "run").glob("fatigue-findley-section.*")} == {".nc", ".json", ".png"}
 
 

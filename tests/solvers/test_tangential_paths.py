@@ -117,8 +117,16 @@ def balance(s, path):
     return work, stored, rubbed, closed
 
 
-@pytest.mark.parametrize("coupling", ["partial", "full"])
-@pytest.mark.parametrize("path", [FRETTING, UNLOADING], ids=["fretting", "unloading"])
+@pytest.mark.parametrize(
+    ("path", "coupling"),
+    [
+        (FRETTING, "full"),
+        (UNLOADING, "partial"),
+        pytest.param(FRETTING, "partial", marks=pytest.mark.slow),
+        pytest.param(UNLOADING, "full", marks=pytest.mark.slow),
+    ],
+    ids=["fretting, full", "unloading, partial", "fretting, partial", "unloading, full"],
+)
 def test_work_is_stored_or_taken_by_friction_to_rounding(coupling, path):
     """With the mean of the tractions at the ends of each step the balance is an identity, whatever the step."""
     s = Sphere(24, coupling=coupling, friction=0.3, tolerance=1e-9)

@@ -35,7 +35,7 @@ def same(found, expected, size):
     np.testing.assert_allclose(found, expected, atol=1e-10 * size, rtol=0)
 
 
-@pytest.mark.parametrize("coupling", ["partial", "full"])
+@pytest.mark.parametrize("coupling", [pytest.param("partial", marks=pytest.mark.slow), "full"])
 def test_a_quarter_turn_changes_nothing(coupling):
     """All fields to 1e-10: (x, y) -> (-y, x), shear and slip turned along, on cells that are not square."""
     grids = Grid(nx=28, ny=23, dx=0.09, dy=0.1), Grid(nx=23, ny=28, dx=0.1, dy=0.09)
@@ -81,7 +81,7 @@ def unit_course():
     return unit, follow(unit)
 
 
-@pytest.mark.parametrize(("length", "modulus"), [(1.0, 2e11), (3e-7, 7e10)])
+@pytest.mark.parametrize(("length", "modulus"), [pytest.param(1.0, 2e11, marks=pytest.mark.slow), (3e-7, 7e10)])
 def test_scale_of_length_and_of_modulus(unit_course, length, modulus):
     unit, one = unit_course
     grid = unit.grid

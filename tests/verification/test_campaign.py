@@ -159,6 +159,7 @@ def test_disagreement_inside_the_claim_fails(found):
     assert "2 disagree or failed" in totals(claim, judged) or "4 disagree or failed" in totals(claim, judged)
 
 
+@pytest.mark.slow
 def test_what_is_stored_is_read_again(toy, done, tmp_path):
     told = []
     copytree(done[0] / "toy", tmp_path / "out")
@@ -286,6 +287,7 @@ def test_files_with_a_fault_are_refused_by_key(toy, old, new, message):
         read_campaign(toy)
 
 
+@pytest.mark.slow
 def test_different_numbers_of_values_are_told(toy, done):
     toy.write_text(TOY.replace('is = "approach"', 'is = "row(pressure)"', 1), encoding="utf-8")
     report = perform(read_campaign(toy), done[0] / "toy", coarse=True)

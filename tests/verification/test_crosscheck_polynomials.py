@@ -21,10 +21,12 @@ def mixed():
     return case, references(case)
 
 
+@pytest.mark.slow
 def test_sound_code_agrees(mixed):
     assert words(*mixed) == AGREES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", [name for name in FAULTS if name != "image sign of l alone"])
 def test_fault_disagrees(mixed, fault):
     """That sign matters with m odd alone, of which a field of revolution has none."""
@@ -32,6 +34,7 @@ def test_fault_disagrees(mixed, fault):
         assert "disagrees" in words(*mixed).values()
 
 
+@pytest.mark.slow
 def test_elements_are_judged_by_mindlin_too(mixed):
     """Displacement of the surface by quadrature, none of the program's code: within the uncertainty of the elements."""
     case, found = mixed

@@ -33,22 +33,32 @@ def ball(x, depth, radius, **rest):
     return PlaneRegion(low=(x - radius, depth - radius), high=(x + radius, depth + radius), contains=inside, **rest)
 
 
-def test_regions_of_the_same_material_change_nothing():
-    """Another mesh, and the same contact: to the error of both meshes."""
-    graded = {"edges": (-1.0, 1.0), "sharp": 1 / 64, "divisions": 2}
-    bare = solved(LineStep(normal=P), **graded)
-    for region in (
-        layer(0.3, young_modulus=E),
+@pytest.fixture(scope="module")
+def graded():
+    """Settings of a graded mesh, and the contact without regions on it."""
+    settings = {"edges": (-1.0, 1.0), "sharp": 1 / 64, "divisions": 2}
+    return settings, solved(LineStep(normal=P), **settings)
+
+
+@pytest.mark.parametrize(
+    "region",
+    [
+        pytest.param(layer(0.3, young_modulus=E), marks=pytest.mark.slow),
         ball(0.2, 0.8, 0.4, poisson_ratio=NU),
-        PlaneRegion(low=(-0.3, 0.2), high=(0.6, 0.9), young_modulus=E),
-    ):
-        same = solved(LineStep(normal=P), regions=(region,), **graded)
-        assert len(same.bodies[0].laws) == 2
-        at = np.linspace(-0.8, 0.8, 9)
-        found, expected = (np.interp(at, s.x, s.moments[0].pressure) for s in (same, bare))
-        assert found == close(expected, abs=0.004 * P0)
-        points = np.array([[0.1, 0.5], [0.3, 0.7], [0.2, 1.0], [-0.9, 0.55], [0.4, 1.7]])
-        assert same.stress(points) == close(bare.stress(points), abs=0.004 * P0)
+        pytest.param(PlaneRegion(low=(-0.3, 0.2), high=(0.6, 0.9), young_modulus=E), marks=pytest.mark.slow),
+    ],
+    ids=["layer", "ball", "rectangle"],
+)
+def test_regions_of_the_same_material_change_nothing(region, graded):
+    """Another mesh, and the same contact: to the error of both meshes."""
+    settings, bare = graded
+    same = solved(LineStep(normal=P), regions=(region,), **settings)
+    assert len(same.bodies[0].laws) == 2
+    at = np.linspace(-0.8, 0.8, 9)
+    found, expected = (np.interp(at, s.x, s.moments[0].pressure) for s in (same, bare))
+    assert found == close(expected, abs=0.004 * P0)
+    points = np.array([[0.1, 0.5], [0.3, 0.7], [0.2, 1.0], [-0.9, 0.55], [0.4, 1.7]])
+    assert same.stress(points) == close(bare.stress(points), abs=0.004 * P0)
 
 
 @pytest.mark.parametrize(("thickness", "share"), [(8.0, 1.0), (0.005, 0.02)])

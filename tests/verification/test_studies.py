@@ -175,6 +175,7 @@ def test_a_study_of_a_user(own, tmp_path, command, monkeypatch):
     assert (tmp_path / "own.png").read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.slow
 def test_errors_of_readings_are_those_of_the_numbers_that_they_read(own, tmp_path, command, monkeypatch):
     monkeypatch.setenv("COLUMNS", "300")
     text = OWN.replace('"0.1 N", "0.8 N", "600 N"', '"0.4 N", "0.8 N"').replace('"50 um", "100 um"', '"100 um"')

@@ -153,8 +153,8 @@ class Registry:
     def named(self, key: str) -> list[Entry]:
         """Entries of any kind and package with this key; of one package for ``package:key``."""
         package, _, plain = key.rpartition(":")
-        owners = {_normal(package)} if package else {_normal(entry.package) for entry in self}
-        return [entry for entry in self if entry.key == plain and _normal(entry.package) in owners]
+        owner = _normal(package)
+        return [entry for entry in self if entry.key == plain and (not package or _normal(entry.package) == owner)]
 
     def entry_of(self, component: Any) -> Entry:
         """Entry of the class of a component; by its key if an instance replaces an installed class.

@@ -108,6 +108,7 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control, *
 
     Found to round-off, so that a scene scaled in length gets the same grid scaled.
     """
+    bottom = float(separation(np.zeros(1), np.zeros(1))[0])
 
     def rises(side: float) -> bool:
         ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
@@ -120,8 +121,7 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control, *
             lift = (middle - sum(end)) * control.normal_load / cell.cell_area
         else:
             lift = abs(control.approach or 0.0)
-        rise = float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0])
-        return rise > float(lift) > 0.0
+        return float(np.min(h)) - bottom > float(lift) > 0.0
 
     low = next((2.0**exponent for exponent in range(-41, 15) if rises(2.0 ** (exponent + 1))), None)
     if low is None:

@@ -96,7 +96,7 @@ class ElasticStress:
         )
         half = (0.5 * edges[0], 0.5 * edges[1])
         tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
-        contribution = np.stack([_convolved(table, field) for table in tables])
+        contribution = _convolved(tables, field)
         stress += contribution
         if contribution.nbytes <= self._room:
             self._room -= contribution.nbytes
@@ -223,8 +223,9 @@ def _bounds(inside: BoolArray, middle: FloatArray, edges: tuple[float, float]) -
     return low, starts + sides * np.array([span[-1] + 1.0 for span in spans])
 
 
-def _convolved(table: FloatArray, field: FloatArray) -> FloatArray:
-    """Sum over loaded cells if the table covers all of them."""
-    shape = [fft.next_fast_len(size, real=True) for size in table.shape]
-    product = fft.irfft2(fft.rfft2(table, shape) * fft.rfft2(field, shape), shape)
-    return np.asarray(product[field.shape[0] - 1 : table.shape[0], field.shape[1] - 1 : table.shape[1]])
+def _convolved(tables: FloatArray, field: FloatArray) -> FloatArray:
+    """Sums over loaded cells if the tables ``(n, ny, nx)`` cover all of them."""
+    shape = [fft.next_fast_len(size, real=True) for size in tables.shape[1:]]
+    product = fft.irfft2(fft.rfft2(tables, shape) * fft.rfft2(field, shape), shape)
+    rows, columns = field.shape
+    return np.array(product[:, rows - 1 : tables.shape[1], columns - 1 : tables.shape[2]])

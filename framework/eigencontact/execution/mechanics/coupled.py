@@ -137,7 +137,7 @@ class Coupled:
             Prescribed values.
         memory : object
             State of the contact.
-        before : Solved
+        before : Solution
             State at the start: stored variables of the interiors, and their surface displacement.
 
         Raises
