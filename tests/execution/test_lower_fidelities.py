@@ -118,7 +118,7 @@ def test_contact_over_repeated_eigenstrain():
 
 @pytest.mark.parametrize("region", [LINE, {"name": "spots", "shape": "points", "points": [[0, 0, 1e-6]]}])
 def test_lines_and_points_of_a_periodic_half_space_are_refused(region):
-    with pytest.raises(EigencontactError, match=r"must be 'exact' for fields on lines and at points.*ask for a plane"):
+    with pytest.raises(EigencontactError, match=r"must be 'exact' for fields on lines and at points.*use a plane"):
         ec.plan(scene("periodic", stress=region))
 
 

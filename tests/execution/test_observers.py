@@ -101,7 +101,7 @@ def test_what_no_body_remembers_is_refused_by_name(monkeypatch):
     ("table", "message"),
     [
         ({"shape": "plane"}, "depths or depth-max"),
-        ({"shape": "points", "points": POINTS, "body": 2}, "body2 is rigid"),
+        ({"shape": "points", "points": POINTS, "body": 2}, "rigid body2"),
         ({"shape": "points", "pionts": POINTS}, "did you mean 'points'"),
     ],
 )

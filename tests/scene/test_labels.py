@@ -71,7 +71,7 @@ MESSAGES = {
     ),
     "layers of one name": (
         scene(layers=[LAYERS[0], LAYERS[0]]),
-        "body1.medium.layers must be different for each layer; rename one of the layers (got 'TiN')",
+        "body1.medium.layers must be of different names; rename one of the layers (got 'TiN')",
     ),
 }
 

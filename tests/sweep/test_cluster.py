@@ -261,7 +261,7 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
     pytest.importorskip("distributed")
     with Cluster("local:1") as engine:  # opened once for both
         address = engine._client.scheduler.address
-        with pytest.raises(ClusterError, match="memory of a task must be that of a worker"):
+        with pytest.raises(ClusterError, match="memory of a task must not exceed that of a worker"):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, memory=2.0 * machine_bytes()))
         with pytest.raises(ClusterError, match=r"threads of a task must not exceed those of a worker \(got 4096, "):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, threads=4096))

@@ -140,7 +140,7 @@ class BondedLayers(LayeredMedium):
             layer.check(f"{self.key}.layers.{number}")
         names = [layer.name for layer in self.layers if layer.name]
         duplicate = next((name for number, name in enumerate(names) if name in names[:number]), None)
-        require(duplicate is None, self.key, "layers", duplicate, "different for each layer; rename one of the layers")
+        require(duplicate is None, self.key, "layers", duplicate, "of different names; rename one of the layers")
         self.substrate.check(f"{self.key}.substrate")
 
     @property
