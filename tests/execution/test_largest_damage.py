@@ -56,6 +56,29 @@ def test_bounds_hold_on_every_plane(cycle):
     assert np.all(radii <= bounds.deviator_widths() + room)
 
 
+@pytest.mark.parametrize("mean", [0.0, 1e9, -1e9])
+def test_bounds_of_many_points_are_larger_by_a_sixth_at_most(mean):
+    """By J2 alone: at least those by eigenvalues; the root of J2 is at most 2 / sqrt 3 of the largest shear."""
+    stress = 1e8 * np.random.default_rng(6).normal(size=(9, 6, 3000))
+    stress[:, :3] += mean
+    many, parts = PathBounds(stress), [PathBounds(stress[..., start : start + 500]) for start in range(0, 3000, 500)]
+    for name in ("shear_amplitude", "normal_maximum", "normal_amplitude"):
+        loose, close_bounds = getattr(many, name)(), np.concatenate([getattr(part, name)() for part in parts])
+        assert np.all(loose >= close_bounds - 1e-6 * np.abs(close_bounds))
+        assert np.any(loose > 1.001 * close_bounds) or mean
+    shear = np.concatenate([part.shear_amplitude() for part in parts])
+    assert np.all(many.shear_amplitude() <= 2 / 3**0.5 * 1.000001 * shear)
+
+
+@pytest.mark.parametrize("component", ALL, ids=lambda item: item.key)
+def test_largest_of_many_random_points(component):
+    stress = 1e8 * np.random.default_rng(7).normal(size=(5, 6, 1500))
+    cycle = StressCycle(stress=stress, strain=elastic_strain(stress, 200e9, 0.3))
+    everywhere = component.damage(cycle).value
+    searched = largest_first(component, cycle.at, cycle.points)
+    assert (searched.argmax(), searched.max()) == (everywhere.argmax(), everywhere.max())
+
+
 def test_bounds_are_near_the_largest_point_and_exact_for_a_line():
     """Uniaxial tension between -1 and 1: shear amplitude 1/2, normal stress 1, radius and widths sqrt(2/3)."""
     tension = np.zeros((2, 6, 1))
