@@ -9,9 +9,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact_verification.audit import contact_cases_of
-from eigencontact_verification.crosscheck.judge import judge
-from eigencontact_verification.crosscheck.run import Solved, tasks_of
-from eigencontact_verification.crosscheck.worker import Outcome
+from verdicts import rows_of
 
 P, NU = np.pi / 4, 0.3
 E = 1 - NU**2  # contact modulus 1, Hertz's half width 1
@@ -22,15 +20,6 @@ def case_of(folder, scene):
     (case,), gaps = contact_cases_of(folder)
     assert not gaps
     return case
-
-
-def rows_of(case):
-    """Verdicts of the quick audit, by profile and component."""
-    outcomes = []
-    for task in tasks_of(case):
-        fields = case.judged() if task.level is None else case.reference(task.level, task.outer)
-        outcomes.append((task, Outcome(status="done", fields=fields)))
-    return {(row.profile, row.component): row for row in judge(Solved(case=case, outcomes=tuple(outcomes))).rows}
 
 
 def largest(rows, kind):

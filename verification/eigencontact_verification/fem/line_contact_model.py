@@ -167,11 +167,14 @@ class LineStep:
         Forces per length on body 1, along z into it and along x [N/m].
     bulk : (float, float)
         Remote stress xx of body 1 and body 2 [Pa].
+    place : float
+        Place x of the origin of the gap, and of the forces [m].
     """
 
     normal: float
     shear: float = 0.0
     bulk: tuple[float, float] = (0.0, 0.0)
+    place: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,7 +186,8 @@ class LineContact:
     bodies : (LineBody,) or (LineBody, LineBody)
         With one, the other is rigid.
     gap : callable
-        Distance ``g(x)`` of the surfaces before any load, up to a constant [m]; takes and returns (n,).
+        Distance ``g(x)`` of the surfaces before any load, x from the place of the step, up to a constant [m]; takes and
+        returns (n,).
     friction : float
         Coulomb's coefficient.
     window : (low, high)
@@ -201,7 +205,7 @@ class LineContact:
     divisions : int
         Parts of every element each way.
     outer : str
-        What sides and base do: "fixed", move as in a half plane under the forces at the origin and the remote stress;
+        What sides and base do: "fixed", move as in a half plane under the forces of the step and the remote stress;
         "free", have the traction of that field.
 
     Raises
@@ -268,11 +272,16 @@ class LineContact:
         Raises
         ------
         ValueError
-            A negative normal force, a shear that is not below friction times it, or a stress of a rigid body.
+            A negative normal force, a shear that is not below friction times it, a stress of a rigid body, or a gap
+            that travels out of the window or under friction.
         """
         for number, step in enumerate(steps, start=1):
             if not step.normal >= 0:
                 raise ValueError(f"line step {number} normal must not be negative (got {step.normal}); use 0 to part")
+            if step.place and self.friction:
+                raise ValueError(f"line step {number} place must be 0 with friction (got {step.place}); leave out one")
+            if not self.window[0] < step.place < self.window[1]:
+                raise ValueError(f"line step {number} place must be in {self.window} (got {step.place}); widen it")
             most = self.friction * step.normal
             if step.shear and not abs(step.shear) < most:
                 raise ValueError(f"line step {number} |shear| must be below {most:g} (got {step.shear}); lower it")
