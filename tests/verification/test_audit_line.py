@@ -225,10 +225,20 @@ def test_a_radius_of_travel_that_was_another_is_caught(rolled):
     assert rows["pressure, step 4", "s_zz"].word == "disagrees"
 
 
+NONLOCAL = {
+    "type": "j2",
+    "hardening": {"type": "perfect", "yield-stress": 10.0},
+    "damage": {"type": "exponential", "saturation": 0.5, "strain": 0.02, "length": 0.3},
+}
+BRITTLE = {"type": "brittle", "damage": {"type": "mazars", "threshold": 1.0, "A": 0.9, "B": 2.0}}
+
+
 @pytest.mark.parametrize(
     ("tables", "reason"),
     [
         ({"friction": {"type": "shear-cap", "coefficient": MU, "cap": 1.0}}, "no friction"),
+        ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": NONLOCAL}}, "not local"),
+        ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": BRITTLE}}, "no law 'brittle'"),
         ({"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}}, "slides"),
     ],
 )

@@ -129,6 +129,41 @@ def test_strained_rectangles_agree(tmp_path):
         assert any(row.word == "disagrees" for (name, _), row in wrong.items() if name.startswith("stress"))
 
 
+def without_bulk(case):
+    """The case with the elements of a scene without bulk stress."""
+    steps = [[p, q, 0.0, 0.0, place] for p, q, _, _, place in case.parameters["steps"]]
+    return replace(case, parameters=case.parameters | {"steps": steps})
+
+
+@pytest.mark.slow
+def test_a_layer_under_bulk_stress(tmp_path):
+    """With friction, on the medium mesh of the quick audit; elements without the bulk stress are wrong by 30 times."""
+    layers = [{"thickness": 0.3, "young-modulus": 2 * E, "poisson-ratio": 0.25}]
+    substrate = {"young-modulus": E, "poisson-ratio": NU}
+    steps = [{"normal-load": P}, {"normal-load": P, "bulk-stress-xx": 0.1}, {"tangential-load-x": 0.2 * P}]
+    scene = pressed(
+        60, body1={"medium": {"type": "bonded-layers", "substrate": substrate, "layers": layers}}, steps=steps,
+        friction={"type": "coulomb", "coefficient": 0.5},
+    )  # fmt: skip
+    case = case_of(tmp_path / "run", scene)
+    reference = case.reference(1, "fixed")
+    name = "stress in the middle, step 3, section"
+    error = root_mean_square(case, reference, name)
+    assert error < 3e-3
+    assert root_mean_square(case, without_bulk(case).reference(1, "fixed"), name) > 30 * error
+
+
+@pytest.mark.slow
+def test_an_inclusion_under_bulk_stress(tmp_path):
+    stiff = {"young-modulus": 4 * E, "poisson-ratio": 0.2}
+    steps = [{"normal-load": P}, {"normal-load": P, "bulk-stress-xx": 0.3}]
+    case = case_of(tmp_path / "run", pressed(121, inclusions=bar(**stiff), steps=steps))
+    name = "stress in the middle, step 2, section"
+    error = root_mean_square(case, case.reference(1, "fixed"), name)
+    assert error < 5e-3
+    assert root_mean_square(case, without_bulk(case).reference(1, "fixed"), name) > 20 * error
+
+
 @pytest.mark.parametrize(
     ("tables", "reason"),
     [

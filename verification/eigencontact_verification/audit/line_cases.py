@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_model import junctions
+from eigencontact_verification.audit.line_grids import run_coarser, with_coarser
 from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import LineProfile, line_profiles
 from eigencontact_verification.audit.line_scene import StoredLine, read_line
@@ -115,7 +117,9 @@ def _edges(stored: StoredLine, lines: Iterable[LineProfile]) -> list[float]:
     return sorted(ends)
 
 
-def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[LineCase, ...], tuple[Gap, ...]]:
+def line_cases_of(
+    folder: str | Path, *, quick: bool = True, coarser: str | Path | None = None
+) -> tuple[tuple[LineCase, ...], tuple[Gap, ...]]:
     """The case of a run of a line contact; or no case, and why.
 
     Parameters
@@ -124,13 +128,21 @@ def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[Line
         Folder of the run, or its ``results.nc``.
     quick : bool
         Lighter meshes.
+    coarser : str or Path, optional
+        A run of the same scene with coarser cells: both together tell the error of the cells (`line_grids`). If it is
+        missing and a body yields, the scene is run with cells of twice the size.
     """
+    gaps: list[Gap] = []
     try:
         stored = read_line(folder)
     except NotJudged as problem:
         name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
         return (), (Gap(subject=name, what="whole line contact", reason=str(problem)),)
     lines = tuple(line_profiles(stored))
+    try:
+        lines = _with_error_of_cells(lines, stored, coarser)
+    except NotJudged as problem:
+        gaps.append(Gap(subject=stored.name, what="whole contact: error of the cells", reason=str(problem)))
     case = LineCase(
         subject=stored.name,
         name="line-contact",
@@ -147,4 +159,18 @@ def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[Line
         profiles=tuple(line.profile for line in lines),
         lines=lines,
     )
-    return (case,), ()
+    return (case,), tuple(gaps)
+
+
+def _with_error_of_cells(
+    lines: tuple[LineProfile, ...], stored: StoredLine, coarser: str | Path | None
+) -> tuple[LineProfile, ...]:
+    """Lines with the error that a coarser run tells; cells that cut regions do not allow to interpolate."""
+    if any(body["cut"] for body in stored.scene["bodies"]):
+        return lines
+    if coarser is not None:
+        return with_coarser(lines, stored, read_line(coarser))
+    if not stored.yields:
+        return lines
+    with TemporaryDirectory() as folder:
+        return with_coarser(lines, stored, read_line(run_coarser(stored.text, stored, Path(folder) / "run")))

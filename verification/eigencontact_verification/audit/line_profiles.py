@@ -1,8 +1,9 @@
 """Lines along which a run of a line contact is compared with finite elements, and the run's own error there.
 
 Values stand for means over strips, and may differ from the middle by an eighth of the second difference between
-neighbours (`contact_lines`). The half width is a zero of the squared pressure, known to a tenth of a strip where all is
-elastic (Hertz: 0.01, from fewer strips 0.07). Where a body yields the pressure ends flat: runs of
+neighbours (`contact_lines`). The half width is a zero of the squared pressure, known to a tenth of a strip where it is
+that of a smooth contact (Hertz: 0.01, from fewer strips 0.07), else to half a strip: where shear presses, runs differ
+from the elements by up to 0.4. Where a body yields the pressure ends flat: runs of
 'plastic-line-contact' with 12 and 16 strips differ from one with 24 by up to 1.1 of their strips. Where cells cut
 regions of other constants, their boundary may be off by half a cell: what they cause is uncertain by its change over
 half a cell along both axes.
@@ -30,7 +31,7 @@ _INNER, _SHALLOW, _FARTHEST = 0.8, 0.2, 2.4
 _POINTS = 40
 #: Depth of the history of stress below a geometry that travels, in half widths: of the largest orthogonal shear.
 _LOADED = 0.5
-#: Parts of a strip by which the half width may be wrong where a body yields, and where none does.
+#: Parts of a strip by which the half width may be wrong where a body yields, and of a smooth contact.
 _PLASTIC, _SMOOTH = 1.25, 0.1
 #: Contacts are compared in width from this part of the widest.
 _WIDE = 0.6
@@ -89,8 +90,9 @@ def line_profiles(stored: StoredLine) -> list[LineProfile]:
         wide = np.intersect1d(wide, compared)
     widths = np.stack((wide + 1.0, 0 * wide, 0 * wide), axis=1)
     scale = float(a.max())
-    yields = any(part.get("law") for body in stored.scene["bodies"] for part in (body, *body["regions"]))
-    half = np.full((wide.size, 1), (_PLASTIC if yields else _SMOOTH) * stored.cell / scale)
+    half = np.full(
+        (wide.size, 1), (_PLASTIC if stored.yields else _SMOOTH if stored.smooth else 0.5) * stored.cell / scale
+    )
     lines = [_line("half width", "", widths, 0, a[wide, None] / scale, half, tuple(int(k) for k in wide))]
     for kind, name, sign in (("pressure", "pressure", -1.0), ("shear", "shear_x", 1.0), ("slip", "slip_x", 1.0)):
         steps = (peak,) if kind == "pressure" else (pulled, last)
@@ -189,7 +191,7 @@ def _histories(stored: StoredLine) -> list[LineProfile]:
                 error,
                 moments,
                 body + 1,
-                steps + 1.0,
+                np.asarray(steps + 1.0, dtype=float),
             )
         )
     return lines

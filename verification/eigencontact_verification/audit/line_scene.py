@@ -51,8 +51,8 @@ class StoredLine:
 
     Attributes
     ----------
-    name : str
-        Of the scene.
+    name, text : str
+        Of the scene; the scene.
     scene : dict
         Of `line_scene`.
     x : (nx,) float64
@@ -78,6 +78,7 @@ class StoredLine:
     """
 
     name: str
+    text: str
     scene: dict[str, Any]
     x: FloatArray
     cell: float
@@ -91,6 +92,19 @@ class StoredLine:
     strains: list[StoredStrain]
     pitch: float
     middles: dict[int, tuple[FloatArray, FloatArray]]
+
+    @property
+    def yields(self) -> bool:
+        """Whether a body or a region has a law."""
+        return any(part.get("law") for body in self.scene["bodies"] for part in (body, *body["regions"]))
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the pressure falls as Hertz's at its ends: elastic, no regions in cells, no shear that presses."""
+        bodies = self.scene["bodies"]
+        alike = len({(body["young_modulus"], body["poisson_ratio"]) for body in bodies}) == 1 < len(bodies)
+        presses = self.scene["friction"] > 0 and not (alike and not any(body["regions"] for body in bodies))
+        return not (self.yields or presses or any(body["cut"] for body in bodies))
 
     @property
     def travels(self) -> bool:
@@ -151,6 +165,7 @@ def read_line(path: str | Path) -> StoredLine:
         }
         stored = StoredLine(
             name=str(data.attrs["name"]),
+            text=str(data.attrs["scene"]),
             scene=line_scene(str(data.attrs["scene"]), edges, np.asarray(data["time"].values).tolist()),
             x=x,
             cell=cell,
@@ -177,9 +192,6 @@ def read_line(path: str | Path) -> StoredLine:
         )
     if not load.max(initial=0.0) > 0:
         raise NotJudged("none of its steps has a load")
-    for body in stored.scene["bodies"]:
-        if any(region["kind"] == "layer" for region in body["regions"]) and np.any(stored.bulk[body["number"] - 1]):
-            raise NotJudged(f"body {body['number']} has layers and bulk stress")
     if np.any(np.abs(stored.force) > _SLIDES * stored.scene["friction"] * load):
         raise NotJudged("it slides as a whole, and the elements hold the force")
     return stored

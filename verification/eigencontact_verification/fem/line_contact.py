@@ -402,7 +402,11 @@ class _Solver:
         touched, sticks = p != 0, (now == 0) & self.rubs
         q = np.where(touched, np.where(sticks, trial, mu * p * now), 0.0)
         after = np.where(sticks & touched, slip, shift - q / k)
-        slopes = (np.asarray(stiff * touched), np.asarray(k * (sticks & touched)), mu * stiff * touched * now)
+        slopes = (
+            np.asarray(stiff * touched),
+            np.asarray(k * (sticks & touched)),
+            np.asarray(mu * stiff * touched * now),
+        )
         return np.asarray(p), q, after, slopes, now
 
     def first_depth(self, u: FloatArray, load: float, gap: FloatArray) -> float:

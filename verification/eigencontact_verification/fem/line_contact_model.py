@@ -107,6 +107,16 @@ class LineBody:
         """Whether no part of it has a law."""
         return self.law is None and all(region.law is None for region in self.regions)
 
+    def stretched(self, z: FloatArray) -> FloatArray:
+        """Remote stress xx at depths, in that of the substrate: layers share its strain, without strain yy."""
+        found = np.ones_like(z)
+        for layer in self.regions:
+            if np.isinf(layer.low[0]):
+                young = self.young_modulus if layer.young_modulus is None else layer.young_modulus
+                nu = self.poisson_ratio if layer.poisson_ratio is None else layer.poisson_ratio
+                found[(z > layer.low[1]) & (z < layer.high[1])] = young / (1 - nu**2) * self.compliance
+        return found
+
     def fits(self) -> list[Fit]:
         """Regions that the mesh follows."""
         return [
@@ -166,7 +176,7 @@ class LineStep:
     normal, shear : float
         Forces per length on body 1, along z into it and along x [N/m].
     bulk : (float, float)
-        Remote stress xx of body 1 and body 2 [Pa].
+        Remote stress xx of body 1 and body 2, of the substrate below layers [Pa].
     place : float
         Place x of the origin of the gap, and of the forces [m].
     """
@@ -285,10 +295,5 @@ class LineContact:
             most = self.friction * step.normal
             if step.shear and not abs(step.shear) < most:
                 raise ValueError(f"line step {number} |shear| must be below {most:g} (got {step.shear}); lower it")
-            for k, body in enumerate(self.bodies):
-                if step.bulk[k] and any(np.isinf(region.low[0]) for region in body.regions):
-                    raise ValueError(
-                        f"line step {number} bulk[{k}] must be 0, the body has layers (got {step.bulk[k]}); drop it"
-                    )
             if len(self.bodies) == 1 and step.bulk[1]:
                 raise ValueError(f"line step {number} bulk[1] must be 0, body 2 is rigid (got {step.bulk[1]}); drop it")

@@ -143,16 +143,17 @@ class HalfPlane:
         (n_x, n_z), (x, z) = np.asarray(self._rim.normals), np.asarray(self._rim.global_coordinates())
         normal, shear, bulk = self._loads(step)
         s_xx, s_zz, s_xz = line_force_stress(normal, shear, x - step.place, z)
-        loads = {"t_x": (s_xx + bulk) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
+        remote = bulk * self.material.stretched(z)
+        loads = {"t_x": (s_xx + remote) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
         return np.asarray(LinearForm(work).assemble(self._rim, **loads))
 
     @cached_property
-    def _condensed(self) -> tuple[Any, Any, Any, Any, FloatArray, FloatArray, IntArray]:
+    def _condensed(self) -> tuple[Any, IntArray, Any, Any, Any, FloatArray, FloatArray]:
         """Factors of K_ii, the inner unknowns, K, K_si, K_is, S, and the forces of the eigenstrain."""
         body = self.body
         force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.rest())
         kept = self.kept
-        loose = np.setdiff1d(np.flatnonzero(~self.held), kept)
+        loose = np.setdiff1d(np.flatnonzero(~self.held), kept).astype(np.int64)
         rows = matrix.tocsr()
         inner, between = rows[loose], rows[kept]
         factors = splu(
