@@ -1,9 +1,21 @@
 """Verdicts on a case of the cross-check, without its store and its processes."""
 
 from eigencontact_verification.crosscheck.case import own_error
+from eigencontact_verification.crosscheck.judge import judge
+from eigencontact_verification.crosscheck.run import Solved, tasks_of
+from eigencontact_verification.crosscheck.worker import Outcome
 from eigencontact_verification.fem.uncertainty import estimate, verdict
 
-__all__ = ["references", "words"]
+__all__ = ["references", "rows_of", "words"]
+
+
+def rows_of(case):
+    """Verdicts by profile and component, solved in this process."""
+    outcomes = []
+    for task in tasks_of(case):
+        fields = case.judged() if task.level is None else case.reference(task.level, task.outer)
+        outcomes.append((task, Outcome(status="done", fields=fields)))
+    return {(row.profile, row.component): row for row in judge(Solved(case=case, outcomes=tuple(outcomes))).rows}
 
 
 def references(case):

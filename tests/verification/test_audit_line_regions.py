@@ -9,9 +9,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact_verification.audit import contact_cases_of
-from eigencontact_verification.crosscheck.judge import judge
-from eigencontact_verification.crosscheck.run import Solved, tasks_of
-from eigencontact_verification.crosscheck.worker import Outcome
+from verdicts import rows_of
 
 P, NU = np.pi / 4, 0.3
 E = 1 - NU**2  # contact modulus 1, Hertz's half width 1
@@ -22,15 +20,6 @@ def case_of(folder, scene):
     (case,), gaps = contact_cases_of(folder)
     assert not gaps
     return case
-
-
-def rows_of(case):
-    """Verdicts of the quick audit, by profile and component."""
-    outcomes = []
-    for task in tasks_of(case):
-        fields = case.judged() if task.level is None else case.reference(task.level, task.outer)
-        outcomes.append((task, Outcome(status="done", fields=fields)))
-    return {(row.profile, row.component): row for row in judge(Solved(case=case, outcomes=tuple(outcomes))).rows}
 
 
 def largest(rows, kind):
@@ -138,6 +127,41 @@ def test_strained_rectangles_agree(tmp_path):
     for number, eigenstrain in ((0, [0.044, 0.011, -0.022, 0.0]), (1, [0.02, 0.02, -0.02, 0.0])):
         wrong = rows_of(with_region(case, number, eigenstrain=eigenstrain))
         assert any(row.word == "disagrees" for (name, _), row in wrong.items() if name.startswith("stress"))
+
+
+def without_bulk(case):
+    """The case with the elements of a scene without bulk stress."""
+    steps = [[p, q, 0.0, 0.0, place] for p, q, _, _, place in case.parameters["steps"]]
+    return replace(case, parameters=case.parameters | {"steps": steps})
+
+
+@pytest.mark.slow
+def test_a_layer_under_bulk_stress(tmp_path):
+    """With friction, on the medium mesh of the quick audit; elements without the bulk stress are wrong by 30 times."""
+    layers = [{"thickness": 0.3, "young-modulus": 2 * E, "poisson-ratio": 0.25}]
+    substrate = {"young-modulus": E, "poisson-ratio": NU}
+    steps = [{"normal-load": P}, {"normal-load": P, "bulk-stress-xx": 0.1}, {"tangential-load-x": 0.2 * P}]
+    scene = pressed(
+        60, body1={"medium": {"type": "bonded-layers", "substrate": substrate, "layers": layers}}, steps=steps,
+        friction={"type": "coulomb", "coefficient": 0.5},
+    )  # fmt: skip
+    case = case_of(tmp_path / "run", scene)
+    reference = case.reference(1, "fixed")
+    name = "stress in the middle, step 3, section"
+    error = root_mean_square(case, reference, name)
+    assert error < 3e-3
+    assert root_mean_square(case, without_bulk(case).reference(1, "fixed"), name) > 30 * error
+
+
+@pytest.mark.slow
+def test_an_inclusion_under_bulk_stress(tmp_path):
+    stiff = {"young-modulus": 4 * E, "poisson-ratio": 0.2}
+    steps = [{"normal-load": P}, {"normal-load": P, "bulk-stress-xx": 0.3}]
+    case = case_of(tmp_path / "run", pressed(121, inclusions=bar(**stiff), steps=steps))
+    name = "stress in the middle, step 2, section"
+    error = root_mean_square(case, case.reference(1, "fixed"), name)
+    assert error < 5e-3
+    assert root_mean_square(case, without_bulk(case).reference(1, "fixed"), name) > 20 * error
 
 
 @pytest.mark.parametrize(

@@ -290,6 +290,26 @@ def test_order_with_elements_that_are_small_at_the_edges():
     assert slip[-1] < 0.001
 
 
+def test_a_gap_that_travels():
+    """Hertz's contact where the gap is, in few iterations each; symmetric meshes give the mirrored pressure."""
+    places = (-1.0, -0.8, 0.0, 0.9, 1.0)
+    s = pressed(*(LineStep(normal=P, place=x) for x in places), bodies=(HALF, HALF), window=2.5, fine=0.125)
+    for place, moment in zip(places, s.moments, strict=True):
+        assert norm(s, moment.pressure - hertz(s.x - place)) < 0.025 * P0
+        assert moment.iterations < 5
+    assert s.moments[-1].pressure == close(s.moments[0].pressure[::-1], abs=1e-8 * P0)
+    assert s.contact(3) == close([-0.1, 1.9], abs=2e-3)
+
+
+def test_the_far_field_travels_with_the_gap():
+    """Both outer faces agree as they do for a centred contact: within the fourth power of the reach, not the first."""
+    loads = LineStep(normal=P), LineStep(normal=P, place=2.0)
+    fixed, free = (pressed(*loads, reach=12.0, window=3.5, growth=2.0, outer=outer) for outer in ("fixed", "free"))
+    centred, away = (np.abs(fixed.moments[k].pressure - free.moments[k].pressure).max() for k in (0, 1))
+    assert centred < 3e-4 * P0
+    assert away < 1e-3 * P0
+
+
 def test_refusals():
     with pytest.raises(ValueError, match=r"\|shear\| must be below"):
         pressed(LineStep(normal=P, shear=MU * P), friction=MU)
@@ -299,3 +319,7 @@ def test_refusals():
         pressed(LineStep(normal=P), window=0.5)
     with pytest.raises(ValueError, match="must rise around 0"):
         pressed(LineStep(normal=P), reach=1.0)
+    with pytest.raises(ValueError, match="place must be 0 with friction"):
+        pressed(LineStep(normal=P, place=0.1), friction=MU)
+    with pytest.raises(ValueError, match=r"place must be in \(-1.5, 1.5\)"):
+        pressed(LineStep(normal=P, place=2.0))

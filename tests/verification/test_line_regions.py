@@ -135,5 +135,16 @@ def test_refusals():
         PlaneRegion(low=(0.0, 1.0), high=(1.0, 0.5))
     with pytest.raises(ValueError, match="below z = 0"):
         ball(0.0, 0.5, 0.5)
-    with pytest.raises(ValueError, match="has layers"):
-        solved(LineStep(normal=P, bulk=(0.1, 0.0)), regions=(layer(0.5, young_modulus=2.0),))
+
+
+@pytest.mark.parametrize(("outer", "error"), [("free", 1e-9), ("fixed", 1e-4)])
+def test_layers_share_the_strain_of_the_substrate(outer, error):
+    """Bulk stress of the substrate: that of the layer is larger by the ratio of E / (1 - nu²)."""
+    stretched = solved(
+        LineStep(normal=0.0, bulk=(0.1, 0.0)), regions=(layer(0.3, young_modulus=2.0, poisson_ratio=0.2),), outer=outer
+    )
+    xx, yy, zz, xz = stretched.stress(np.array([[0.0, 0.1], [0.5, 0.2], [0.0, 0.5], [0.7, 1.5]]))
+    inside = 0.1 * 2.0 / (1 - 0.2**2)
+    assert xx == close([inside, inside, 0.1, 0.1], rel=error)
+    assert yy == close([0.2 * inside, 0.2 * inside, NU * 0.1, NU * 0.1], rel=error)
+    assert np.abs([zz, xz]).max() < error * 0.1

@@ -124,7 +124,7 @@ def contact_cases_of(
         A run of the same scene with coarser cells: both together tell the error of the cells (`two_grids`).
     """
     if is_line(folder):
-        return line_cases_of(folder, quick=quick)
+        return line_cases_of(folder, quick=quick, coarser=coarser)
     name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
     try:
         stored = read_contact(folder)

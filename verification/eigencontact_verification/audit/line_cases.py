@@ -5,10 +5,11 @@ Both take the same load steps, by backward Euler: what they share of its error i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_model import junctions
+from eigencontact_verification.audit.line_grids import run_coarser, with_coarser
 from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import LineProfile, line_profiles
 from eigencontact_verification.audit.line_scene import StoredLine, read_line
@@ -25,7 +27,7 @@ from eigencontact_verification.fem.line_contact import LineStep, solve_line_cont
 if TYPE_CHECKING:
     from eigencontact_verification.fem.line_contact import LineSolution
 
-__all__ = ["LineCase", "line_cases_of"]
+__all__ = ["LineCase", "line_cases_of", "line_steps"]
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +41,7 @@ _PARTS, _QUICK = 4, 2
 class LineCase(RunCase):
     """Stored values of a run of a line contact against finite elements with a contact algorithm of their own.
 
-    `parameters` are those of `line_scene`, with ``steps`` (normal, shear, bulk of both), ``half_width``, ``edges``
+    `parameters` are those of `line_scene`, with ``steps`` (`line_steps`), ``half_width``, ``edges``
     (`StoredLine.edges` of the steps that are compared, and where the profile changes its form), ``parts`` of a half
     width, and ``divisions`` by level. A component below a twentieth of the field counts as if it were a twentieth.
     """
@@ -51,6 +53,7 @@ class LineCase(RunCase):
     code: ClassVar[tuple[str, ...]] = (
         "eigencontact_verification.audit.line_model",
         f"{__name__}:LineCase.reference",
+        f"{__name__}:line_steps",
         f"{__name__}:_read",
         "eigencontact_verification.audit.contact_model",
         "eigencontact_verification.crosscheck.plasticity:point_law",
@@ -61,8 +64,7 @@ class LineCase(RunCase):
     def reference(self, level: Level, outer: Outer) -> Fields:
         """Values of the elements at the points of every line."""
         model = line_model(self.parameters, self.parameters["divisions"][level], outer)
-        steps = [LineStep(normal=p, shear=q, bulk=(one, two)) for p, q, one, two in self.parameters["steps"]]
-        solution = solve_line_contact(model, steps)
+        solution = solve_line_contact(model, line_steps(self.parameters))
         return {line.profile.name: _read(solution, line, self.parameters["half_width"]) for line in self.lines}
 
     def judged(self) -> Fields:
@@ -76,11 +78,19 @@ class LineCase(RunCase):
         return f"{self.subject}: stored (semi-analytical) and finite elements of the whole line contact"
 
 
+def line_steps(parameters: Mapping[str, Any]) -> list[LineStep]:
+    """Increments of the parameters of a case: normal, shear, bulk stress of both bodies, place."""
+    return [LineStep(normal=p, shear=q, bulk=(one, two), place=place) for p, q, one, two, place in parameters["steps"]]
+
+
 def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArray:
     """Values (n, components) of a line; half widths in the widest of the run."""
     if line.kind == "half width":
         ends = np.array([solution.contact(k) for k in line.moments])
         return np.asarray(np.diff(ends, axis=1) / (2 * widest))
+    if line.kind == "history of stress":
+        pairs = zip(line.profile.points[:, None, [0, 2]], line.moments, strict=True)
+        return np.concatenate([solution.stress(point, k, line.body).T for point, k in pairs])
     (k,) = line.moments
     x, now = line.profile.points[:, 0], solution.moments[k]
     if line.kind == "pressure":
@@ -98,15 +108,18 @@ def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArra
 
 def _edges(stored: StoredLine, lines: Iterable[LineProfile]) -> list[float]:
     """Places x where the elements are small [m]."""
-    steps = {k for line in lines for k in line.moments if line.kind != "half width"}
+    steps = {k for line in lines for k in line.moments if line.kind not in ("half width", "history of stress")}
     a, ends = float(stored.half_width.max()), stored.edges(steps)
-    for place in junctions(stored.scene["profile"]):
-        if place < a and all(abs(abs(end) - place) > stored.cell for end in ends):
-            ends += [-place, place]
+    for radius in junctions(stored.scene["profile"]):
+        for end in np.unique([stored.place[k] + sign * radius for k in steps for sign in (-1, 1)]):
+            if radius < a and all(abs(other - end) > stored.cell for other in ends):
+                ends.append(float(end))
     return sorted(ends)
 
 
-def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[LineCase, ...], tuple[Gap, ...]]:
+def line_cases_of(
+    folder: str | Path, *, quick: bool = True, coarser: str | Path | None = None
+) -> tuple[tuple[LineCase, ...], tuple[Gap, ...]]:
     """The case of a run of a line contact; or no case, and why.
 
     Parameters
@@ -115,19 +128,27 @@ def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[Line
         Folder of the run, or its ``results.nc``.
     quick : bool
         Lighter meshes.
+    coarser : str or Path, optional
+        A run of the same scene with coarser cells: both together tell the error of the cells (`line_grids`). If it is
+        missing and a body yields, the scene is run with cells of twice the size.
     """
+    gaps: list[Gap] = []
     try:
         stored = read_line(folder)
     except NotJudged as problem:
         name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
         return (), (Gap(subject=name, what="whole line contact", reason=str(problem)),)
     lines = tuple(line_profiles(stored))
+    try:
+        lines = _with_error_of_cells(lines, stored, coarser)
+    except NotJudged as problem:
+        gaps.append(Gap(subject=stored.name, what="whole contact: error of the cells", reason=str(problem)))
     case = LineCase(
         subject=stored.name,
         name="line-contact",
         parameters={
             **stored.scene,
-            "steps": np.stack((stored.load, stored.force, *stored.bulk), axis=1).tolist(),
+            "steps": np.stack((stored.load, stored.force, *stored.bulk, stored.place), axis=1).tolist(),
             "half_width": float(stored.half_width.max()),
             "edges": _edges(stored, lines),
             "parts": _QUICK if quick else _PARTS,
@@ -138,4 +159,18 @@ def line_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[Line
         profiles=tuple(line.profile for line in lines),
         lines=lines,
     )
-    return (case,), ()
+    return (case,), tuple(gaps)
+
+
+def _with_error_of_cells(
+    lines: tuple[LineProfile, ...], stored: StoredLine, coarser: str | Path | None
+) -> tuple[LineProfile, ...]:
+    """Lines with the error that a coarser run tells; cells that cut regions do not allow to interpolate."""
+    if any(body["cut"] for body in stored.scene["bodies"]):
+        return lines
+    if coarser is not None:
+        return with_coarser(lines, stored, read_line(coarser))
+    if not stored.yields:
+        return lines
+    with TemporaryDirectory() as folder:
+        return with_coarser(lines, stored, read_line(run_coarser(stored.text, stored, Path(folder) / "run")))

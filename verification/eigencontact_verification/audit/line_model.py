@@ -23,7 +23,8 @@ FloatArray = NDArray[np.float64]
 _SHARPER = 32
 #: Growth from element to element of a mesh with one element to a half width.
 _GROWTH = 16.0
-#: Window, depth of the elements of a half width's part, and reach of the mesh, in half widths.
+#: Window around the places of the geometry, depth of the elements of a part of a half width, and reach of the mesh, in
+#: half widths.
 _WINDOW, _DEEP, _REACH = 1.25, 0.5, 60.0
 #: That depth where a body yields.
 _DEEP_YIELDING = 2.0
@@ -34,6 +35,7 @@ _LEAST_ROOF = 1e-6
 def line_model(parameters: Mapping[str, Any], divisions: int, outer: Outer) -> LineContact:
     """Model of the parameters of a case; ``half_width``, ``parts`` and ``edges`` in them decide the mesh."""
     heights, a = Heights(bodies=tuple(parameters["profile"])), parameters["half_width"]
+    places = [0.0, *(place for *_, place in parameters["steps"])]
     parts = parameters["parts"]
     bodies = []
     for table in parameters["bodies"]:
@@ -44,7 +46,7 @@ def line_model(parameters: Mapping[str, Any], divisions: int, outer: Outer) -> L
         bodies=tuple(bodies),
         gap=lambda x: heights(np.abs(x)),
         friction=parameters["friction"],
-        window=(-_WINDOW * a, _WINDOW * a),
+        window=(min(places) - _WINDOW * a, max(places) + _WINDOW * a),
         fine=a / parts,
         deep=(_DEEP_YIELDING if any(body.law for body in bodies) else _DEEP) * a,
         edges=tuple(parameters["edges"]),

@@ -51,8 +51,8 @@ class StoredLine:
 
     Attributes
     ----------
-    name : str
-        Of the scene.
+    name, text : str
+        Of the scene; the scene.
     scene : dict
         Of `line_scene`.
     x : (nx,) float64
@@ -63,6 +63,8 @@ class StoredLine:
         Half width of the contact [m], forces per length along z and x on body 1 [N/m].
     bulk : (2, steps) float64
         Remote stress xx of both bodies [Pa].
+    place : (steps,) float64
+        Place x of the geometry [m].
     fields : dict of str to (steps, nx) float64
         ``"pressure"`` and, with friction, ``"shear_x"`` [Pa], ``"slip_x"`` [m].
     regions : list of list of StoredRegion
@@ -76,6 +78,7 @@ class StoredLine:
     """
 
     name: str
+    text: str
     scene: dict[str, Any]
     x: FloatArray
     cell: float
@@ -83,11 +86,30 @@ class StoredLine:
     load: FloatArray
     force: FloatArray
     bulk: FloatArray
+    place: FloatArray
     fields: dict[str, FloatArray]
     regions: list[list[StoredRegion]]
     strains: list[StoredStrain]
     pitch: float
     middles: dict[int, tuple[FloatArray, FloatArray]]
+
+    @property
+    def yields(self) -> bool:
+        """Whether a body or a region has a law."""
+        return any(part.get("law") for body in self.scene["bodies"] for part in (body, *body["regions"]))
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the pressure falls as Hertz's at its ends: elastic, no regions in cells, no shear that presses."""
+        bodies = self.scene["bodies"]
+        alike = len({(body["young_modulus"], body["poisson_ratio"]) for body in bodies}) == 1 < len(bodies)
+        presses = self.scene["friction"] > 0 and not (alike and not any(body["regions"] for body in bodies))
+        return not (self.yields or presses or any(body["cut"] for body in bodies))
+
+    @property
+    def travels(self) -> bool:
+        """Whether the geometry moves along the surface."""
+        return bool(np.any(self.place))
 
     def edges(self, steps: Iterable[int]) -> list[float]:
         """Places where contact or stick ends in these steps, ascending, at least a strip apart [m]."""
@@ -133,8 +155,6 @@ def read_line(path: str | Path) -> StoredLine:
         remote = {str(name) for name in data.variables if "bulk_stress_" in str(name)}
         if any(np.any(data[name].values) for name in remote if not name.endswith("_xx")):
             raise NotJudged("its bulk stress is not along x alone")
-        if any(np.any(data[name].values) for name in ("travel_x", "travel_y") if name in data.variables):
-            raise NotJudged("its geometry travels, and that of the elements stays")
         ends = ("bulk_stress_xx", "body2_bulk_stress_xx")
         x, cell = np.asarray(data["x"].values, dtype=float), float(data.attrs["cell_size"][0])
         edges = np.append(x - cell / 2, x[-1] + cell / 2)
@@ -145,6 +165,7 @@ def read_line(path: str | Path) -> StoredLine:
         }
         stored = StoredLine(
             name=str(data.attrs["name"]),
+            text=str(data.attrs["scene"]),
             scene=line_scene(str(data.attrs["scene"]), edges, np.asarray(data["time"].values).tolist()),
             x=x,
             cell=cell,
@@ -156,6 +177,7 @@ def read_line(path: str | Path) -> StoredLine:
             load=load,
             force=np.asarray(data["tangential_load_x"].values, dtype=float) if rubs else 0 * load,
             bulk=np.stack([data[name].values if name in remote else 0 * load for name in ends]),
+            place=np.asarray(data["travel_x"].values, dtype=float) if "travel_x" in data.variables else 0 * load,
             fields={name: np.asarray(data[name].values, dtype=float)[:, 0] for name in names},
             regions=[regions_at(data, at) for at in range(load.size)],
             strains=[
@@ -170,9 +192,6 @@ def read_line(path: str | Path) -> StoredLine:
         )
     if not load.max(initial=0.0) > 0:
         raise NotJudged("none of its steps has a load")
-    for body in stored.scene["bodies"]:
-        if any(region["kind"] == "layer" for region in body["regions"]) and np.any(stored.bulk[body["number"] - 1]):
-            raise NotJudged(f"body {body['number']} has layers and bulk stress")
     if np.any(np.abs(stored.force) > _SLIDES * stored.scene["friction"] * load):
         raise NotJudged("it slides as a whole, and the elements hold the force")
     return stored

@@ -30,7 +30,7 @@ _EFFORT = ("scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "
 #: First words of the profiles of whole contacts, of revolution and along a line: a column each that any of them has,
 #: largest difference ± uncertainty.
 _KINDS = (
-    "approach", "contact radius", "half width", "pressure", "shear", "slip", "print",
+    "approach", "contact radius", "half width", "pressure", "shear", "slip", "print", "history of stress",
     "stress in the middle", "stress near the edge", "stress through", "stress on the axis", "plastic strain",
 )  # fmt: skip
 

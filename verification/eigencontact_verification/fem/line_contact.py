@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -43,6 +43,8 @@ IntArray = NDArray[np.int64]
 
 #: Largest force that may be left at an unknown, as a part of the load; iterations; times that a step may be halved.
 _LEFT, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
+#: Factors of the stiffness of the contact by which an increment is approached where the whole one fails.
+_SOFTER = (1e-3, 3e-2, 1.0)
 #: Stiffness of contact and stick in contact moduli over the size of the fine elements.
 _STIFF = 1e4
 
@@ -66,6 +68,8 @@ class LineMoment:
         What the laws remember, by body.
     iterations : int
         Linear systems solved for it.
+    increments : int
+        Into which the step was parted because the whole had no solution; 1 if it was not.
     """
 
     step: LineStep
@@ -77,6 +81,7 @@ class LineMoment:
     stresses: tuple[FloatArray | None, ...] = field(repr=False)
     states: tuple[tuple[State, ...], ...] = field(repr=False)
     iterations: int = 0
+    increments: int = 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -204,9 +209,8 @@ class _Solver:
     def x(self) -> FloatArray:
         return self.halves[0].x
 
-    @cached_property
-    def gap(self) -> FloatArray:
-        return np.asarray(self.model.gap(self.x), dtype=float)
+    def gap(self, step: LineStep) -> FloatArray:
+        return np.asarray(self.model.gap(self.x - step.place), dtype=float)
 
     @cached_property
     def stiffness(self) -> float:
@@ -262,7 +266,7 @@ class _Solver:
             yield now
 
     def advance(self, before: LineMoment, step: LineStep, halvings: int = _HALVINGS) -> LineMoment:
-        found = self.newton(before, step)
+        found = self.newton(before, step) or self.approached(before, step)
         if found is not None:
             return found
         if not halvings:
@@ -270,46 +274,70 @@ class _Solver:
                 f"line contact must have a solution between {before.step} and {step} (got none in {_ITERATIONS} "
                 "iterations); take smaller increments"
             )
-        old = before.step
-        half = LineStep(
-            normal=(old.normal + step.normal) / 2,
-            shear=(old.shear + step.shear) / 2,
-            bulk=((old.bulk[0] + step.bulk[0]) / 2, (old.bulk[1] + step.bulk[1]) / 2),
-        )
-        return self.advance(self.advance(before, half, halvings - 1), step, halvings - 1)
+        half = _between(before.step, step)
+        first = self.advance(before, half, halvings - 1)
+        second = self.advance(first, step, halvings - 1)
+        return replace(second, increments=first.increments + second.increments)
 
-    def newton(self, before: LineMoment, step: LineStep) -> LineMoment | None:
-        """Newton's iteration on the semi-smooth equations; None where it does not converge."""
-        u = before.displacement.copy()
+    def approached(self, before: LineMoment, step: LineStep) -> LineMoment | None:
+        """The whole increment by way of softer contacts, if need be at a part of its loads; None if it fails.
+
+        From a poor start, nodes at the edge come and go for ever, or points yield that should not.
+        """
+        whole = self.stiffened(before, step, before)
+        part = None if whole else self.stiffened(before, _between(before.step, step), before)
+        return self.stiffened(before, step, part) if part else whole
+
+    def stiffened(self, before: LineMoment, step: LineStep, start: LineMoment) -> LineMoment | None:
+        found: LineMoment | None = start
+        for softer in _SOFTER:
+            found = found and self.newton(before, step, found, softer)
+        return found
+
+    def newton(
+        self, before: LineMoment, step: LineStep, start: LineMoment | None = None, softer: float = 1.0
+    ) -> LineMoment | None:
+        """Newton's iteration on the semi-smooth equations, by default from `before`; None where it does not converge.
+
+        `softer` is a factor of the stiffness of the contact.
+        """
+        start = start or before
+        u = start.displacement.copy()
         for part, half in zip(self.parts, self.halves, strict=True):
-            u[part] += half.moved(before.step, step)
-        if step.normal and not before.step.normal:
-            u[-2] = self.first_depth(u, step.normal)
+            u[part] += half.moved(start.step, step)
+        gap, loads = self.gap(step), [half.load(step) for half in self.halves]
+        if step.normal and not start.step.normal:
+            u[-2] = self.first_depth(u, step.normal, gap)
         loose = [half.free for half in self.halves]
         free = np.flatnonzero(np.concatenate((*loose, [step.normal > 0, self.rubs and step.normal > 0])))
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
         slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
+        moved = step.place - start.step.place
+        touched = np.interp(self.x - moved, self.x, start.pressure, 0.0, 0.0) > 0 if moved else None
         for tried in range(_ITERATIONS):
             try:
                 inner = [
-                    half.answer(u[part], states, step)
-                    for part, half, states in zip(self.parts, self.halves, before.states, strict=True)
+                    half.answer(u[part], states, load)
+                    for part, half, states, load in zip(self.parts, self.halves, before.states, loads, strict=True)
                 ]
             except ArithmeticError:
                 return None
-            p, q, slip, slopes, slides = self.tractions(u, before.slip, slides, parted=not step.normal)
+            p, q, slip, slopes, slides = self.tractions(
+                u, gap, before.slip, slides, softer if step.normal else 0.0, touched if np.any(touched) else None
+            )
+            touched = None
             rest = np.concatenate([*(-force for force, *_ in inner), [step.normal, step.shear]])
             rest -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
             rest = rest[free]
             bounded = np.all(np.abs(q) <= self.model.friction * p * (1 + 1e-12))
             if tried and bounded and np.abs(rest).max() <= _LEFT * scale:
-                moved = np.abs(slip - before.slip) > 0
+                slipped = np.abs(slip - before.slip) > 0
                 return LineMoment(
                     step=step,
                     pressure=p,
                     shear=q,
                     slip=slip,
-                    stick=(p > 0) & ~moved,
+                    stick=(p > 0) & ~slipped,
                     displacement=u,
                     stresses=tuple(stress for *_, stress in inner),
                     states=tuple(states for _, _, states, _ in inner),
@@ -331,7 +359,7 @@ class _Solver:
 
     def solved(self, matrices: list[Any], springs: csr_matrix, free: IntArray, rest: FloatArray) -> FloatArray:
         """Step (free,) of Newton's iteration; dense where no body keeps what lies inside."""
-        if all(half.material.elastic for half in self.halves):
+        if self.elastic:
             dense = springs.toarray()
             for part, matrix in zip(self.parts, matrices, strict=True):
                 dense[part, part] += matrix
@@ -341,37 +369,62 @@ class _Solver:
         return np.asarray(factors.solve(rest))
 
     @property
+    def elastic(self) -> bool:
+        return all(half.material.elastic for half in self.halves)
+
+    @property
     def rubs(self) -> bool:
         return self.model.friction > 0
 
     def tractions(
-        self, u: FloatArray, slip: FloatArray, slides: FloatArray, *, parted: bool
+        self,
+        u: FloatArray,
+        gap: FloatArray,
+        slip: FloatArray,
+        slides: FloatArray,
+        softer: float,
+        touched: NDArray[np.bool_] | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
         """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap, and what slides.
 
         `slides` is the sign of the slip of each node, 0 where it sticks. From one iteration to the next a node that
         would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
-        iteration would go to and fro for ever.
+        iteration would go to and fro for ever. `touched`, where a gap has travelled, takes these nodes as in contact.
         """
         k, mu = self.stiffness, self.model.friction
-        p = np.zeros(len(self.x)) if parted else np.maximum(0.0, k * (self.overlaps @ u - self.gap))
+        stiff, overlap = softer * k, self.overlaps @ u - gap
+        touched = overlap > 0 if touched is None else touched
+        p = np.where(touched, stiff * overlap, 0.0)
         shift = self.shifts @ u
         trial = k * (shift - slip)
         now = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
         now[(now * slides < 0) & (p > 0)] = 0.0
-        q = np.where(now == 0, trial, mu * p * now)
-        touched, sticks = p > 0, now == 0
-        q[~touched] = 0.0
+        touched, sticks = p != 0, (now == 0) & self.rubs
+        q = np.where(touched, np.where(sticks, trial, mu * p * now), 0.0)
         after = np.where(sticks & touched, slip, shift - q / k)
-        slopes = (np.asarray(k * touched), np.asarray(k * (sticks & touched)), np.where(touched, mu * k * now, 0.0))
+        slopes = (
+            np.asarray(stiff * touched),
+            np.asarray(k * (sticks & touched)),
+            np.asarray(mu * stiff * touched * now),
+        )
         return np.asarray(p), q, after, slopes, now
 
-    def first_depth(self, u: FloatArray, load: float) -> float:
+    def first_depth(self, u: FloatArray, load: float, gap: FloatArray) -> float:
         """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
-        height = self.gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
+        height = gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
         for depth in np.unique(height)[1:]:
             over = np.maximum(0.0, depth - height)
             width = self.weight[over > 0].sum() / 2
             if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ over) / width >= load:
                 return float(depth)
         return float(height.max())
+
+
+def _between(old: LineStep, new: LineStep) -> LineStep:
+    """Mean of two steps."""
+    return LineStep(
+        normal=(old.normal + new.normal) / 2,
+        shear=(old.shear + new.shear) / 2,
+        bulk=((old.bulk[0] + new.bulk[0]) / 2, (old.bulk[1] + new.bulk[1]) / 2),
+        place=(old.place + new.place) / 2,
+    )

@@ -107,6 +107,16 @@ class LineBody:
         """Whether no part of it has a law."""
         return self.law is None and all(region.law is None for region in self.regions)
 
+    def stretched(self, z: FloatArray) -> FloatArray:
+        """Remote stress xx at depths, in that of the substrate: layers share its strain, without strain yy."""
+        found = np.ones_like(z)
+        for layer in self.regions:
+            if np.isinf(layer.low[0]):
+                young = self.young_modulus if layer.young_modulus is None else layer.young_modulus
+                nu = self.poisson_ratio if layer.poisson_ratio is None else layer.poisson_ratio
+                found[(z > layer.low[1]) & (z < layer.high[1])] = young / (1 - nu**2) * self.compliance
+        return found
+
     def fits(self) -> list[Fit]:
         """Regions that the mesh follows."""
         return [
@@ -166,12 +176,15 @@ class LineStep:
     normal, shear : float
         Forces per length on body 1, along z into it and along x [N/m].
     bulk : (float, float)
-        Remote stress xx of body 1 and body 2 [Pa].
+        Remote stress xx of body 1 and body 2, of the substrate below layers [Pa].
+    place : float
+        Place x of the origin of the gap, and of the forces [m].
     """
 
     normal: float
     shear: float = 0.0
     bulk: tuple[float, float] = (0.0, 0.0)
+    place: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,7 +196,8 @@ class LineContact:
     bodies : (LineBody,) or (LineBody, LineBody)
         With one, the other is rigid.
     gap : callable
-        Distance ``g(x)`` of the surfaces before any load, up to a constant [m]; takes and returns (n,).
+        Distance ``g(x)`` of the surfaces before any load, x from the place of the step, up to a constant [m]; takes and
+        returns (n,).
     friction : float
         Coulomb's coefficient.
     window : (low, high)
@@ -201,7 +215,7 @@ class LineContact:
     divisions : int
         Parts of every element each way.
     outer : str
-        What sides and base do: "fixed", move as in a half plane under the forces at the origin and the remote stress;
+        What sides and base do: "fixed", move as in a half plane under the forces of the step and the remote stress;
         "free", have the traction of that field.
 
     Raises
@@ -268,18 +282,18 @@ class LineContact:
         Raises
         ------
         ValueError
-            A negative normal force, a shear that is not below friction times it, or a stress of a rigid body.
+            A negative normal force, a shear that is not below friction times it, a stress of a rigid body, or a gap
+            that travels out of the window or under friction.
         """
         for number, step in enumerate(steps, start=1):
             if not step.normal >= 0:
                 raise ValueError(f"line step {number} normal must not be negative (got {step.normal}); use 0 to part")
+            if step.place and self.friction:
+                raise ValueError(f"line step {number} place must be 0 with friction (got {step.place}); leave out one")
+            if not self.window[0] < step.place < self.window[1]:
+                raise ValueError(f"line step {number} place must be in {self.window} (got {step.place}); widen it")
             most = self.friction * step.normal
             if step.shear and not abs(step.shear) < most:
                 raise ValueError(f"line step {number} |shear| must be below {most:g} (got {step.shear}); lower it")
-            for k, body in enumerate(self.bodies):
-                if step.bulk[k] and any(np.isinf(region.low[0]) for region in body.regions):
-                    raise ValueError(
-                        f"line step {number} bulk[{k}] must be 0, the body has layers (got {step.bulk[k]}); drop it"
-                    )
             if len(self.bodies) == 1 and step.bulk[1]:
                 raise ValueError(f"line step {number} bulk[1] must be 0, body 2 is rigid (got {step.bulk[1]}); drop it")

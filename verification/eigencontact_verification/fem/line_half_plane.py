@@ -1,8 +1,8 @@
 """One body of a line contact for the solver: the unknowns that it keeps, and its inner forces by them.
 
 A body with a law keeps all of its unknowns. An elastic one keeps those of the surface where contact is looked for: its
-stiffness is condensed onto them once, ``S = K_ss - K_si K_ii^-1 K_is``, and so is what the far field, the remote stress
-and the eigenstrain do, which are linear in the loads. The rest follows from the surface where stress is read.
+stiffness is condensed onto them once, ``S = K_ss - K_si K_ii^-1 K_is``, and in each increment what the far field, the
+remote stress and the eigenstrain do. The rest follows from the surface where stress is read.
 """
 
 from __future__ import annotations
@@ -113,46 +113,47 @@ class HalfPlane:
         """Normal force, shear and remote stress of this body."""
         return step.normal, (step.shear, -step.shear)[self.number], step.bulk[self.number]
 
-    @cached_property
-    def _far(self) -> FloatArray:
-        """Displacement (unknowns, 3) of what is held under unit loads, zero elsewhere."""
-        found = np.zeros((self.body.basis.N, 3))
+    def far(self, step: LineStep) -> FloatArray:
+        """Displacement (unknowns,) of what is held, zero elsewhere."""
+        found = np.zeros(self.body.basis.N)
         here = np.flatnonzero(self.held)
         x, z = self.body.basis.doflocs[:, here]
         moduli = self.material.young_modulus, self.material.poisson_ratio
-        fields = [line_force_displacement(p, q, *moduli, x, z) for p, q in ((1.0, 0.0), (0.0, 1.0))]
-        for k, both in enumerate((*fields, stretched_displacement(1.0, *moduli, x, z))):
-            found[here, k] = np.where(self.body.first_component[here], *both)
+        normal, shear, bulk = self._loads(step)
+        both = line_force_displacement(normal, shear, *moduli, x - step.place, z)
+        both += stretched_displacement(bulk, *moduli, x, z)
+        found[here] = np.where(self.body.first_component[here], *both)
         return found
 
     @cached_property
-    def _outer(self) -> FloatArray:
-        """Forces (unknowns, 3) on free sides and base under unit loads."""
+    def _rim(self) -> FacetBasis:
+        """Sides and base."""
         basis, reach = self.body.basis, self.model.reach
+        outer = basis.mesh.facets_satisfying(lambda x: (np.abs(x[0]) == reach) | (x[1] == reach), boundaries_only=True)
+        return FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+
+    def _pull(self, step: LineStep) -> FloatArray:
+        """Forces (unknowns,) on free sides and base."""
         if self.model.outer == "fixed":
-            return np.zeros((basis.N, 3))
+            return np.zeros(self.body.basis.N)
 
         def work(v: object, w: object) -> object:
             return w.t_x * v[0] + w.t_z * v[1]  # type: ignore[attr-defined, index]
 
-        outer = basis.mesh.facets_satisfying(lambda x: (np.abs(x[0]) == reach) | (x[1] == reach), boundaries_only=True)
-        rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-        (n_x, n_z), (x, z) = np.asarray(rim.normals), np.asarray(rim.global_coordinates())
-        found = []
-        for p, q, bulk in np.eye(3):
-            s_xx, s_zz, s_xz = line_force_stress(p, q, x, z)
-            loads = {"t_x": (s_xx + bulk) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
-            found.append(np.asarray(LinearForm(work).assemble(rim, **loads)))
-        return np.stack(found, axis=1)
+        (n_x, n_z), (x, z) = np.asarray(self._rim.normals), np.asarray(self._rim.global_coordinates())
+        normal, shear, bulk = self._loads(step)
+        s_xx, s_zz, s_xz = line_force_stress(normal, shear, x - step.place, z)
+        remote = bulk * self.material.stretched(z)
+        loads = {"t_x": (s_xx + remote) * n_x + s_xz * n_z, "t_z": s_xz * n_x + s_zz * n_z}
+        return np.asarray(LinearForm(work).assemble(self._rim, **loads))
 
     @cached_property
-    def _condensed(self) -> tuple[Any, Any, FloatArray, FloatArray, IntArray]:
-        """Factors of K_ii, K_is, S, forces of unit loads and of the eigenstrain (kept, 4), and the inner unknowns."""
+    def _condensed(self) -> tuple[Any, IntArray, Any, Any, Any, FloatArray, FloatArray]:
+        """Factors of K_ii, the inner unknowns, K, K_si, K_is, S, and the forces of the eigenstrain."""
         body = self.body
         force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.rest())
-        right = np.column_stack((self._outer - matrix @ self._far, -force))
         kept = self.kept
-        loose = np.setdiff1d(np.flatnonzero(~self.held), kept)
+        loose = np.setdiff1d(np.flatnonzero(~self.held), kept).astype(np.int64)
         rows = matrix.tocsr()
         inner, between = rows[loose], rows[kept]
         factors = splu(
@@ -160,28 +161,41 @@ class HalfPlane:
         )
         coupling = inner[:, kept].tocsc()
         stiffness = between[:, kept].toarray()
+        between = between[:, loose]
         for k in range(0, len(kept), _AT_ONCE):
             part = np.s_[:, k : k + _AT_ONCE]
-            stiffness[part] -= between[:, loose] @ factors.solve(coupling[part].toarray())
-        loads = right[kept] - between[:, loose] @ factors.solve(right[loose])
-        return factors, (coupling, right[loose]), (stiffness + stiffness.T) / 2, loads, loose
+            stiffness[part] -= between @ factors.solve(coupling[part].toarray())
+        return factors, loose, rows, between, coupling, (stiffness + stiffness.T) / 2, force
 
     def moved(self, before: LineStep, after: LineStep) -> FloatArray:
         """Change (kept,) of what is held from one step to another."""
-        return np.asarray((self._far @ np.subtract(self._loads(after), self._loads(before)))[self.kept])
+        return (self.far(after) - self.far(before))[self.kept]
 
-    def answer(self, kept: FloatArray, before: tuple[State, ...], step: LineStep) -> Inner:
-        """Inner forces less those of the far field, by the kept unknowns."""
+    def _right(self, step: LineStep) -> FloatArray:
+        """Forces (unknowns,) of the far field and of the eigenstrain on an elastic body that does not move."""
+        _, _, matrix, _, _, _, force = self._condensed
+        return np.asarray(self._pull(step) - matrix @ self.far(step) - force)
+
+    def load(self, step: LineStep) -> FloatArray:
+        """Forces (kept,) of the far field, and of the eigenstrain on an elastic body."""
+        if not self.material.elastic:
+            return self._pull(step)
+        factors, loose, _, between, _, _, _ = self._condensed
+        right = self._right(step)
+        return np.asarray(right[self.kept] - between @ factors.solve(right[loose]))
+
+    def answer(self, kept: FloatArray, before: tuple[State, ...], load: FloatArray) -> Inner:
+        """Inner forces by the kept unknowns, less those of `load`."""
         if self.material.elastic:
-            _, _, stiffness, loads, _ = self._condensed
-            return stiffness @ kept - loads @ (*self._loads(step), 1.0), stiffness, before, None
+            stiffness = self._condensed[5]
+            return stiffness @ kept - load, stiffness, before, None
         force, matrix, after, stress = self.body.forces(kept, before)
-        return force - self._outer @ self._loads(step), matrix, after, stress
+        return force - load, matrix, after, stress
 
     def stress(self, kept: FloatArray, step: LineStep) -> FloatArray:
         """Stress (4, elements, 9) of an elastic body: xx, yy, zz, sqrt2 xz at the integration points."""
-        factors, (coupling, right), _, _, loose = self._condensed
-        found = self._far @ self._loads(step)
+        factors, loose, _, _, coupling, _, _ = self._condensed
+        found = self.far(step)
         found[self.kept] = kept
-        found[loose] = factors.solve(right @ (*self._loads(step), 1.0) - coupling @ kept)
+        found[loose] = factors.solve(self._right(step)[loose] - coupling @ kept)
         return self.body.answer(found, self.body.rest())[0]

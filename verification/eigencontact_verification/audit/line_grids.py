@@ -1,0 +1,115 @@
+"""Error of a run of a line contact from a run of the same scene with coarser cells, strips and cells of bodies alike.
+
+Cells that yield have an error that no second difference of their values tells: where those of 'plastic-line-contact'
+are halved, stress and plastic strain near the edge change by four times as much.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
+
+from eigencontact_verification.audit.bodies import NotJudged
+from eigencontact_verification.audit.line_profiles import LineProfile
+from eigencontact_verification.audit.line_scene import StoredLine
+
+__all__ = ["run_coarser", "with_coarser"]
+
+FloatArray = NDArray[np.float64]
+
+#: Factor of the cells of the second run, and least that is accepted.
+_FACTOR, _LEAST = 2.0, 1.2
+#: Factor of safety of a grid convergence index of two grids, whose order is taken for 1.
+_SAFETY = 1.25
+_FIELDS = {"pressure": ("pressure", -1.0), "shear": ("shear_x", 1.0), "slip": ("slip_x", 1.0)}
+
+
+def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
+    """Run the scene of a run with cells twice as wide and high, into a folder.
+
+    Raises
+    ------
+    NotJudged
+        The coarser scene was refused.
+    """
+    import eigencontact as ec
+    from eigencontact.accuracy.changes import refined_window
+    from eigencontact.errors import EigencontactError
+
+    tables = tomllib.loads(text)
+    height = max(float(np.diff(z).max()) for _, z in stored.middles.values())
+    numerics = {**tables.get("numerics", {}), "inclusion-pitch": _FACTOR * height, "allow-coarse": True}
+    output = {**tables.get("output", {}), "pictures": False, "errors": False}
+    try:
+        grid, _ = refined_window(ec.plan(tables), 1 / _FACTOR, alike=True)
+        coarse = {**tables, "grid": grid, "numerics": numerics, "output": output, "observers": [], "fatigue": []}
+        ec.run(coarse, folder).dataset.close()
+    except EigencontactError as problem:
+        raise NotJudged(f"the scene with coarser cells was refused: {' '.join(str(problem).split())}") from problem
+    return folder
+
+
+def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: StoredLine) -> tuple[LineProfile, ...]:
+    """Lines whose own error is not less than both runs say, nor than half of the largest on the line.
+
+    Both say ``1.25 |f - g| / (ratio - 1)``, an index of first order. The half width, which counts strips, keeps its
+    own.
+
+    Raises
+    ------
+    NotJudged
+        The second run has other loads, or cells that are not coarser by a fifth.
+    """
+    ratio = coarser.cell / stored.cell
+    if not ratio >= _LEAST:
+        raise NotJudged(f"the coarser run must have strips wider by a factor of {_LEAST} (got {ratio:.3g})")
+    if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
+        raise NotJudged("the coarser run must have the same loads")
+    return tuple(_widened(line, coarser, ratio) for line in lines)
+
+
+def _widened(line: LineProfile, coarser: StoredLine, ratio: float) -> LineProfile:
+    values = _values(coarser, line)
+    if values is None:
+        return line
+    index = _SAFETY * np.abs(line.values - values) / (ratio - 1)
+    known = np.isfinite(index).all(axis=1)
+    if not known.any():
+        return line
+    index = np.stack([np.interp(line.profile.along, line.profile.along[known], one) for one in index[known].T], axis=1)
+    return replace(line, own=np.maximum(line.own, np.maximum(index, index.max(axis=0) / 2)))
+
+
+def _values(run: StoredLine, line: LineProfile) -> FloatArray | None:
+    """Values (n, components) of a run at the points of a line, nan outside what it stores; None of half widths."""
+    if line.kind in _FIELDS:
+        name, sign = _FIELDS[line.kind]
+        found = Akima1DInterpolator(run.x, sign * run.fields[name][line.moments[0]])(line.profile.points[:, 0])
+        return np.asarray(found[:, None])
+    number = run.scene["bodies"][line.body - 1]["number"]
+    points = line.profile.points
+    if line.kind == "plastic strain":
+        (strain,) = (one for one in run.strains if one.body == number)
+        return _within(strain.x, strain.z, strain.values[:, :, None], points)
+    if line.kind not in ("stress", "history of stress"):
+        return None
+    stored = [
+        next(one for one in run.regions[k] if one.body == number and line.profile.name.endswith(one.name))
+        for k in line.moments
+    ]
+    found = [
+        _within(one.points[0, :, 0], one.points[:, 0, 2], one.stress[:, :, [0, 1, 2, 4]], points) for one in stored
+    ]
+    return found[0] if len(found) == 1 else np.stack([one[k] for k, one in enumerate(found)])
+
+
+def _within(x: FloatArray, z: FloatArray, field: FloatArray, points: FloatArray) -> FloatArray:
+    """Field (nz, nx, components) at points (n, 3) of one column."""
+    column = Akima1DInterpolator(x, field, axis=1)(points[0, 0])
+    return np.asarray(Akima1DInterpolator(z, column, axis=0)(points[:, 2]))
