@@ -103,7 +103,7 @@ def test_an_increment_is_accepted_by_a_sweep_over_the_whole_box_only(parts, monk
     def noting(cells, tractions, tolerance):
         before = parts["sweeps"], cells._sweeps.applications, id(cells._after)
         answer = image(cells, tractions, tolerance)
-        images.append((cells._time, answer[1] <= TOLERANCE, id(cells._after) != before[2]))
+        images.append((cells._time, max(answer[1], tolerance) <= TOLERANCE, id(cells._after) != before[2]))
         return answer
 
     monkeypatch.setattr(SweptCells, "image", noting)

@@ -144,7 +144,7 @@ class SweptCells(Cells):
     def begin(self, increment: Increment, last: Records) -> None:
         """See `Interior.begin`."""
         super().begin(increment, last)
-        self._sweeping, self._start = True, self.eigenstrain
+        self._sweeping, self._is_first, self._start = True, True, self.eigenstrain
         if self._part is not None:
             self._part.begin()
         self._before = [self._variables(law, cells, last) for law, cells in self._laws]
@@ -197,8 +197,11 @@ class SweptCells(Cells):
         """See `Interior.image`."""
         if not self._sweeping:
             return super().image(tractions, tolerance)
-        before, sweep = self._applied, self._sweep_of_part(tractions)
-        if sweep is None or sweep.residual <= self._numerics.tolerance:
+        # Only under tractions of the tolerance of the scene may the increment end: the whole box must confirm it.
+        may_end = tolerance <= self._numerics.tolerance
+        before, sweep = self._applied, None if may_end and self._is_first else self._sweep_of_part(tractions)
+        self._is_first = False
+        if sweep is None or (may_end and sweep.residual <= self._numerics.tolerance):
             self._load = self.applied(tractions)
             sweep = self._sweeps.sweep(
                 self.eigenstrain,

@@ -6,7 +6,8 @@ end than the start is, its tractions are a better start for the contact, and the
 tell how the residual follows the unknowns. The answer is iterated to the same tolerance from any guess.
 
 An increment is known by what the history prescribes at its start and at its end. The first one of its kind is only
-noted, so that a history without repeats keeps nothing.
+noted, so that a history without repeats keeps nothing. Guesses begin with the fourth: before, the body has not settled,
+and they save little.
 """
 
 from __future__ import annotations
@@ -132,9 +133,11 @@ class Repeats:
         self._records: dict[Hashable, Repeat | None] = {}
 
     def of(self, increment: Increment) -> Repeat | None:
-        """Earlier solution of the increment; None where there is none."""
+        """Earlier solution of the increment; None where there is none, or where it has been stored only once."""
         repeat = self._records.get((self._end, _end_of(increment)))
-        return repeat if repeat is not None and _alike(repeat.surface, increment.surface) else None
+        if repeat is None or any(change.older is None for change in repeat.changes):
+            return None
+        return repeat if _alike(repeat.surface, increment.surface) else None
 
     def forget(self, increment: Increment) -> None:
         """Leave out the earlier solution of an increment, as it was no help."""
