@@ -11,7 +11,10 @@ import eigencontact as ec
 from close import close
 from eigencontact.results.reader import open_results
 from eigencontact_verification.audit import contact_cases_of
+from eigencontact_verification.audit.line_grids import values_at
 from eigencontact_verification.audit.line_model import line_model
+from eigencontact_verification.audit.line_profiles import line_profiles
+from eigencontact_verification.audit.line_scene import read_line
 from eigencontact_verification.crosscheck.case import own_error
 from eigencontact_verification.fem.line_contact import LineStep, solve_line_contact
 from verdicts import rows_of
@@ -223,6 +226,26 @@ def test_a_radius_of_travel_that_was_another_is_caught(rolled):
     rows = rows_of(replace(rolled, parameters=rolled.parameters | {"profile": profile}))
     assert rows["half width", "a"].word == "disagrees"
     assert rows["pressure, step 4", "s_zz"].word == "disagrees"
+
+
+@pytest.mark.slow
+def test_a_coarser_run_tells_the_error_of_cells_that_yield(tmp_path):
+    """Of 12 cells per half width against 36, at nearly all points; second differences do not."""
+    cells = "grid.cells-per-contact-radius", "numerics.inclusion-pitch"
+    coarse, fine = ([f"{cells[0]}={n}", f"{cells[1]}={180 / n} um"] for n in (12, 36))
+    case = gallery_case("plastic-line-contact", coarse, tmp_path / "run")
+    ec.run(ec.load_scene("plastic-line-contact", [*fine, "output.pictures=false"]), tmp_path / "fine").dataset.close()
+    rule = {line.profile.name: line.own for line in line_profiles(read_line(tmp_path / "run"))}
+    better = values_at(read_line(tmp_path / "fine"), case.lines)
+    within = {}
+    for line in case.lines:
+        if line.kind != "half width":
+            error, name = np.abs(better[line.profile.name] - line.values), line.profile.name
+            slack = 1e-6 * np.abs(line.values).max()
+            within[name] = [float(np.nanmean(error <= own + slack)) for own in (line.own, rule[name])]
+    assert min(found for found, _ in within.values()) > 0.95
+    assert within["pressure, step 14"][1] < 0.5
+    assert within["stress near the edge, step 14, section"][1] < 0.5
 
 
 NONLOCAL = {

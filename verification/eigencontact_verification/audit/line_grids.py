@@ -19,7 +19,7 @@ from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.line_profiles import LineProfile
 from eigencontact_verification.audit.line_scene import StoredLine
 
-__all__ = ["run_coarser", "with_coarser"]
+__all__ = ["run_coarser", "values_at", "with_coarser"]
 
 FloatArray = NDArray[np.float64]
 
@@ -72,6 +72,11 @@ def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: Stor
     if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
         raise NotJudged("the coarser run must have the same loads")
     return tuple(_widened(line, coarser, ratio) for line in lines)
+
+
+def values_at(run: StoredLine, lines: Sequence[LineProfile]) -> dict[str, FloatArray | None]:
+    """Values of another run at the points of lines, by their names; None of half widths."""
+    return {line.profile.name: _values(run, line) for line in lines}
 
 
 def _widened(line: LineProfile, coarser: StoredLine, ratio: float) -> LineProfile:
