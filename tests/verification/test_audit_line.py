@@ -11,6 +11,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.results.reader import open_results
 from eigencontact_verification.audit import contact_cases_of
+from eigencontact_verification.audit.line_cases import line_steps
 from eigencontact_verification.audit.line_grids import values_at
 from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import line_profiles
@@ -246,6 +247,16 @@ def test_a_coarser_run_tells_the_error_of_cells_that_yield(tmp_path):
     assert min(found for found, _ in within.values()) > 0.95
     assert within["pressure, step 14"][1] < 0.5
     assert within["stress near the edge, step 14, section"][1] < 0.5
+
+
+@pytest.mark.slow
+def test_increments_of_a_body_that_yields_stay_whole(tmp_path):
+    """The first of unloading, too, in which the iteration fails at first: the elements take the steps of the run."""
+    coarse = ["grid.cells-per-contact-radius=12", "numerics.inclusion-pitch=15 um"]
+    case = gallery_case("plastic-line-contact", coarse, tmp_path / "run")
+    moments = solve_line_contact(line_model(case.parameters, 1, "fixed"), line_steps(case.parameters)).moments
+    assert [moment.increments for moment in moments] == [1] * len(moments)
+    assert max(moment.iterations for moment in moments) > 30
 
 
 NONLOCAL = {

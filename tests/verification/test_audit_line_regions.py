@@ -129,6 +129,17 @@ def test_strained_rectangles_agree(tmp_path):
         assert any(row.word == "disagrees" for (name, _), row in wrong.items() if name.startswith("stress"))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("strips", "ratio"), [(30, 20.0), (31, 4.0)])
+def test_the_error_of_ten_cells_that_cut_a_bar_is_estimated(strips, ratio, tmp_path):
+    """Half of a cell in depth alone is 1.2 times too small; a bar a quarter as stiff is still caught."""
+    stiff = {"young-modulus": ratio * E, "poisson-ratio": 0.3}
+    case = case_of(tmp_path / "run", pressed(strips, inclusions=bar(depth=0.6, **stiff)))
+    assert all(row.word != "disagrees" for row in rows_of(case).values())
+    wrong = rows_of(with_region(case, 0, young_modulus=ratio * E / 4))
+    assert any(row.word == "disagrees" for (name, _), row in wrong.items() if name.startswith("stress"))
+
+
 def without_bulk(case):
     """The case with the elements of a scene without bulk stress."""
     steps = [[p, q, 0.0, 0.0, place] for p, q, _, _, place in case.parameters["steps"]]

@@ -39,15 +39,21 @@ def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
         The coarser scene was refused.
     """
     import eigencontact as ec
-    from eigencontact.accuracy.changes import refined_window
     from eigencontact.errors import EigencontactError
 
     tables = tomllib.loads(text)
     height = max(float(np.diff(z).max()) for _, z in stored.middles.values())
     numerics = {**tables.get("numerics", {}), "inclusion-pitch": _FACTOR * height, "allow-coarse": True}
     output = {**tables.get("output", {}), "pictures": False, "errors": False}
+    strips, odd = len(stored.x), len(stored.x) % 2  # the middle of the window keeps or lacks a strip
+    grid = {
+        "length": "infinite",
+        "cells": max(2 - odd, 2 * round((strips / _FACTOR - odd) / 2) + odd),
+        "size": strips * stored.cell,
+        "center": [float(stored.x[0] + stored.x[-1]) / 2, 0.0],
+        **{key: value for key, value in tables["grid"].items() if key == "datum-depth"},
+    }
     try:
-        grid, _ = refined_window(ec.plan(tables), 1 / _FACTOR, alike=True)
         coarse = {**tables, "grid": grid, "numerics": numerics, "output": output, "observers": [], "fatigue": []}
         ec.run(coarse, folder).dataset.close()
     except EigencontactError as problem:

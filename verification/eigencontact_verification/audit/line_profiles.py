@@ -153,7 +153,8 @@ def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
                     for one, at in zip(caused, beside, strict=True)
                 ]
                 change = np.abs(np.gradient(caused[1], points[:, 2], axis=0)) + np.maximum(across[0], across[2])
-                error += stored.pitch / 2 * change
+                padded = np.pad(change, ((1, 1), (0, 0)), mode="edge")  # where a change happens to vanish no error does
+                error += stored.pitch / 2 * np.maximum.reduce([padded[:-2], change, padded[2:]])
             error = np.maximum(error, error[good].max(axis=0) / 2)[chosen]
             name = f" {where}, step {k + 1}, {region.name}"
             number = numbers.index(region.body) + 1
