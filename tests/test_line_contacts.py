@@ -150,7 +150,7 @@ def test_largest_stress_below_a_cylinder():
 
 def test_gross_slip_is_refused_with_its_unit():
     steps = [{"normal-load": P}, {"tangential-load-x": 1.01 * 0.3 * P}]
-    with pytest.raises(SceneError, match=r"tangential_load_x .* of at most 0\.235619 N/m"):
+    with pytest.raises(SceneError, match=r"steps\.1\.tangential-load-x.* of at most 0\.235619 N/m"):
         ec.run(scene(64, **PAIR, friction=FRICTION, steps=steps))
     sliding = [{"normal-load": P}, {"sliding-distance": 0.1}]
     _, data = solved(64, **PAIR, friction=FRICTION, steps=sliding)
