@@ -52,9 +52,10 @@ class Anderson:
         self._gram_earlier = np.zeros((0, 0))
 
     def restart(self) -> None:
-        """Begin another solution of nearly the same problem: differences are kept, guesses are not.
+        """Begin another solution of nearly the same problem with the stored differences, but without the guesses.
 
-        They tell how the residual follows the unknowns, so that the first combination already removes most of it.
+        The differences describe how the residual depends on the unknowns, so that the first combination already removes
+        most of the residual.
         """
         steps = [
             (_difference(images[1], images[0]), _difference(residuals[1], residuals[0]))

@@ -1,8 +1,8 @@
 """Sweeps of a body that yields over the part of its box in which cells flow.
 
-Cells outside the part have no eigenstrain and keep none as long as their law is elastic there. Whether it is, only a
-sweep over the whole box tells: one such sweep begins an increment, another one must confirm its end, and a cell that
-has begun to flow outside extends the part. Between them a sweep costs as much as the part is large.
+Cells outside the part have no eigenstrain as long as their law stays elastic there, and only a sweep over the whole box
+can check this. One such sweep begins an increment, and another one must confirm its end; a cell outside that has begun
+to flow extends the part. The sweeps between them cost time in proportion to the size of the part.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _MARGIN = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Start:
-    """Cells of a part at the start of an increment: history variables, where and when the law is asked, prestrain."""
+    """Cells of a part at the start of an increment: history variables, evaluation points of the law, prestrain."""
 
     before: Sequence[Mapping[str, FloatArray]]
     steps: Sequence[Any]

@@ -14,23 +14,24 @@ __all__ = ["JointAnderson"]
 
 
 class JointAnderson:
-    """Anderson's combination of several arrays as one vector, each in its unit and weighed by its number of entries.
+    """Anderson combination of several arrays as one vector.
 
-    The units are those of the first round in which an array is not zero. They stay, as what is remembered is in them:
-    with units that follow the arrays the combination stalls. Entries that were always zero, as those of cells that do
-    not flow, are not remembered.
+    Each array has a unit of its own and a weight by its number of entries. The unit of an array is its size in the
+    first round in which it is not zero. Units stay fixed, because the stored vectors are in these units; with variable
+    units the combination stalls. Entries that were always zero, for example of cells without plastic flow, are not
+    stored.
 
     Parameters
     ----------
     depth : int
-        Differences kept.
+        Number of stored differences.
     """
 
     def __init__(self, depth: int) -> None:
         self._depth, self._anderson, self._units = depth, Anderson(depth), list[FloatArray]()
-        #: Entries that moved, in the order of their first move: number of the array, and flat indices in it.
+        #: Entries that have been nonzero, in order of their first change: number of the array, and flat indices in it.
         self._moving: list[tuple[int, NDArray[np.intp]]] = []
-        self._known: list[NDArray[np.bool_]] = []
+        self._nonzero: list[NDArray[np.bool_]] = []
 
     def restart(self) -> None:
         """See `Anderson.restart`."""
@@ -72,11 +73,11 @@ class JointAnderson:
 
     def _follow(self, guess: Sequence[FloatArray], answers: Sequence[FloatArray]) -> None:
         """Append the newly nonzero entries to the stored ones."""
-        if not self._known:
-            self._known = [np.zeros(array.shape, dtype=bool) for array in guess]
+        if not self._nonzero:
+            self._nonzero = [np.zeros(array.shape, dtype=bool) for array in guess]
         for number, (before, after) in enumerate(zip(guess, answers, strict=True)):
             fresh = before != 0.0
             fresh |= after != 0.0
-            fresh &= ~self._known[number]
-            self._known[number] |= fresh
+            fresh &= ~self._nonzero[number]
+            self._nonzero[number] |= fresh
             self._moving.append((number, np.flatnonzero(fresh)))

@@ -1,12 +1,17 @@
 """First guesses of increments that a load history repeats.
 
-In cycles a body that yields settles: an increment differs from the same one a cycle earlier by a thousandth of what it
-changes itself, and by less with every cycle. What the earlier increment has changed is therefore a better guess of the
-end than the start is, its tractions are a better start for the contact, and the differences of its rounds still
-tell how the residual follows the unknowns. The answer is iterated to the same tolerance from any guess.
+A body that yields settles under cycles: the change of the unknowns in an increment differs from the change in the same
+increment a cycle earlier by about a thousandth, and by less with every cycle. An increment that repeats therefore
+starts with three results of the earlier increment:
 
-An increment is known by what the history prescribes at its start and at its end. The first one of its kind is only
-noted, so that a history without repeats keeps nothing. Guesses begin with the fourth: before, the body has not settled,
+- the change of the unknowns, as first guess;
+- the tractions, as start of the contact solution;
+- the differences of the rounds, which describe how the residual depends on the unknowns.
+
+The iteration meets the same tolerance from any guess.
+
+The prescribed values at the start and end of an increment identify it. Of the first increment of a kind only this key
+is stored, so that a history without repeats stores nothing else. Guesses begin with the fourth: before, the body has not settled,
 and they save little.
 """
 
@@ -26,27 +31,27 @@ from eigencontact.solvers.joint_anderson import JointAnderson
 
 __all__ = ["Change", "Repeat", "Repeats"]
 
-#: Memory of all guesses [byte]; what would exceed it is not kept.
+#: Memory limit of all guesses [byte]; guesses beyond it are not stored.
 _MOST = 256_000_000
-#: Change of the separation, relative to its range, up to which surfaces are those of the earlier increment: worn
-#: surfaces are, those of a geometry that has rolled on by a cell are not.
+#: Change of the separation, relative to its range, up to which surfaces count as those of the earlier increment: a worn
+#: surface changes less in a cycle, a geometry that rolls by a cell more.
 _SAME = 1e-3
-#: Fields of a cell of the surface in the answer of a contact, about.
+#: Approximate number of surface fields in the solution of a contact.
 _FIELDS = 30
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What an increment has changed of one unknown, where that is not zero.
+    """Nonzero changes of one unknown in an increment.
 
     Attributes
     ----------
     entries, values : (n,)
         Flat indices and values of the change.
     older : Change or None
-        That of the cycle before.
+        Change in the previous cycle.
     along_line : bool
-        Whether the line through both would have been the better guess of this change.
+        Whether linear extrapolation from both predicts this change better than the previous change alone.
     """
 
     entries: NDArray[np.intp]
@@ -89,20 +94,20 @@ class Change:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Repeat:
-    """What the solution of an increment leaves for the same one a cycle later.
+    """Results of an increment that serve as start of the same increment a cycle later.
 
     Attributes
     ----------
     surface : Surface
-        Surfaces that the contact met.
+        Surfaces of the contact.
     answer : ContactAnswer
-        Of the contact.
+        Solution of the contact.
     changes : tuple of Change
-        Of the unknowns that are swept.
+        Changes of the swept unknowns.
     mixer : JointAnderson or None
-        Of the rounds; None where it would take too much memory.
+        Acceleration with the differences of the rounds; None if it would take too much memory.
     first, cold : float
-        Residual of the first round, and what it was without a guess.
+        Residual of the first round, with a guess and without.
     """
 
     surface: Surface
@@ -119,35 +124,35 @@ class Repeat:
 
     @property
     def nbytes(self) -> int:
-        """Memory, about."""
+        """Approximate memory."""
         cells = 0 if self.surface.separation is None else self.surface.separation.nbytes
         vectors = 0 if self.mixer is None else self.mixer.nbytes
         return _FIELDS * cells + vectors + sum(change.nbytes for change in self.changes)
 
 
 class Repeats:
-    """Increments by what is prescribed at their start and their end."""
+    """Repeated increments, identified by the prescribed values at their start and end."""
 
     def __init__(self) -> None:
         self._end: Hashable = None
         self._records: dict[Hashable, Repeat | None] = {}
 
     def of(self, increment: Increment) -> Repeat | None:
-        """Earlier solution of the increment; None where there is none, or where it has been stored only once."""
+        """Earlier solution of the increment; None if there is none, or if it has been stored only once."""
         repeat = self._records.get((self._end, _end_of(increment)))
         if repeat is None or any(change.older is None for change in repeat.changes):
             return None
         return repeat if _alike(repeat.surface, increment.surface) else None
 
     def forget(self, increment: Increment) -> None:
-        """Leave out the earlier solution of an increment, as it was no help."""
+        """Remove the earlier solution of an increment, because its guess did not converge."""
         self._records.pop((self._end, _end_of(increment)), None)
 
     def store(
         self, increment: Increment, answer: ContactAnswer, changes: Sequence[FloatArray], mixer: JointAnderson,
         first: float,
     ) -> None:  # fmt: skip
-        """Store the solution of an increment that was prescribed before, and note any other."""
+        """Store the solution of an increment that repeats an earlier one; of other increments note only the key."""
         end = _end_of(increment)
         key, self._end = (self._end, end), end
         if key not in self._records:
@@ -168,13 +173,13 @@ class Repeats:
 
 
 def _end_of(increment: Increment) -> Hashable:
-    """What is prescribed at the end."""
+    """Prescribed values at the end of an increment."""
     bulk = tuple(sorted(increment.bulk[1].items()))
     return increment.control, increment.tangential, bulk, increment.surface.slide
 
 
 def _alike(earlier: Surface, now: Surface) -> bool:
-    """Whether the surfaces are the same up to a little wear."""
+    """Whether the surfaces are equal up to the wear of a cycle."""
     if earlier.separation is None or now.separation is None or earlier.solids != now.solids:
         return False
     difference = np.abs(now.separation - earlier.separation).max()
