@@ -11,8 +11,8 @@ starts with three results of the earlier increment:
 The iteration meets the same tolerance from any guess.
 
 The prescribed values at the start and end of an increment identify it. Of the first increment of a kind only this key
-is stored, so that a history without repeats stores nothing else. Guesses begin with the fourth: before, the body has not settled,
-and they save little.
+is stored, so that a history without repeats stores nothing else. Guesses begin with the fourth increment of a kind:
+before, the body has not settled, and they save little.
 """
 
 from __future__ import annotations
