@@ -73,7 +73,8 @@ class SectionStress:
         in_parallel(self._threads, [partial(self._fill, k, prepared) for k in range(self.depths.size)])
         #: Components that are not zero throughout: a line contact has four.
         self._present = np.flatnonzero(self._kernels.any(axis=(0, 2, 3, 4)))
-        self._kernels = self._kernels[:, self._present]
+        if self._present.size < len(self._names):
+            self._kernels = self._kernels[:, self._present]
 
     def _fill(self, k: int, prepared: Sequence[TableAt]) -> None:
         """Sample and transform all components at one depth."""
