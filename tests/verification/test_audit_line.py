@@ -177,7 +177,10 @@ def test_damage_agrees_with_the_elements(tmp_path):
     assert found[edge] < 0.02
     strain = "plastic strain in the middle, step 19, body 1"
     assert found[strain] < 0.01
-    assert root_mean_squares(sound, {middle: fine[middle]})[middle] > 5 * found[middle]
+    common = len(sound.judged()[middle])  # without damage fewer layers of cells yield
+    depths = [next(line.points[:common] for line in one.profiles if line.name == middle) for one in (case, sound)]
+    np.testing.assert_allclose(depths[0], depths[1], rtol=0, atol=1e-12)
+    assert root_mean_squares(sound, {middle: fine[middle][:common]})[middle] > 5 * found[middle]
 
 
 #: A cylinder that rolls from one half width before the middle to one behind it, in steps of a third.
