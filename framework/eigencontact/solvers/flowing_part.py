@@ -34,7 +34,7 @@ _MARGIN = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Start:
-    """Cells of a part at the start of an increment: history variables, evaluation points of the law, prestrain."""
+    """State of the cells of a part at the start of an increment, evaluation points of the law, and prestrain."""
 
     before: Sequence[Mapping[str, FloatArray]]
     steps: Sequence[Any]
@@ -119,14 +119,14 @@ class FlowingPart:
         applied_stress : (6, ...)
             Stress [Pa] by the load in the window.
         start : (prestrain, before, steps)
-            As of `CellSweeps.sweep`, of the larger box.
+            See `CellSweeps.sweep`; in the larger box.
         size : float
             Reference of the residual, from the last sweep over the whole box.
 
         Returns
         -------
         Sweep
-            Its image is that of the larger box; nothing is remembered.
+            Image in the larger box, without history variables.
         """
         assert self._window is not None
         if self._start is None:

@@ -129,8 +129,8 @@ def line_cases_of(
     quick : bool
         Lighter meshes.
     coarser : str or Path, optional
-        A run of the same scene with coarser cells: both together tell the error of the cells (`line_grids`). If it is
-        missing and a body yields, the scene is run with cells of twice the size.
+        A run of the same scene with coarser cells; both together give the error of the cells (`line_grids`).
+        Without it, if a body yields, the scene is run with cells of twice the size.
     """
     gaps: list[Gap] = []
     try:
@@ -165,7 +165,7 @@ def line_cases_of(
 def _with_error_of_cells(
     lines: tuple[LineProfile, ...], stored: StoredLine, coarser: str | Path | None
 ) -> tuple[LineProfile, ...]:
-    """Lines with the error that a coarser run tells; cells that cut regions do not allow to interpolate."""
+    """Lines with the error from a coarser run; results with cut cells stay, because they cannot be interpolated."""
     if any(body["cut"] for body in stored.scene["bodies"]):
         return lines
     if coarser is not None:

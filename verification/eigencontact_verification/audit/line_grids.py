@@ -1,7 +1,7 @@
 """Error of a run of a line contact from a run of the same scene with coarser cells, strips and cells of bodies alike.
 
-Cells that yield have an error that no second difference of their values tells: where those of 'plastic-line-contact'
-are halved, stress and plastic strain near the edge change by four times as much.
+Second differences of the values underestimate the error of cells that yield: when the cells of 'plastic-line-contact'
+are halved, stress and plastic strain near the edge change by four times the estimate.
 """
 
 from __future__ import annotations
@@ -62,10 +62,10 @@ def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
 
 
 def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: StoredLine) -> tuple[LineProfile, ...]:
-    """Lines whose own error is not less than both runs say, nor than half of the largest on the line.
+    """Lines whose own error is at least the grid convergence index of both runs, and half of its largest value.
 
-    Both say ``1.25 |f - g| / (ratio - 1)``, an index of first order. The half width, which counts strips, keeps its
-    own.
+    The index is ``1.25 |f - g| / (ratio - 1)``, of first order. The error of the half width, which follows from the
+    number of strips, does not change.
 
     Raises
     ------

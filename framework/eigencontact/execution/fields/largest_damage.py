@@ -1,4 +1,4 @@
-"""Largest damage parameter of a region, without that of points that cannot have it."""
+"""Largest damage parameter of a region, evaluated only at points that can have the largest value."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from eigencontact.scene.fatigue import CriticalDistance
 
 __all__ = ["largest_first", "utilisation_of"]
 
-#: Points whose stress is read, and whose bounds are asked for, at once: they fit the cache.
+#: Points whose stress is read, and whose bounds are computed, at once: their arrays fit the cache.
 _PART = 4_000
 #: Points with the largest bounds that are evaluated first, and the growth of the parts that follow.
 _FIRST, _GROWTH = 16, 4
@@ -35,9 +35,9 @@ def utilisation_of(
     Raises
     ------
     SceneError
-        A critical distance that the region does not hold.
+        The critical distance reaches out of the region.
     PluginError
-        An answer of the criterion that is no damage parameter, or an upper bound that is too small.
+        The criterion returns no damage parameter, or an upper bound that is too small.
     """
     value = largest_first(criterion, region.at, region.places.shape[1], threads)
     if settings.distance:
@@ -55,11 +55,11 @@ def utilisation_of(
 def largest_first(
     criterion: FatigueCriterion, at: Callable[[Any], StressCycle], points: int, threads: int = 1
 ) -> FloatArray:
-    """Damage parameters ``(points,)`` of the points that can have the largest, minus infinity elsewhere.
+    """Damage parameters ``(points,)`` of the points that can have the largest value; minus infinity elsewhere.
 
     The points are evaluated in the order of their upper bounds (`HasUpperBound`) until no bound reaches the largest
-    value: that, and the first point that has it, are those of all points. A criterion without bounds is evaluated at
-    all points. `at` reads the stress of some points.
+    value. The largest value and its first point are therefore those of a search over all points. A criterion without
+    bounds is evaluated at all points. `at` reads the stress of some points.
     """
     if not isinstance(criterion, HasUpperBound):
         return checked_damage(criterion, at(slice(None))).value
