@@ -80,7 +80,7 @@ class Case:
 SMALL = {"layers": (4, 0.006), "coating": (6, 0.01), "substrate": (4, 0.012)}
 
 
-@pytest.mark.parametrize("route", SMALL)
+@pytest.mark.parametrize("route", [pytest.param(r, marks=[pytest.mark.slow] * (r == "substrate")) for r in SMALL])
 def test_a_stiff_coating_by_every_route(route):
     per_h, tolerance = SMALL[route]
     case = Case(2.0, cells=13, half=1.3, per_h=per_h, depth=2.0, width=2.0)

@@ -76,7 +76,8 @@ CUBOIDS = {
 
 
 @pytest.mark.parametrize(
-    ("name", "space"), [("flush", "half"), ("shallow", "half"), ("long", "half"), ("shallow", "full")]
+    ("name", "space"),
+    [("flush", "half"), ("shallow", "half"), pytest.param("long", "half", marks=pytest.mark.slow), ("shallow", "full")],
 )
 def test_faces_against_volume_outside(name, space):
     center, edges = CUBOIDS[name]
@@ -108,6 +109,7 @@ NEAR = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("point", NEAR)
 def test_faces_have_converged(point):
     center, edges = CUBOIDS["flush"]
@@ -189,7 +191,7 @@ def test_volume_rules_hold_the_volume_and_its_centre(rule, volume):
 
 
 @pytest.mark.parametrize("space", ["half", pytest.param("full", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("shape", ["ellipsoid", "torus"])
+@pytest.mark.parametrize("shape", [pytest.param("ellipsoid", marks=pytest.mark.slow), "torus"])
 def test_boundary_against_volume(shape, space):
     center, points = (0.2, -0.1, 2.0), [(2.5, 1.0, 3.0), (0.3, 0.4, 0.0)]
     if shape == "torus":

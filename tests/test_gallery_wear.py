@@ -95,7 +95,7 @@ COATINGS = {
 }
 
 
-@pytest.mark.parametrize("young", [105, 210, pytest.param(420, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("young", [105, *(pytest.param(young, marks=pytest.mark.slow) for young in (210, 420))])
 def test_coated_spheres_come_to_the_same_shape(young, finished):
     """WR-1 to WR-3, WR-17."""
     first, peak, depth, radius = COATINGS[young]

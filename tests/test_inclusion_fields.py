@@ -149,7 +149,7 @@ def test_displacement_of_cuboids_in_full_space(name, nu):
     check_displacement(name, nu, "full")
 
 
-@with_every_nu(CUBOIDS, ("flush",), slow=("1000 tall", "1000 wide", "deep"))
+@with_every_nu(CUBOIDS, ("flush",), slow=("1000 long", "1000 tall", "1000 wide", "deep"))
 def test_strain_and_stress_of_cuboids(name, nu):
     points = places(name, singular=False)
     share = cuboid_quadrature.inside(points, *CUBOIDS[name])

@@ -83,7 +83,8 @@ def test_ball(ball, nu, space):
     assert errors(ball, oracle, reference_of(oracle, nu, space), nu, space).max() < 1e-7
 
 
-@pytest.mark.parametrize("nu", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_turned_ellipsoid(nu):
     region = {"center": CENTER, "semi_axes": ELLIPSOID.semi_axes, "rotation": ELLIPSOID.axes}
     oracle = PolynomialEllipsoid(**region, terms=TERMS, count=22)

@@ -43,7 +43,7 @@ SCENES = {
 
 
 #: Scenes beside another one of the same sort.
-SLOW = {"void", "inhomogeneity"}
+SLOW = {"void", "inhomogeneity", "both bodies"}
 
 
 @pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES])
@@ -85,6 +85,7 @@ def history(tmp_path_factory):
     return folders
 
 
+@pytest.mark.slow
 def test_an_earlier_step_needs_a_run_that_keeps_all(history):
     with pytest.raises(ResultsError, match=r"hold equivalent_eigenstrain_1 of step 1 .* output.history = 'all'"):
         ec.region(history["last"], PLANE, step=1)

@@ -62,6 +62,7 @@ def test_numbers_of_cases_are_left_out_and_sentences_stay_whole():
     assert CASE.sub("", "(case HZ-2: radius) and (elements, case IC-3): x") == "(radius) and (elements): x"
 
 
+@pytest.mark.slow
 def test_scenes_and_plugins_link_to_each_other(page):
     assert "[`geometry`](../reference/scene.md#geometry)" in page("coated-sphere")
     assert "{ref}`bonded-layers <plugin-layered-medium-bonded-layers>` (layered-medium)" in page("coated-sphere")

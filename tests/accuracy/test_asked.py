@@ -97,6 +97,7 @@ def test_coarser_runs_of_a_rung_are_the_runs_before_it():
     assert result["runs"] == per_rung * len(result["rungs"]) - result["reused"]
 
 
+@pytest.mark.slow
 def test_the_answer_is_an_ordinary_result(tmp_path):
     kept = ec.run({**HERTZ, **FRICTION}, tmp_path / "run", accuracy={"approach": "1 %"})
     again = ec.open_results(tmp_path / "run")

@@ -186,6 +186,7 @@ def tangent(cells):
     }
 
 
+@pytest.mark.slow
 def test_the_error_at_the_largest_value_is_that_of_this_number(monkeypatch):
     """At a peak that is smooth on these cells, and rises with finer ones."""
     rise = ec.run(tangent(20)).summary["max_pressure"]
@@ -270,6 +271,7 @@ def test_cells_that_cannot_be_coarser_leave_no_errors():
     assert list(found.variables({})) == []
 
 
+@pytest.mark.slow
 def test_pictures_show_errors_and_are_the_same_without_them(tmp_path):
     data = ec.run(COARSE, errors=True).dataset
     plain = data.drop_vars([name for name in data if str(name).endswith("_error")])

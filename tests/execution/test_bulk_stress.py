@@ -255,6 +255,7 @@ def test_cells_of_the_material_of_the_body_feel_the_bulk_stress_alone():
     np.testing.assert_allclose(as_matrix(dataset.middle_stress.values[-1, :, 0]), TENSOR, rtol=0.0, atol=1e-6 * 2e8)
 
 
+@pytest.mark.slow
 def test_a_ball_that_yields_under_bulk_tension_flows_as_far_as_the_body_around_lets_it():
     """Its stress is uniform: σ - 3 G (1 - β) ε_p, with Eshelby's β of deviators, is the yield stress Y + H ε_p."""
     limit, slope, peak = 4e8, 2e10, 9e8

@@ -83,6 +83,7 @@ def test_agrees_with_the_region_on_the_cells_at_common_points():
     assert float(np.diff(data.close_z).max()) == close(0.2 * UM)
 
 
+@pytest.mark.slow
 def test_default_plane_and_outline():
     small = {**BALL, "center": [0.5 * UM, 0.0, 1.3 * UM], "radius": 0.65 * UM}
     data = run({"name": "close", "shape": "plane", "around": "ball"}, inclusions=[small])

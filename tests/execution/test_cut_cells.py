@@ -131,6 +131,7 @@ def earlier(tmp_path_factory):
     return folder, whole
 
 
+@pytest.mark.slow
 def test_two_laws_in_a_cell_have_a_memory_each(earlier):
     _, whole = earlier
     beside, own = (whole[f"equivalent_plastic_strain{name}_1"].values for name in ("_beside", ""))
@@ -147,6 +148,7 @@ def test_two_laws_in_a_cell_have_a_memory_each(earlier):
 MEMORIES = ("pressure", "residual_displacement_z", "plastic_strain_beside_1", "equivalent_eigenstrain_1")
 
 
+@pytest.mark.slow
 def test_both_memories_are_where_the_next_run_begins(earlier):
     folder, whole = earlier
     inclusions, law = BOTH

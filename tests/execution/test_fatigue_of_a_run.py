@@ -42,6 +42,7 @@ def test_numbers_are_those_of_the_call_on_the_results(in_memory):
     np.testing.assert_array_equal(in_memory.dataset["section_fatigue_findley"].values, again.dataset.utilisation.values)
 
 
+@pytest.mark.slow
 def test_a_folder_holds_the_same_with_a_picture(in_memory, tmp_path):
     stored = ec.run(scene(output={"pictures": True}), tmp_path / "run")
     assert fatigue_numbers(stored) == fatigue_numbers(in_memory)

@@ -73,7 +73,7 @@ def assert_same(found, expected):
     assert float(found["law_residual"].max()) < 1e-6
 
 
-@pytest.mark.parametrize("scene", [cylinder, ball])
+@pytest.mark.parametrize("scene", [cylinder, pytest.param(ball, marks=pytest.mark.slow)])
 def test_a_part_gives_the_results_of_the_whole_box_in_as_many_rounds(scene, parts, monkeypatch):
     expected = whole(scene(), monkeypatch)
     assert parts["sweeps"] == 0
@@ -84,6 +84,7 @@ def test_a_part_gives_the_results_of_the_whole_box_in_as_many_rounds(scene, part
     assert rounds[0] <= rounds[1] + 3
 
 
+@pytest.mark.slow
 def test_cells_that_begin_to_flow_outside_are_found_by_the_last_sweep_alone(parts, monkeypatch):
     """Margins of one cell, and rims not looked at: only the sweep that confirms an increment extends a window."""
     expected = whole(cylinder(), monkeypatch)

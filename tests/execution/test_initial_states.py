@@ -37,6 +37,7 @@ def earlier(tmp_path_factory):
     return folder, whole
 
 
+@pytest.mark.slow
 def test_the_second_half_of_a_history_begins_where_the_first_ended(earlier):
     folder, whole = earlier
     found = ec.run(scene([AGAIN, FREE], initial={"results": str(folder)})).dataset

@@ -93,7 +93,8 @@ def same(one, other):
         assert a.sizes["step"] == 5
 
 
-@pytest.mark.parametrize("step", [*(pytest.param(step, marks=pytest.mark.slow) for step in (1, 2)), 4])
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [1, 2, 4])
 def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path, command):
     killed = stop(scene, tmp_path / "killed", step, signal.SIGKILL)
     assert killed.returncode == -signal.SIGKILL

@@ -58,6 +58,7 @@ def pressure_of(*inclusions, **tables):
     return steps_of(*inclusions, **tables)[-1].fields["pressure"]
 
 
+@pytest.mark.slow
 def test_a_law_that_acts_by_a_mean_is_told_that_of_its_own_cells(laws):
     """What is lost in every cell follows from the bell-shaped mean of what the cells of the ball remember."""
     laws(classes="Waning")
@@ -112,6 +113,7 @@ def test_a_body_that_yields_keeps_what_it_has_yielded(laws):
     assert float(data["cut_von_mises"][1].max()) > 0.05 * YIELD
 
 
+@pytest.mark.slow
 def test_halves_begin_from_what_is_stored(laws):
     """A law that goes no further than half a step at once: the run is that of two increments."""
     laws("""
@@ -374,6 +376,7 @@ def test_where_sweeps_lose_their_way_linear_cells_are_solved_as_a_whole(lost, mo
     np.testing.assert_allclose(found.fields["pressure"], expected, rtol=0, atol=1e-6 * P0)
 
 
+@pytest.mark.slow
 def test_beside_a_law_that_is_swept_again_it_begins_anew(lost, laws, monkeypatch):
     """Body 1 yields and is swept in both attempts, body 2 is solved as a whole in the second."""
     laws()

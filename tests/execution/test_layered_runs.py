@@ -69,7 +69,7 @@ def test_like_layers_are_no_layers(coupling):
     agree(layered, fields_of(scene(coupling=coupling, stress=SECTION)), rtol=1e-6)
 
 
-@pytest.mark.parametrize("coupling", [None, "full"])
+@pytest.mark.parametrize("coupling", [None, pytest.param("full", marks=pytest.mark.slow)])
 def test_like_layers_are_no_layers_in_a_half_space_without_end(coupling):
     """By coefficients of cells; on a lattice and at points between cells."""
     more = {"boundary": "non-periodic", "cells": 12, "stress": [SECTION, POINTS]}

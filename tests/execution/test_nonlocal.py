@@ -52,6 +52,7 @@ def test_a_length_within_a_cell_is_none(local):
         assert one == close(other, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_damage_is_that_of_the_mean_strain(averaged, local):
     """What is stored obeys the definition: D of the weighted mean of p; the peak is lower than without."""
     p, damage = (averaged[f"{name}_1"].values[0] for name in ("equivalent_plastic_strain", "damage"))

@@ -101,6 +101,7 @@ def test_prestrain_of_a_ball_has_the_closed_form():
     np.testing.assert_allclose(found[:3], -12 * K * G * STRAIN / (3 * K + 4 * G), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_of_two_materials_the_later_one_counts_with_its_prestrain():
     one, other = (
         {**BALL, "material": SOFT, "eigenstrain": 5 * STRAIN},

@@ -63,7 +63,7 @@ class Counting:
 
 
 #: The box that grows takes as long as the others together.
-SLOW = {"box that grows"}
+SLOW = {"box that grows", "exact layers with friction"}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES])

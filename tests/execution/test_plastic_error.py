@@ -37,7 +37,8 @@ def within():
     return cache(lambda error: run([LOAD, UNLOAD], error))
 
 
-@pytest.mark.parametrize("error", [0.03, pytest.param(0.005, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [0.03, 0.005])
 def test_one_step_is_halved_until_its_error_is_small_enough(coarse, fine, within, error):
     """The error that is told is that which is left, within a factor; the print comes nearer as it falls."""
     found = within(error)

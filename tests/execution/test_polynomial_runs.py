@@ -178,7 +178,8 @@ def test_a_degree_out_of_range_is_refused():
         ec.plan(scene(ball(VOID, 0.2, 0.5), whole=40))
 
 
-@pytest.mark.parametrize(("gap", "close_by"), [pytest.param(0.5, False, marks=pytest.mark.slow), (0.05, True)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("gap", "close_by"), [(0.5, False), (0.05, True)])
 def test_the_load_by_prescribed_eigenstrain_is_checked(gap, close_by, monkeypatch):
     """An edge of a hot cube close to a void asks for more points; a rule of four times the points judges."""
     from eigencontact.execution.interiors import checked_work

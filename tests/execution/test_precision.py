@@ -59,9 +59,12 @@ def test_single_is_taken_where_the_tolerance_allows_it(scene, changes, tolerance
         ("hertz", HERTZ, 1e-4, ("pressure", "section_stress")),
         ("hertz", HERTZ, 1e-6, ("section_stress",)),
         ("cattaneo-mindlin", FRICTION, 1e-4, ("pressure", "shear_x")),
-        ("void-near-surface", VOID, 1e-4, ("pressure", "section_stress", "equivalent_eigenstrain_1")),
+        pytest.param(
+            "void-near-surface", VOID, 1e-4, ("pressure", "section_stress", "equivalent_eigenstrain_1"),
+            marks=pytest.mark.slow,
+        ),
     ],
-)
+)  # fmt: skip
 def test_the_error_against_double_is_below_the_tolerance(scene, changes, tolerance, names):
     double, auto = (app.run(planned(scene, changes, word, tolerance)).dataset for word in ("double", "auto"))
     for name in names:

@@ -68,6 +68,7 @@ def test_travel_is_refused_where_it_has_no_meaning(more, words):
         scene({"normal_load": LOAD, "travel_x": "1 um"}, **more)
 
 
+@pytest.mark.slow
 def test_picture_of_the_passing(tmp_path, monkeypatch):
     def save_passing(figure, path, *options):
         if path.name == "passing.png":

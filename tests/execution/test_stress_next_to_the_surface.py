@@ -139,6 +139,7 @@ def test_what_such_a_value_is_is_said(sliding):
     assert any("stress-section" in line and "a mean over each cell" in line for line in explained)
 
 
+@pytest.mark.slow
 def test_layers_are_no_exception():
     """A layer like what is below it: the stress in the surface is that of one material."""
     points = [[x * A, 0.0, z] for x in (-0.5, 0.0, 0.33) for z in (0.0, 1e-9)]

@@ -66,6 +66,7 @@ def test_a_later_ball_in_a_void_carries():
     assert not swapped[:, in_void].any()
 
 
+@pytest.mark.slow
 def test_a_void_is_empty_on_planes_and_close_up():
     section = {
         "name": "section",

@@ -80,6 +80,7 @@ def test_the_print_over_a_stiff_ball():
     assert 98e-9 < found < 105e-9
 
 
+@pytest.mark.slow
 def test_shapes_without_moments_stay_in_cells():
     """A stiff block beside a stiff ball: the ball as a whole, the block in cells, against both in cells."""
     block = {"type": "cuboid", "center": [0.5 * A, 0.0, 0.6 * A], "edges": [0.3 * A] * 3, "material": stiff(3)}

@@ -72,6 +72,7 @@ def test_cells_and_layers_wear_alike():
     assert other.scalars["layer_error"] > 0.005
 
 
+@pytest.mark.slow
 def test_a_coating_of_the_substrate_wears_as_the_bare_body():
     """Worn through here, so that cells are cut, emptied and filled again."""
     exact = {"threads": 1, "inclusion-pitch": H / 100, "tolerance": 1e-11}
@@ -83,6 +84,7 @@ def test_a_coating_of_the_substrate_wears_as_the_bare_body():
         assert np.abs(one.fields[name] - other.fields[name]).max() < 1e-9 * largest
 
 
+@pytest.mark.slow
 def test_without_wear_cells_stay():
     none = records(scene(wear={"type": "archard", "coefficient": 0.0}, increments=(1,)))
     bare = records(scene(wear=None, steps=[{"normal-load": LOAD}] * 2))

@@ -38,6 +38,7 @@ def test_a_coated_body_in_gross_sliding(body):
         assert 0.0 < scalars["layer_lost_1"] < scalars["max_worn_depth"]
 
 
+@pytest.mark.slow
 def test_a_coating_of_the_substrate_is_none_worn_through_or_not():
     """The layer is worn through here: nothing is refused, as nothing differs."""
     bare = {"young-modulus": E, "poisson-ratio": NU}

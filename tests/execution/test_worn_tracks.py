@@ -45,6 +45,7 @@ def in_place(distance, increments, wear):
     return travelling([], wear, steps=steps)
 
 
+@pytest.mark.slow
 def test_a_sphere_that_wears_alone_does_not_know_how_far_it_has_travelled():
     """On a flat that does not wear all places are alike; whole cells are passed."""
     wear = {"body": 2}
@@ -66,6 +67,7 @@ def test_parts_of_cells_smear_what_is_worn_by_less_than_a_cell_and_keep_its_volu
     assert float(moved.max_worn_depth[-1]) == close(float(still.max_worn_depth[-1]), rel=0.06)
 
 
+@pytest.mark.slow
 def test_a_flat_that_wears_alone_has_a_track_that_is_the_sum_of_the_passes():
     """Mild wear: below every pass the depth is the integral of Hertz's pressure along it, p0 π/2 (a² - y²)/a."""
     one = travelling(STROKES[:2], {"coefficient": MILD})
@@ -118,6 +120,7 @@ def test_cycles_that_are_skipped_wear_each_body_in_its_own_place(shares):
         np.testing.assert_allclose(found, known, atol=2e-4 * known.max())
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_on_the_track_is_resumed_to_the_bit(tmp_path):
     """What body 2 has lost is known from stored records alone, between cells too; so is the way to skipped cycles."""
     there = [{"normal-load": LOAD, "travel-x": x, "increments": 2} for x in (1.7 * CELL, -2.1 * CELL)]

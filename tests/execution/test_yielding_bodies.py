@@ -156,6 +156,7 @@ def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it
     assert float(strain[0].max()) > 1e-3  # of the smaller box, in its place
 
 
+@pytest.mark.slow
 def test_another_region_of_a_body_that_has_grown(grown):
     _, found, folder = grown
     again = ec.region(folder, {**LINE, "name": "later"}, step=2)

@@ -178,6 +178,7 @@ def test_own_damage_law_agrees_with_finite_elements(command, desk):
     assert all("; repeat with --refine " in line for line in undecided)
 
 
+@pytest.mark.slow
 def test_campaign_from_one_file(command, desk):
     """Verdicts, table, map, and a second call that computes nothing."""
     (desk / "cells.toml").write_text(CAMPAIGN, encoding="utf-8")

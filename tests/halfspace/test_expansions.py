@@ -90,7 +90,7 @@ def _cloud(count, points):
 
 #: Tolerance, least work of an expansion, quantity and space; each value of each occurs in the default suite.
 CLOUDS = list(product([(1e-3, 0), (1e-6, 0), (1e-6, 10**6)], ["displacement", "stress"], ["half", "full"]))
-QUICK = [((1e-3, 0), "stress", "full"), ((1e-6, 0), "stress", "half"), ((1e-6, 10**6), "displacement", "half")]
+QUICK = [((1e-3, 0), "stress", "full"), ((1e-6, 10**6), "displacement", "half")]
 
 
 @pytest.mark.parametrize(
@@ -111,6 +111,7 @@ def test_large_clouds_are_summed_to_the_tolerance(monkeypatch, kind, quantity, s
     assert 1e-14 * np.abs(wanted).max() < error < tolerance * np.abs(found).max()
 
 
+@pytest.mark.slow
 def test_a_sum_that_is_not_good_enough_is_taken_again(monkeypatch):
     shapes, strains, points = _cloud(60, 34_000)
     degrees = []

@@ -81,7 +81,7 @@ def test_direct_fourier_integral(stack, traction, quantity, z):
 
 
 @pytest.mark.parametrize("thickness", [1e-4, 1e4])
-@pytest.mark.parametrize("traction", ["p", "q_x", pytest.param("q_y", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("traction", ["p", *(pytest.param(name, marks=pytest.mark.slow) for name in ("q_x", "q_y"))])
 @pytest.mark.parametrize("quantity", ["displacement", "stress"])
 def test_identical_layers_are_the_half_space(quantity, traction, thickness):
     body = medium([(thickness, 1.5, 0.3), (thickness, 1.5, 0.3)], (1.5, 0.3))
@@ -211,7 +211,7 @@ def at_depths(traction, quantity, body, depths, x, half_widths, components=None)
     return LayeredInfluence(LOADS[traction]).at_depths(quantity, names, np.array(depths), half_widths, reach, body)
 
 
-@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+@pytest.mark.parametrize("traction", ["p", "q_x", pytest.param("q_y", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("quantity", ["displacement", "stress"])
 def test_depths_together_are_depths_alone(quantity, traction):
     """Nodes, wavenumbers and transforms are shared: in the layers and below, in any order, some twice."""

@@ -116,6 +116,7 @@ def test_a_contact_that_wears_towards_the_edge_of_the_window_is_said():
     assert "worn-window" not in warnings({"type": "archard", "coefficient": 1e-16}, [PRESSED, SLIDE], **tight)
 
 
+@pytest.mark.slow
 def test_jumps_of_a_given_size_that_are_too_large_are_said():
     wear = {"type": "dissipated-energy", "coefficient": "1e-2 mm^3/J"}
     told = warnings(wear | {"cycles-per-update": 30}, cycles(70))

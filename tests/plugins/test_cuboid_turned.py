@@ -57,7 +57,7 @@ def moments(name, gradient):
 @pytest.mark.parametrize(
     "name", ["any", *(pytest.param(name, marks=pytest.mark.slow) for name in TURNED if name != "any")]
 )
-@pytest.mark.parametrize("quantity", ["displacement", "strain", "stress"])
+@pytest.mark.parametrize("quantity", ["displacement", pytest.param("strain", marks=pytest.mark.slow), "stress"])
 def test_field_in_the_half_space_is_that_of_quadrature(name, quantity):
     found = ec.inclusion_field(turned(name), E, POINTS, young_modulus=2.6, poisson_ratio=0.3, quantity=quantity)
     known = moments(name, quantity != "displacement")

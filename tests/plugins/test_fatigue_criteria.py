@@ -182,6 +182,7 @@ def test_half_of_the_longest_chord_is_found(monkeypatch):
     assert failing_checks(CRITERIA[0]) == {"check_known_values"}
 
 
+@pytest.mark.slow
 def test_half_of_the_longest_chord_on_a_plane_is_found(monkeypatch):
     class Chord(PlanePaths):
         def shear_amplitude(self, normals):

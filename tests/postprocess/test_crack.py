@@ -50,6 +50,7 @@ def test_mirrored_cracks_under_a_symmetric_cycle_are_alike(folder):
     np.testing.assert_allclose(left.mode_2.sel(step=2), -right.mode_2.sel(step=3), rtol=2e-3, atol=2e4)
 
 
+@pytest.mark.slow
 def test_section_and_fresh_points_agree(folder):
     place = {"at": ("-18 um", 0), "angle": 0}
     fresh, section = (ec.crack(folder, **place, region=name, **LIMITS).dataset for name in (None, "section"))

@@ -97,6 +97,7 @@ def test_histories_of_numbers_are_the_same(tmp_path):
         np.testing.assert_array_equal([stored[name] for name in held], list(held.values()))
 
 
+@pytest.mark.slow
 def test_a_stored_dataset_is_written_again_without_loss(tmp_path):
     info = synthetic.info(nx=7, ny=5, steps=3)
     memory = MemoryStore(info)

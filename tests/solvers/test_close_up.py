@@ -42,7 +42,7 @@ SLOW = ("block", "beside", "same pitch")
 
 
 @pytest.mark.parametrize("name", ["section", *(pytest.param(n, marks=pytest.mark.slow) for n in SLOW)])
-@pytest.mark.parametrize("quantity", ["stress", "displacement"])
+@pytest.mark.parametrize("quantity", [pytest.param("stress", marks=pytest.mark.slow), "displacement"])
 def test_against_direct_sum(name, quantity):
     strain = sparse_strain(SOURCE, 0.02)
     target = TARGETS[name]

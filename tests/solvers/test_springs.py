@@ -223,7 +223,10 @@ def test_single_precision_gets_as_far_as_it_can(size):
 SMOOTH = ["uniform", "smooth", "around a disc", "over many decades", "one half"]
 
 
-@pytest.mark.parametrize("name", [*SMOOTH, "chequered", "here and there", "log-normal"])
+@pytest.mark.parametrize(
+    "name",
+    [*(pytest.param(name, marks=pytest.mark.slow) for name in (*SMOOTH, "chequered")), "here and there", "log-normal"],
+)
 def test_iterations_over_twelve_decades_of_springs(name):
     """On the finest grid, 1e-6; without springs 8 (load) and 9 (approach).
 

@@ -126,6 +126,7 @@ def test_levels_of_coupling_that_must_differ():
         assert np.abs(one - other).max() > 1e-3 * np.abs(one).max()
 
 
+@pytest.mark.slow
 def test_bodies_exchanged_reverse_the_shear():
     """The displacement across between pressure and shear changes sign, so that the shear under opposed loads does."""
     grid = Grid(nx=26, ny=25, dx=0.1, dy=0.1)

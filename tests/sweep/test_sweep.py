@@ -88,6 +88,7 @@ def loads_and_radii(tmp_path_factory, small_pictures):
     return sweep(SCENE, vary, folder, fields=["pressure"])
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_single_runs(loads_and_radii):
     data = loads_and_radii.dataset
     assert data.max_pressure.dims == ("steps_normal_load", "geometry_radius")
@@ -199,6 +200,7 @@ def flip(path):
     path.write_bytes(bytes(data))
 
 
+@pytest.mark.slow
 def test_damaged_variants_are_computed_again(tmp_path):
     loads = [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
     axes = axes_of({"steps.normal-load": loads})
@@ -317,6 +319,7 @@ def test_pairs():
         sweep(SCENE, vary | {"body1.poisson-ratio": [0.3]}, pairs=True)
 
 
+@pytest.mark.slow
 def test_one_grid_for_all(tmp_path, monkeypatch):
     scene = {**SCENE, "grid": {"cells-per-contact-radius": 6}}
     vary = {"steps.normal-load": ["0.1 N", "0.8 N"]}

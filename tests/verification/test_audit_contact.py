@@ -44,6 +44,7 @@ def solved(profile, load, a, fine, layers=(), **changed):
     return solve_indentation(contact_model(given, 3, "fixed"), [load]).moments[0]
 
 
+@pytest.mark.slow
 def test_a_rounded_punch_has_sneddon_s_radius_and_approach():
     """Load and approach of the profile max(0, r - b)²/2R by Sneddon's integrals, over the contact radius."""
     b, R, a = 100e-6, 1e-3, 107e-6

@@ -179,10 +179,13 @@ def test_an_inclusion_under_bulk_stress(tmp_path):
     ("tables", "reason"),
     [
         ({"inclusions": bar(void=True) + bar(radius=0.2, depth=0.5, void=True)}, "boxes around inclusions meet"),
-        ({"inclusions": [{**bar()[0], "axis": "z", "length": 0.4, "material": {"void": True}}]}, "no cross-section"),
+        pytest.param(
+            {"inclusions": [{**bar()[0], "axis": "z", "length": 0.4, "material": {"void": True}}]}, "no cross-section",
+            marks=pytest.mark.slow,
+        ),
         ({"eigenstrain": [{"type": "uniform", "value": 0.01, "depth": 0.2}]}, "fills the window"),
     ],
-)
+)  # fmt: skip
 def test_what_is_not_covered_is_said(tables, reason, tmp_path):
     ec.run(pressed(15, stress=[], **tables), tmp_path / "run").dataset.close()
     cases, (gap,) = contact_cases_of(tmp_path / "run")

@@ -110,6 +110,7 @@ def test_a_kernel_fault_is_seen_where_bars_are_honest(tmp_path, monkeypatch):
     assert row.error - row.u_val > 0.0
 
 
+@pytest.mark.slow
 def test_a_bar_that_is_wide_is_no_agreement(run):
     rows, _, _ = audited(run, part=30.0)
     row = rows["contact_area"]
@@ -117,6 +118,7 @@ def test_a_bar_that_is_wide_is_no_agreement(run):
     assert "is more than 5 % of the value; its larger part is u_SA of the run (source: cells)" in row.reason
 
 
+@pytest.mark.slow
 def test_a_bar_of_another_value_does_not_count(run, tmp_path):
     other = shutil.copytree(run, tmp_path / "other")
     summary = json.loads((other / "summary.json").read_text(encoding="utf-8"))

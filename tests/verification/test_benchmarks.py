@@ -436,7 +436,7 @@ def test_command_from_end_to_end(fake, tmp_path, capsys):
     readme, raw = tmp_path / "README.md", tmp_path / "raw.json"
     readme.write_text("before\n<!-- benchmark:hertz -->\nold\n<!-- /benchmark:hertz -->\nafter\n")
     arguments = ["--sizes", "32", "64", "--repeats", "1", "--warm", "1", "--threads", "2"]
-    files = ["--json", str(raw), "--markdown", str(readme)]
+    files = ["--json", str(raw), "--markdown", str(readme), "--columns", "n", "code", "peak_error"]
     assert main(["hertz", "--codes", f"{fake}:GOOD", f"{fake}:ABSENT", *arguments, *files]) == 0
     content = json.loads(raw.read_text())
     assert [row["n"] for row in content["rows"]] == [32, 64]
@@ -448,6 +448,7 @@ def test_command_from_end_to_end(fake, tmp_path, capsys):
     assert absent in written
     assert "old" not in written
     assert written.startswith("before\n<!-- benchmark:hertz -->\n\n|")
+    assert [cell.strip() for cell in written.splitlines()[3].split("|")[1:-1]] == ["N", "code", "p0 error"]
     assert written.endswith("\n\n<!-- /benchmark:hertz -->\nafter\n")
     assert str(tmp_path) not in json.dumps(content["machine"]) + printed
 
@@ -459,7 +460,9 @@ def test_stress_command(fake, capsys):
     assert perform(task(fake, "GOOD", benchmark="stress", depths=4))["axis_error"] < 1e-15
 
 
-@pytest.mark.parametrize("case", layers.CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] * (case == "line, friction")) for case in layers.CASES]
+)
 def test_stress_in_layers_is_measured_beside_that_in_the_bare_body(case):
     asked = Task(benchmark="layers", code="eigencontact", n=12, depths=3, case=case, warm=1)
     sample = perform(asked)
@@ -643,6 +646,7 @@ def test_a_cloud_is_measured_and_judged(case):
 # --- finite elements against the semi-analytical ways ------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_trade_is_measured_judged_and_drawn(tmp_path):
     rows = []
     for name, low, high in (

@@ -297,6 +297,7 @@ def test_different_numbers_of_values_are_told(toy, done):
     assert report.exit_code == 1
 
 
+@pytest.mark.slow
 def test_a_variant_that_fails_is_told_and_stops_nothing(toy, tmp_path):
     toy.write_text(TOY.replace("[0.4, 0.6]", "[0.4, 400.0]", 1), encoding="utf-8")
     toy.write_text(toy.read_text(encoding="utf-8").replace("[0.0, 0.2]", "[0.0]", 1), encoding="utf-8")
@@ -305,6 +306,7 @@ def test_a_variant_that_fails_is_told_and_stops_nothing(toy, tmp_path):
     assert "edge" in report.found[1].findings[0].reason
 
 
+@pytest.mark.slow
 def test_exit_codes_of_the_command(toy, done, tmp_path):
     import typer
 

@@ -149,6 +149,7 @@ def test_lines_without_a_terminal_are_seldom(monkeypatch, capsys):
     assert last == f"solution 5 of 5: {tasks[-1].case.key}, {tasks[-1].label}"
 
 
+@pytest.mark.slow
 def test_markdown_and_figure(verify, tmp_path, monkeypatch):
     monkeypatch.setattr(report, "draw", DRAW)
     page, markers = tmp_path / "page.md", ("<!-- verify:coverage -->", "<!-- /verify:coverage -->")

@@ -108,6 +108,7 @@ def test_pictures_show_something(written, name):
     assert vermilion.sum() > 150  # the outline of the source
 
 
+@pytest.mark.slow
 def test_a_machine_that_cannot_render_keeps_the_rest(tmp_path, monkeypatch):
     pytest.importorskip("pyvista")
 

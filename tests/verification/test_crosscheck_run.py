@@ -82,7 +82,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(tmp_path):
 #: Faults, the limits of their tasks, and how they are reported; those of equal limits are run together.
 FAILURES = [
     ({"raises": "mesh is tangled", "dies": "ended with 3", "shape": "one column a component"}, {}, "failed"),
-    pytest.param({"sleeps": "not done within 4 s"}, {"seconds": 4.0}, "time", marks=pytest.mark.slow),
+    ({"sleeps": "not done within 4 s"}, {"seconds": 4.0}, "time"),
     pytest.param(
         {"eats": "more than 0.30 GB"}, {"memory": 3e8}, "memory",
         marks=[
@@ -93,6 +93,7 @@ FAILURES = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("faults", "limits", "status"), FAILURES)
 def test_a_task_that_fails_is_reported_and_the_others_are_done(tmp_path, faults, limits, status):
     executor = functools.partial(in_processes, workers=1, limits=Limits(**limits))

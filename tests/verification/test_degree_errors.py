@@ -42,6 +42,7 @@ def test_random_scenes_stay_the_same_and_apart(kind):
             assert np.linalg.norm(centers[0] - centers[1]) > radii.sum() + 0.0999 * radii.min()
 
 
+@pytest.mark.slow
 def test_errors_of_one_scene():
     """Two balls: errors fall by degree, and neither stated nor true ones are nothing."""
     scene = random_scenes("two balls", 2)[1]

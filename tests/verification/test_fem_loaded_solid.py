@@ -141,7 +141,8 @@ def inside_box(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]
 CENTRES = np.array([(0.05, 0.05, z) for z in (0.55, 0.75, 1.05, 1.45)] + [(0.55, 0.25, 0.75), (0.55, 0.25, 0.25)])
 
 
-@pytest.mark.parametrize("counts", [(1, 1, 1), pytest.param((20, 20, 10), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("counts", [(1, 1, 1), (20, 20, 10)])
 def test_cells_of_one_eigenstrain_are_a_region(counts: tuple[int, int, int]) -> None:
     edges = tuple(np.linspace(low, high, count + 1) for low, high, count in zip(*BOUNDS, counts, strict=True))
     one_cell = counts == (1, 1, 1)

@@ -264,9 +264,8 @@ def test_preconditioners_agree():
 # ---------------------------------------------------------------- closed forms
 
 
-@pytest.mark.parametrize(
-    "nu", [pytest.param(0.0, marks=pytest.mark.slow), 0.3, pytest.param(0.45, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
 def test_expanding_ball_has_its_closed_form_inside_and_outside(nu):
     depth, radius = 1.5, 0.5
     model = Model(

@@ -40,12 +40,13 @@ def graded():
     return settings, solved(LineStep(normal=P), **settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "region",
     [
-        pytest.param(layer(0.3, young_modulus=E), marks=pytest.mark.slow),
+        layer(0.3, young_modulus=E),
         ball(0.2, 0.8, 0.4, poisson_ratio=NU),
-        pytest.param(PlaneRegion(low=(-0.3, 0.2), high=(0.6, 0.9), young_modulus=E), marks=pytest.mark.slow),
+        PlaneRegion(low=(-0.3, 0.2), high=(0.6, 0.9), young_modulus=E),
     ],
     ids=["layer", "ball", "rectangle"],
 )

@@ -55,6 +55,7 @@ def depth_of_yield(friction):
     return YieldingBody.points_of(solution.body.grid)[1][strain > 1e-3 * strain.max()].min()
 
 
+@pytest.mark.slow
 def test_shear_is_at_most_what_friction_carries_and_slips_at_the_edge():
     solution = pressed(0.2, yields=False, fine=0.25, steps=6)
     moment = solution.moments[-1]

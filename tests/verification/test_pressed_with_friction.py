@@ -14,7 +14,7 @@ MODULUS = 1.0 / (1.0 - NU**2)
 LOAD, P0 = 4 / 3 * MODULUS, 2 * MODULUS / np.pi
 
 
-@pytest.mark.parametrize("friction_over_beta", [0.5, 0.7])
+@pytest.mark.parametrize("friction_over_beta", [pytest.param(0.5, marks=pytest.mark.slow), 0.7])
 def test_stick_circle_is_spences_where_coupling_is_weak(friction_over_beta):
     """Spence leaves the pressure as it is; at a Poisson's ratio of 0.45 shear changes it by less than 1 %."""
     nu = 0.45
@@ -23,6 +23,7 @@ def test_stick_circle_is_spences_where_coupling_is_weak(friction_over_beta):
     assert (last.sticking - 0.5) / 24 == close(stick_ratio(friction_over_beta), abs=1 / 24)
 
 
+@pytest.mark.slow
 def test_shear_stays_within_friction_and_the_coupling_shrinks_the_stick_circle():
     """0.698 at friction 0.2 by other finite elements with friction, 80 to a radius; Spence without coupling 0.733."""
     *_, last = CoatedRings(ratio=1.0, poisson_ratio=NU, largest=0.5, per_thickness=48).press(0.2)

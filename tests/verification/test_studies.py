@@ -151,6 +151,7 @@ def test_thick_coating_against_the_integral_equation(tmp_path):
     assert found.row["area ratio"] == close(1.568, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_study_of_a_user(own, tmp_path, command, monkeypatch):
     """Texts with units become numbers; a failed variant is told; checks are judged; the order is the study's."""
     backwards = lambda *a, **k: reversed(list(run_study(*a, **k)))  # noqa: E731 - as several processes may finish

@@ -44,7 +44,7 @@ def tradeoff(command, monkeypatch, tmp_path):
     [
         ("hertz", SMALL, ("grid", "precision", "tolerance")),
         ("gross-slip", SMALL, ("grid", "precision", "tolerance", "coupling")),
-        ("buried-cuboid", [], ("grid", "half-space")),
+        pytest.param("buried-cuboid", [], ("grid", "half-space"), marks=pytest.mark.slow),
         ("peened-layer", [], ("grid", "precision", "half-space")),
     ],
 )

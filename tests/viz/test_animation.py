@@ -134,6 +134,7 @@ def test_all_frames_have_one_window_and_one_scale(stored, filmed):
     assert seen[0][3] > 1e6 * widest[-1]
 
 
+@pytest.mark.slow
 def test_a_gif_has_every_step_and_true_colours(stored, filmed):
     """The middle of the contact has in each frame the colour that its pressure has on the common scale."""
     pressure, (path, _, places) = stored("presses")["pressure"].values, filmed

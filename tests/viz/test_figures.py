@@ -209,6 +209,7 @@ def test_equal_profiles_are_drawn_once(stored):
     assert [axes.get_title() for axes in long.axes] == ["along x", "along y"]
 
 
+@pytest.mark.slow
 def test_pictures_of_a_page_have_one_width(stored, tmp_path):
     dataset = stored(regions=("line", "plane"), **WINDOWS["16x16"])
     figures = [draw(dataset) for draw in (pressure_map, pressure_profiles)]

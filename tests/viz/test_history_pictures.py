@@ -82,6 +82,7 @@ def test_load_over_approach_begins_at_the_first_touch(runs):
     assert history_words(history_panels(dataset)) == "Normal load over approach and contact area over normal load."
 
 
+@pytest.mark.slow
 def test_a_prescribed_constant_is_no_axis(runs, drawn):
     """An approach that is held while the body wears: the load falls along the path of sliding."""
     dataset = runs("worn")

@@ -111,10 +111,13 @@ def test_what_the_history_goes_by(worn):
     ("kind", "names"),
     [
         ("frets", ["worn-depth.png", "worn-profiles.png", "wear-history.png"]),
-        ("has a coating of cells", ["worn-depth.png", "worn-profiles.png", "worn-coating.png"]),
+        pytest.param(
+            "has a coating of cells", ["worn-depth.png", "worn-profiles.png", "worn-coating.png"],
+            marks=pytest.mark.slow,
+        ),
         ("slides", ["worn-depth.png", "worn-profiles.png", "worn-coating.png", "wear-history.png"]),
     ],
-)
+)  # fmt: skip
 def test_which_pictures_wear_gets(worn, monkeypatch, kind, names):
     seen = []
     monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path, *_: seen.append((path.name, figure)))

@@ -23,6 +23,8 @@ from eigencontact_verification.reporting.table import replace_section, table
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from eigencontact_verification.reporting.table import Column
+
 __all__ = ["main", "parser"]
 
 
@@ -87,14 +89,15 @@ def parser() -> argparse.ArgumentParser:
             add("--rows", default="", metavar="FOLDER", help="keep raw rows there; a later call solves those that lack")
         if one.peers:
             add("--peers", action="store_true", help=f"also {', '.join(one.peers)}, where installed")
+        keys = [column.key for column in one.columns]
+        add("--columns", nargs="+", choices=keys, metavar="KEY", help=f"of the stored table: {', '.join(keys)}")
         if one.draw:
             add("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
     return top
 
 
-def _report(out: Measurements, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
+def _report(out: Measurements, benchmark: Benchmark, machine: str, columns: Sequence[Column]) -> str:
     """Table, notes, settings and machine, as Markdown."""
-    columns = [column for column in benchmark.columns if column.brief or not brief]
     parts = [table(out.rows, columns)] if out.rows else []
     remarks = benchmark.remarks(out.rows) + out.notes
     remarks += [f"{code} {text}" for code, text in out.settings.items()]
@@ -140,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         out.samples += found.samples
         out.notes += [f"{case}: {note}" if case else note for note in found.notes]
         out.settings |= found.settings
-    print(_report(out, benchmark, describe(machine), brief=False))
+    print(_report(out, benchmark, describe(machine), benchmark.columns))
     try:
         if options.json:
             content = {
@@ -155,7 +158,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if benchmark.draw and options.picture and out.rows:
             benchmark.draw(out.rows, options.picture)
         if options.markdown and out.rows:
-            text = _report(out, benchmark, describe(machine), brief=True)
+            keys = options.columns or [column.key for column in benchmark.columns if column.brief]
+            columns = [column for column in benchmark.columns if column.key in keys]
+            text = _report(out, benchmark, describe(machine), columns)
             replace_section(options.markdown, options.section or benchmark.name, text)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
