@@ -18,7 +18,6 @@ from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, Co
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.blocks.surface import Surface
-from eigencontact.execution.interiors.choice import interiors_of
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solution
 from eigencontact.execution.mechanics.degree_error import PRESSURE_ERROR, pressure_error
@@ -347,3 +346,28 @@ def _contact_of(
     from eigencontact.execution.mechanics.normal_contact import NormalContact
 
     return NormalContact(interface, window, numerics, coupled=coupled)
+
+
+def interiors_of(subsurfaces: Sequence[Subsurface], directions: str) -> list[Interior]:
+    """Interiors of both bodies: prescribed eigenstrain first, then inhomogeneities."""
+    interiors: list[Interior] = []
+    for subsurface in subsurfaces:
+        if subsurface.prescribed and not subsurface.beside:
+            from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
+
+            interiors.append(PrescribedEigenstrain(subsurface, directions))
+    for subsurface in subsurfaces:
+        if subsurface.inhomogeneities and subsurface.refined:
+            from eigencontact.execution.interiors.finer_cells import two_levels
+
+            interiors += two_levels(subsurface, directions)
+        elif subsurface.inhomogeneities and subsurface.in_cells:
+            from eigencontact.execution.interiors.cells import Cells
+            from eigencontact.execution.interiors.swept_cells import SweptCells, should_sweep
+
+            interiors.append((SweptCells if should_sweep(subsurface) else Cells)(subsurface, directions))
+        elif subsurface.inhomogeneities:
+            from eigencontact.execution.interiors.polynomial_wholes import PolynomialWholes
+
+            interiors.append(PolynomialWholes(subsurface, directions))
+    return interiors
