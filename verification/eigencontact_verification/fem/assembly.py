@@ -77,8 +77,7 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
             young[hit] = region.young_modulus
         if region.poisson_ratio is not None:
             nu[hit] = region.poisson_ratio
-    lam, mu = lame(young, nu)  # type: ignore[arg-type]
-    return np.asarray(lam), np.asarray(mu), strain
+    return *lame(young, nu), strain
 
 
 def hooke(lam: FloatArray, mu: FloatArray, strain: FloatArray) -> FloatArray:

@@ -37,6 +37,7 @@ from eigencontact_verification.fem.axisymmetric_model import (
     AxisymmetricRegion,
     Disc,
 )
+from eigencontact_verification.fem.model import lame, von_mises
 
 __all__ = [
     "AxisymmetricLayer",
@@ -70,7 +71,7 @@ def _strains(basis: CellBasis, part: slice) -> FloatArray:
     return np.swapaxes(strains, 1, 2)
 
 
-def _assemble(basis: CellBasis, lame: FloatArray, mu: FloatArray, initial: FloatArray) -> tuple[csc_matrix, FloatArray]:
+def _assemble(basis: CellBasis, lam: FloatArray, mu: FloatArray, initial: FloatArray) -> tuple[csc_matrix, FloatArray]:
     """Stiffness matrix, and load vector of an initial stress s_rr, s_tt, s_zz, s_rz, (4, elements, points)."""
     dofs = np.asarray(basis.element_dofs).T
     count = dofs.shape[1]
@@ -80,7 +81,7 @@ def _assemble(basis: CellBasis, lame: FloatArray, mu: FloatArray, initial: Float
     step = max(1, _CHUNK // weight.shape[1])
     for part in (slice(k, k + step) for k in range(0, len(dofs), step)):
         strains = _strains(basis, part)
-        w, first, second = (x[part, None] for x in (weight, lame, mu))
+        w, first, second = (x[part, None] for x in (weight, lam, mu))
         stresses = 2 * second * strains
         stresses[3] /= 2
         stresses[:3] += first * strains[:3].sum(axis=0)
@@ -107,16 +108,11 @@ def _square_rule(points: int, cells: int = 1) -> tuple[FloatArray, FloatArray]:
     return np.stack(np.meshgrid(places, places)).reshape(2, -1), np.outer(weights, weights).ravel()
 
 
-def _lame(material: FloatArray) -> tuple[FloatArray, FloatArray]:
-    mu = material[0] / (2 * (1 + material[1]))
-    return np.asarray(2 * mu * material[1] / (1 - 2 * material[1])), np.asarray(mu)
-
-
 def _stress(material: FloatArray, strain: FloatArray) -> FloatArray:
     """Stress s_rr, s_tt, s_zz, s_rz of strains e_rr, e_tt, e_zz, e_rz, (4, ...)."""
-    lame, mu = _lame(material)
+    lam, mu = lame(material[0], material[1])
     stress = 2 * mu * strain
-    stress[:3] += lame * strain[:3].sum(axis=0)
+    stress[:3] += lam * strain[:3].sum(axis=0)
     return np.asarray(stress)
 
 
@@ -178,15 +174,26 @@ def _held(
 
 def _outer_traction(model: AxisymmetricModel, basis: CellBasis) -> FloatArray:
     """Load vector of the traction on side and base of a free model that balances the discs."""
-    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == model.reach) | (x[1] == model.reach), boundaries_only=True)
-    rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-    r, z = np.asarray(rim.global_coordinates())
-    on_side = np.asarray(rim.normals)[0] > 0.5
     if model.far_field:
-        s_rr, s_zz, s_rz = point_force_stress(model.load, model.poisson_ratio, r, z)
-        t_r, t_z = np.where(on_side, s_rr, s_rz), np.where(on_side, s_rz, s_zz)
-    else:
-        t_r, t_z = np.zeros_like(r), np.where(on_side, 0.0, -model.load / (np.pi * model.reach**2))
+        return point_force_traction(basis, model.reach, model.load, model.poisson_ratio)
+    rim = _rim(basis, model.reach)
+    on_side = np.asarray(rim.normals)[0] > 0.5
+    t_z = np.where(on_side, 0.0, -model.load / (np.pi * model.reach**2))
+    return np.asarray(LinearForm(_traction).assemble(rim, t_r=np.zeros_like(t_z), t_z=t_z))
+
+
+def _rim(basis: CellBasis, reach: float) -> FacetBasis:
+    """Side and base of the mesh."""
+    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == reach) | (x[1] == reach), boundaries_only=True)
+    return FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+
+
+def point_force_traction(basis: CellBasis, reach: float, load: float, poisson_ratio: float) -> FloatArray:
+    """Load vector of the traction on side and base under a point force on the surface."""
+    rim = _rim(basis, reach)
+    on_side = np.asarray(rim.normals)[0] > 0.5
+    s_rr, s_zz, s_rz = point_force_stress(load, poisson_ratio, *np.asarray(rim.global_coordinates()))
+    t_r, t_z = np.where(on_side, s_rr, s_rz), np.where(on_side, s_rz, s_zz)
     return np.asarray(LinearForm(_traction).assemble(rim, t_r=t_r, t_z=t_z))
 
 
@@ -226,9 +233,9 @@ def solve_axisymmetric(
     matrix: Any = 0.0
     load: Any = 0.0
     for basis, material in _bases(model, grid):
-        lame, mu = _lame(material)
+        lam, mu = lame(material[0], material[1])
         own = _stress(material, material[2:] - remote[:, None, None])
-        parts = _assemble(basis, lame, mu, own + uniform)
+        parts = _assemble(basis, lam, mu, own + uniform)
         matrix, load = matrix + parts[0], load + parts[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
@@ -357,14 +364,13 @@ class AxisymmetricSolution:
             moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[part::2]]
         middle = np.stack((self.grid.centres[0], 0 * self.grid.centres[0], self.grid.centres[1]), axis=1)
         stress = self.stress(middle)
-        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         meshio.Mesh(
             nodes,
             [("quad9", scalar.T)],
             point_data={"displacement": moved},
             cell_data={
                 "stress": [stress.reshape(-1, 9)],
-                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "von_mises": [von_mises(stress)],
                 "region": [self.grid.marks],
             },
         ).write(path)

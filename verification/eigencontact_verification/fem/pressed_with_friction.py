@@ -31,8 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 from skfem import FacetBasis, LinearForm
 
-from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _held, _lame, _traction
+from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _held, _traction
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel
+from eigencontact_verification.fem.model import lame
 
 __all__ = ["CoatedRings", "Pressed"]
 
@@ -111,8 +112,8 @@ class CoatedRings:
         grid = model.grid()
         stiffness: Any = 0.0
         for basis, material in _bases(model, grid):
-            lame, mu = _lame(material)
-            stiffness = stiffness + _assemble(basis, lame, mu, np.zeros((4, *lame.shape)))[0]
+            lam, mu = lame(material[0], material[1])
+            stiffness = stiffness + _assemble(basis, lam, mu, np.zeros((4, *lam.shape)))[0]
         held, radial = _held(model, basis, everywhere=False)
         free = np.setdiff1d(np.arange(basis.N), held)
         factors = splu(

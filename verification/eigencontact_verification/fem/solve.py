@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.fem import assembly, planes
 from eigencontact_verification.fem.mesh import Grid, build_grid
-from eigencontact_verification.fem.model import Model
+from eigencontact_verification.fem.model import Model, von_mises
 from eigencontact_verification.fem.preconditioners import contrast, multigrid, separable
 
 __all__ = ["NotConverged", "Solution", "peak_memory", "solve", "solve_system"]
@@ -231,7 +231,6 @@ class Solution:
         centres = grid.low + grid.size / 2
         lam, mu, eigenstrain = assembly.point_state(self.model, centres)
         stress = self.stress(centres)
-        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         number = np.zeros(len(centres), dtype=np.int32)
         for count, region in enumerate(self.model.regions, start=1):
             number[np.asarray(region.contains(*centres.T))] = count
@@ -241,7 +240,7 @@ class Solution:
             point_data={"displacement": self.nodal},
             cell_data={
                 "stress": [stress.reshape(-1, 9)],
-                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "von_mises": [von_mises(stress)],
                 "region": [number],
                 "eigenstrain": [eigenstrain.reshape(-1, 9)],
                 "young_modulus": [mu * (3 * lam + 2 * mu) / (lam + mu)],

@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import splu
-from skfem import CellBasis, FacetBasis, LinearForm
 
-from eigencontact_verification.fem.axisymmetric import point_force_displacement, point_force_stress
+from eigencontact_verification.fem.axisymmetric import point_force_displacement, point_force_traction
 from eigencontact_verification.fem.yielding_body import YieldingBody
 from eigencontact_verification.fem.yielding_contact import Surface, surface_of
 from eigencontact_verification.fem.yielding_law import State
@@ -181,7 +180,9 @@ class _Solver:
     def pull(self) -> FloatArray:
         """Force of the outer boundary's traction under a unit load, zero where the boundary is held."""
         basis, model = self.body.basis, self.model
-        return np.zeros(basis.N) if model.outer == "fixed" else _outer_pull(basis, model)
+        if model.outer == "fixed":
+            return np.zeros(basis.N)
+        return point_force_traction(basis, model.reach, 1.0, model.poisson_ratio)
 
     def follow(self, loads: Sequence[float]) -> Iterator[Moment]:
         basis = self.body.basis
@@ -307,18 +308,3 @@ class _Solver:
         with np.errstate(divide="ignore", invalid="ignore"):  # an iteration that is lost; its increment is halved
             change = float((missing + spring[free] @ step) / (spring.sum() - spring[free] @ lift))
         return step + change * lift, change
-
-
-def _outer_pull(basis: CellBasis, model: Indentation) -> FloatArray:
-    """Load vector of the traction of a unit point force on side and base."""
-
-    def work(v: object, w: object) -> object:
-        return (w.t_r * v[0] + w.t_z * v[1]) * w.x[0]  # type: ignore[attr-defined, index]
-
-    reach = model.reach
-    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == reach) | (x[1] == reach), boundaries_only=True)
-    rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-    r, z = np.asarray(rim.global_coordinates())
-    side = np.asarray(rim.normals)[0] > 0.5
-    s_rr, s_zz, s_rz = point_force_stress(1.0, model.poisson_ratio, r, z)
-    return np.asarray(LinearForm(work).assemble(rim, t_r=np.where(side, s_rr, s_rz), t_z=np.where(side, s_rz, s_zz)))
