@@ -16,7 +16,7 @@ from eigencontact_verification.audit.contact_model import contact_model, junctio
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.line_cases import line_cases_of
 from eigencontact_verification.audit.line_scene import is_line
-from eigencontact_verification.audit.stored import bars_of
+from eigencontact_verification.audit.stored import bars_of, run_name
 from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
@@ -125,7 +125,7 @@ def contact_cases_of(
     """
     if is_line(folder):
         return line_cases_of(folder, quick=quick, coarser=coarser)
-    name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
+    name = run_name(folder)
     try:
         stored = read_contact(folder)
         name = stored.name

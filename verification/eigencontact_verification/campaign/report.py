@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,11 +62,11 @@ class MapReport:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
             "campaign": self.campaign.name, "title": self.campaign.title, "judge": self.campaign.judge,
-            "made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts(), "coarse": self.coarse,
+            **time_and_machine(), "coarse": self.coarse,
             "seconds": self.seconds, "tolerance": self.campaign.tolerance, "expect": self.campaign.expect,
             "summary": totals(self.campaign, self.found), "answers": answers(self.campaign, self.found),
             "exit_code": self.exit_code,

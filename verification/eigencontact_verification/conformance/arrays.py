@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import HasMirrorPotential
 from eigencontact_verification.conformance.orders import Order, name, of_total
-from eigencontact_verification.conformance.report import check, ensure, ensure_pure, place_of
+from eigencontact_verification.conformance.report import check, ensure, ensure_array, ensure_pure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, potential, region, sample
 
 FloatArray = NDArray[np.float64]
@@ -46,11 +46,10 @@ def check_potential_arrays(shape: Any) -> None:
             count = int(np.prod(form))
             part = np.resize(places, (12, 3))[:count].reshape((*form, 3))
             answer = potential(shape, which, some, part)
-            ensure(
-                answer.shape == (len(some), *form) and answer.dtype == np.float64,
+            ensure_array(
+                answer,
+                (len(some), *form),
                 f"{which} of {len(some)} orders at points of shape {form}",
-                f"float64 of shape {(len(some), *form)}",
-                f"{answer.dtype} of shape {answer.shape}",
                 "allocate np.empty((len(orders), *x.shape))",
             )
             expected = np.resize(places, (12, 3))[:count]

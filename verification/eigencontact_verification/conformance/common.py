@@ -99,7 +99,7 @@ def check_files_are_marked(component: Any) -> None:
         value = getattr(component, item.name)
         if isinstance(value, str | Path) and value and Path(value).is_file():
             ensure(
-                FileMark() in _marks(hints[item.name]),
+                FileMark() in annotations_of(hints[item.name]),
                 item.name,
                 "annotated as a file",
                 repr(hints[item.name]),
@@ -107,9 +107,9 @@ def check_files_are_marked(component: Any) -> None:
             )
 
 
-def _marks(hint: Any) -> list[Any]:
+def annotations_of(hint: Any) -> list[Any]:
     """Everything that annotates a type or a part of it."""
-    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
+    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in annotations_of(part))]
 
 
 @check

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.conformance.orders import of_total
 from eigencontact_verification.conformance.quadrature import quadrature_rules
-from eigencontact_verification.conformance.report import agree, check, ensure, ensure_pure
+from eigencontact_verification.conformance.report import agree, check, ensure, ensure_array, ensure_pure
 from eigencontact_verification.conformance.sampling import principal_axes, region, sample, within
 
 FloatArray = NDArray[np.float64]
@@ -58,12 +58,12 @@ def check_densities(shape: Any) -> None:
     for degree in range(DEGREE + 1):
         count = count_of(degree)
         values = values_of(shape, degree, points)
-        ensure(
-            values.shape == (count, len(points)) and values.dtype == np.float64,
+        ensure_array(
+            values,
+            (count, len(points)),
             f"densities up to degree {degree} at {len(points)} points",
-            f"float64 of shape {(count, len(points))}: (N+1)(N+2)(N+3)/6 densities",
-            f"{values.dtype} of shape {values.shape}",
             "return one row for each density",
+            rule="float64 of shape {shape}: (N+1)(N+2)(N+3)/6 densities",
         )
         names = [f"density {row} of degree up to {degree}" for row in range(count)]
         size = np.max(np.abs(values), axis=1, keepdims=True)

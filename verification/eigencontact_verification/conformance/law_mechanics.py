@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.quantities import DirectionMark
 from eigencontact.plugin import LinearLaw, Rotation, as_tuple, mandel_rotation, rotation_matrix
+from eigencontact_verification.conformance.common import annotations_of
 from eigencontact_verification.conformance.law_questions import (
     Question,
     along,
@@ -122,7 +123,7 @@ def _turned(law: Any) -> tuple[Any, bool]:
         value, hint = getattr(law, item.name), hints[item.name]
         if hint in (Rotation, Rotation | None):
             changes[item.name] = as_tuple(_TURN @ rotation_matrix(law.key, value))
-        elif value is not None and DirectionMark() in _marks(hint):
+        elif value is not None and DirectionMark() in annotations_of(hint):
             changes[item.name] = as_tuple((_TURN @ np.asarray(value, dtype=float).T).T)
         else:
             part, found = _turned_parts(value)
@@ -136,11 +137,6 @@ def _turned_parts(value: Any) -> tuple[Any, bool]:
         parts = [_turned_parts(part) for part in value]
         return tuple(part for part, _ in parts), any(found for _, found in parts)
     return _turned(value) if is_dataclass(value) and not isinstance(value, type) else (value, False)
-
-
-def _marks(hint: Any) -> list[Any]:
-    """Everything that annotates a type or a part of it."""
-    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
 
 
 def _turned_variables(law: Any, variables: Mapping[str, FloatArray], Q: FloatArray) -> dict[str, FloatArray]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import COMPONENTS, SQRT2, HasResponseAtDepths, Material
-from eigencontact_verification.conformance.report import check, ensure, ensure_pure
+from eigencontact_verification.conformance.report import check, ensure, ensure_array, ensure_pure
 from eigencontact_verification.conformance.sampling import remembered
 
 FloatArray = NDArray[np.float64]
@@ -65,10 +65,9 @@ def check_response_arrays(medium: Any) -> None:
         for quantity, components in (("displacement", ("z",)), ("displacement", _AXES), ("stress", ("xz", "zz", "yy"))):
             for traction in _TRACTIONS:
                 got = np.asarray(medium.response(quantity, components, traction, kx, ky, 0.3 / k))
-                ensure(
-                    got.shape == (len(components), *shape) and got.dtype == np.complex128,
-                    f"response of {quantity} to {traction}", f"complex128 of shape {(len(components), *shape)}",
-                    f"{got.dtype} of shape {got.shape}", "kx and ky broadcast against each other",
+                ensure_array(
+                    got, (len(components), *shape), f"response of {quantity} to {traction}",
+                    "kx and ky broadcast against each other", rule="complex128 of shape {shape}", dtype=np.complex128,
                 )  # fmt: skip
                 ensure(np.all(np.isfinite(got)), f"response of {quantity} to {traction}", "finite", "not", "see k = 0")
     none = np.zeros(1)

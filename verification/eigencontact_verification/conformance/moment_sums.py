@@ -11,6 +11,7 @@ from eigencontact_verification.conformance.arrays import mirror_orders
 from eigencontact_verification.conformance.densities import DEGREE, density_sizes, values_of
 from eigencontact_verification.conformance.moments import phi_of
 from eigencontact_verification.conformance.orders import AXES, Order, add, name, of_total
+from eigencontact_verification.conformance.quadrature import depth_rule
 from eigencontact_verification.conformance.report import agree, check
 from eigencontact_verification.conformance.sampling import region, sample, within
 
@@ -164,14 +165,8 @@ def check_sums_of_chi(shape: Any) -> None:
 
 
 def _chi_integrals(shape: Any, orders: list[Order], places: FloatArray, count: int) -> FloatArray:
-    """Orders of chi as integrals along the depth, t - Z = size * s/(1 - s): ``(n, orders, points)``."""
-    size = region(shape).size
-    abscissae, gauss = np.polynomial.legendre.leggauss(count)
-    share = (abscissae + 1) / 2
-    reach = size * share / (1 - share)
-    weights = gauss / 2 * size / (1 - share) ** 2
-    along = np.repeat(places[:, None, :], count, axis=1)
-    along[..., 2] = -(places[:, 2:] + reach)
-    phi = phi_of(shape, DEGREE, [(i, j, 0) for i, j, _ in orders], along)
+    """Orders of chi as integrals along the depth, ``(n, orders, points)``."""
+    reach, weights, points = depth_rule(region(shape).size, places, count)
+    phi = phi_of(shape, DEGREE, [(i, j, 0) for i, j, _ in orders], points)
     factors = np.array([-weights if k else weights * reach for _, _, k in orders])
     return np.asarray(np.einsum("nopc,oc->nop", phi, factors))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.conformance.sampling import inside, principal_axes, region, remembered
 
-__all__ = ["Rule", "quadrature_rules", "ray_rules"]
+__all__ = ["Rule", "depth_rule", "quadrature_rules", "ray_rules"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -175,3 +175,26 @@ def _pieces(
     cut = (low + high) / 2
     opens = np.flatnonzero(after[:-1] != 0)
     return which[opens], cut[opens], cut[opens + 1]
+
+
+def depth_rule(size: float, places: FloatArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss's rule for integrals from the images of places upwards, by the distance ``size * s / (1 - s)``.
+
+    Parameters
+    ----------
+    size : float
+        Length of the region [m].
+    places : (n, 3) float64
+    count : int
+
+    Returns
+    -------
+    distances, weights : (count,) float64
+    points : (n, count, 3) float64
+    """
+    abscissae, gauss = np.polynomial.legendre.leggauss(count)
+    share = (abscissae + 1) / 2
+    distances = size * share / (1 - share)
+    points = np.repeat(places[:, None, :], count, axis=1)
+    points[..., 2] = -(places[:, 2:] + distances)
+    return distances, gauss / 2 * size / (1 - share) ** 2, points

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -110,11 +109,10 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the curves, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
-            "made": datetime.now(UTC).isoformat(timespec="seconds"),
-            "machine": facts(),
+            **time_and_machine(),
             "quick": self.quick,
             "limit": self.limit,
             "seconds": self.seconds,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,11 +57,10 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
-            "made": datetime.now(UTC).isoformat(timespec="seconds"),
-            "machine": facts(),
+            **time_and_machine(),
             "quick": self.quick,
             "summary": self.summary,
             "exit_code": self.exit_code,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import platform
+from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
-__all__ = ["describe", "facts", "installed"]
+__all__ = ["describe", "facts", "installed", "time_and_machine"]
 
 
 def installed(distribution: str) -> str | None:
@@ -43,6 +45,11 @@ def facts() -> dict[str, str | int | float | None]:
         "python": platform.python_version(),
         **{name: installed(name) for name in ("numpy", "scipy", "pyfftw", "eigencontact")},
     }
+
+
+def time_and_machine() -> dict[str, Any]:
+    """Entries ``made`` and ``machine`` of the JSON of a report."""
+    return {"made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts()}
 
 
 def describe(found: dict[str, str | int | float | None]) -> str:
