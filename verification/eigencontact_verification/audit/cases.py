@@ -317,10 +317,10 @@ def _case(
     )
     engine = engines.engine_for([body.loaded for body in loaded])
     ratio = engines.ratio_for(engine, [body.loaded for body in loaded])
-    seen = [body for body in loaded if _lines_of(lines, body.number)]
-    watched = [_watched(_lines_of(lines, body.number)) for body in seen]
-    read = [_read_at(_lines_of(lines, body.number)) for body in seen]
-    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in seen]
+    visible_bodies = [body for body in loaded if _lines_of(lines, body.number)]
+    watched = [_watched(_lines_of(lines, body.number)) for body in visible_bodies]
+    read = [_read_at(_lines_of(lines, body.number)) for body in visible_bodies]
+    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in visible_bodies]
     budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
     closed_form: Fields = {}
     for body in loaded:

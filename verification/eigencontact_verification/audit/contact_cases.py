@@ -150,8 +150,8 @@ def contact_cases_of(
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     lines = with_bars(lines, stored, bars_of(folder), a)
     if scene.cells and not any(line.kind == "stress" for line in lines):
-        none = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
-        gaps.append(Gap(subject=name, what="whole contact: stress", reason=none))
+        lacking = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
+        gaps.append(Gap(subject=name, what="whole contact: stress", reason=lacking))
     case = ContactCase(
         subject=name,
         name="contact",

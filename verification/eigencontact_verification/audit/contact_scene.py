@@ -203,15 +203,15 @@ def layers_of(solid: Any) -> list[dict[str, float]]:
     depths = [0.0, *solid.interfaces]
     layers = []
     for top, bottom in pairwise(depths):
-        made = solid.material_at(top)
+        material = solid.material_at(top)
         layers.append(
             {
                 "thickness": bottom - top,
-                "young_modulus": made.young_modulus,
-                "poisson_ratio": made.poisson_ratio,
+                "young_modulus": material.young_modulus,
+                "poisson_ratio": material.poisson_ratio,
             }
         )
-        if solid.material_at(0.5 * (top + bottom)) != made:
+        if solid.material_at(0.5 * (top + bottom)) != material:
             raise NotJudged("the constants of a layer change with depth")
     return layers
 

@@ -74,10 +74,10 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
         if table.initial is not None:
             raise NotJudged(f"body {number} begins with the state of another run")
         layers = _layers(solid)
-        own = [source for source in (*prescribed, *different) if source.body == number]
-        if layers and own:
+        sources = [source for source in (*prescribed, *different) if source.body == number]
+        if layers and sources:
             raise NotJudged(f"body {number} has layers, and inclusions or eigenstrain beside them")
-        regions = [_region(source, material, edges, times) for source in own]
+        regions = [_region(source, material, edges, times) for source in sources]
         _refuse_overlap([region for region in regions if "young_modulus" in region])
         bodies.append(
             {
@@ -103,12 +103,12 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
 
 def _layers(solid: Any) -> list[dict[str, Any]]:
     """Layers with the depths of their sides."""
-    found, top = [], 0.0
+    layers, top = [], 0.0
     for layer in layers_of(solid):
         bottom = top + layer.pop("thickness")
-        found.append({"kind": "layer", "top": top, "bottom": bottom, **layer})
+        layers.append({"kind": "layer", "top": top, "bottom": bottom, **layer})
         top = bottom
-    return found
+    return layers
 
 
 def _region(source: Any, material: Any, edges: FloatArray, times: Sequence[float]) -> dict[str, Any]:
@@ -121,12 +121,12 @@ def _region(source: Any, material: Any, edges: FloatArray, times: Sequence[float
         raise NotJudged(f"the eigenstrain of '{source.name}' changes with time")
     if yz or xy:
         raise NotJudged(f"the eigenstrain of '{source.name}' shears along the line")
-    found = _place(source, edges)
-    found["eigenstrain"] = [float(v) for v in (xx, yy, zz, xz / np.sqrt(2.0))]
+    region = _place(source, edges)
+    region["eigenstrain"] = [float(v) for v in (xx, yy, zz, xz / np.sqrt(2.0))]
     if hasattr(source, "law"):
         young, nu = moduli_of(source.law, material)
-        found |= {"young_modulus": young, "poisson_ratio": nu, "law": law_numbers(source.law, young)}
-    return found
+        region |= {"young_modulus": young, "poisson_ratio": nu, "law": law_numbers(source.law, young)}
+    return region
 
 
 def _place(source: Any, edges: FloatArray) -> dict[str, Any]:

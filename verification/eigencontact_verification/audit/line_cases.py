@@ -81,7 +81,7 @@ class LineCase(RunCase):
 
 def line_steps(parameters: Mapping[str, Any]) -> list[LineStep]:
     """Increments of the parameters of a case: normal, shear, bulk stress of both bodies, place."""
-    return [LineStep(normal=p, shear=q, bulk=(one, two), place=place) for p, q, one, two, place in parameters["steps"]]
+    return [LineStep(normal=p, shear=q, bulk=(b1, b2), place=place) for p, q, b1, b2, place in parameters["steps"]]
 
 
 def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArray:

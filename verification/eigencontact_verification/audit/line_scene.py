@@ -96,7 +96,7 @@ class StoredLine:
     @property
     def yields(self) -> bool:
         """Whether a body or a region has a law."""
-        return any(part.get("law") for body in self.scene["bodies"] for part in (body, *body["regions"]))
+        return any(owner.get("law") for body in self.scene["bodies"] for owner in (body, *body["regions"]))
 
     @property
     def smooth(self) -> bool:

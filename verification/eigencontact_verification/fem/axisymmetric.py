@@ -62,11 +62,11 @@ _STORED = (3, 3)
 _CHUNK = 1 << 15
 
 
-def _strains(basis: CellBasis, part: slice) -> FloatArray:
+def _strains(basis: CellBasis, elements: slice) -> FloatArray:
     """Strains e_rr, e_tt, e_zz, 2 e_rz of the shape functions, (4, elements, functions, points)."""
-    value = np.array([np.asarray(shape)[0, part] for (shape,) in basis.basis])
-    grad = np.array([shape.grad[:, :, part] for (shape,) in basis.basis])
-    r = np.asarray(basis.global_coordinates())[0, part]
+    value = np.array([np.asarray(shape)[0, elements] for (shape,) in basis.basis])
+    grad = np.array([shape.grad[:, :, elements] for (shape,) in basis.basis])
+    r = np.asarray(basis.global_coordinates())[0, elements]
     strains = np.stack((grad[:, 0, 0], value / r, grad[:, 1, 1], grad[:, 0, 1] + grad[:, 1, 0]))
     return np.swapaxes(strains, 1, 2)
 
@@ -79,15 +79,15 @@ def _assemble(basis: CellBasis, lam: FloatArray, mu: FloatArray, initial: FloatA
     load = np.zeros(basis.N)
     weight = basis.dx * np.asarray(basis.global_coordinates())[0]
     step = max(1, _CHUNK // weight.shape[1])
-    for part in (slice(k, k + step) for k in range(0, len(dofs), step)):
-        strains = _strains(basis, part)
-        w, first, second = (x[part, None] for x in (weight, lam, mu))
+    for elements in (slice(k, k + step) for k in range(0, len(dofs), step)):
+        strains = _strains(basis, elements)
+        w, first, second = (x[elements, None] for x in (weight, lam, mu))
         stresses = 2 * second * strains
         stresses[3] /= 2
         stresses[:3] += first * strains[:3].sum(axis=0)
-        matrices[part] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
-        force = sum(initial[k, part, None] * strains[k] for k in range(4))
-        np.add.at(load, dofs[part], (w * force).sum(axis=2))
+        matrices[elements] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
+        force = sum(initial[k, elements, None] * strains[k] for k in range(4))
+        np.add.at(load, dofs[elements], (w * force).sum(axis=2))
     rows, columns = (np.broadcast_to(x, matrices.shape).ravel() for x in (dofs[:, :, None], dofs[:, None]))
     return csc_matrix((matrices.ravel(), (rows, columns)), shape=(basis.N, basis.N)), load
 
@@ -166,10 +166,10 @@ def _held(
         radial[dofs[0]] = True
     axis, side, base = radial & (r == 0), r == model.reach, z == model.reach
     if everywhere:
-        held = axis | side | base | (z == 0)
+        prescribed = axis | side | base | (z == 0)
     else:
-        held = axis | side | base if model.outer == "fixed" else axis | (side & base & ~radial)
-    return np.flatnonzero(held), radial
+        prescribed = axis | side | base if model.outer == "fixed" else axis | (side & base & ~radial)
+    return np.flatnonzero(prescribed), radial
 
 
 def _outer_traction(model: AxisymmetricModel, basis: CellBasis) -> FloatArray:
@@ -234,15 +234,15 @@ def solve_axisymmetric(
     load: Any = 0.0
     for basis, material in _bases(model, grid):
         lam, mu = lame(material[0], material[1])
-        own = _stress(material, material[2:] - remote[:, None, None])
-        parts = _assemble(basis, lam, mu, own + uniform)
+        initial_stress = _stress(material, material[2:] - remote[:, None, None])
+        parts = _assemble(basis, lam, mu, initial_stress + uniform)
         matrix, load = matrix + parts[0], load + parts[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
     for disc in model.discs:
         load = load + surface_load(disc, basis)
-    held, radial = _held(model, basis, everywhere=prescribed is not None)
+    prescribed_unknowns, radial = _held(model, basis, everywhere=prescribed is not None)
     far = np.zeros(basis.N)  # what the resultant load would do to a half-space, on the outer boundary
     if model.far_field and prescribed is None:
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
@@ -252,18 +252,18 @@ def solve_axisymmetric(
         far[outer] = np.where(radial[outer], u_r, u_z)
     u = np.zeros(basis.N)
     if prescribed is not None:
-        values = np.asarray(prescribed(*basis.doflocs[:, held]))
-        u[held] = np.where(radial[held], values[0], values[1])
+        values = np.asarray(prescribed(*basis.doflocs[:, prescribed_unknowns]))
+        u[prescribed_unknowns] = np.where(radial[prescribed_unknowns], values[0], values[1])
     elif model.outer == "fixed":
-        u[held] = far[held]
+        u[prescribed_unknowns] = far[prescribed_unknowns]
     pull = np.zeros(basis.N)
     if model.load and model.outer == "free" and prescribed is None:
         pull = _outer_traction(model, basis)
-    free = np.setdiff1d(np.arange(basis.N), held)
+    free = np.setdiff1d(np.arange(basis.N), prescribed_unknowns)
     inner = matrix[free]
-    rest = (load + pull)[free] - inner @ u
+    residual = (load + pull)[free] - inner @ u
     factors = splu(inner[:, free], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    u[free] = factors.solve(rest)
+    u[free] = factors.solve(residual)
     if model.far_field and pull.any():  # the outer traction does the same work on both displacements
         u[~radial] -= pull @ (u - far) / pull[~radial].sum()
     return AxisymmetricSolution(
@@ -360,8 +360,8 @@ class AxisymmetricSolution:
         nodes[:, [0, 2]] = mesh.doflocs.T
         moved = np.zeros_like(nodes)
         scalar = mesh.dofs.element_dofs
-        for axis, part in ((0, 0), (2, 1)):
-            moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[part::2]]
+        for axis, component in ((0, 0), (2, 1)):
+            moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[component::2]]
         middle = np.stack((self.grid.centres[0], 0 * self.grid.centres[0], self.grid.centres[1]), axis=1)
         stress = self.stress(middle)
         meshio.Mesh(

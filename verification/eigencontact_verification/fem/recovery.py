@@ -125,14 +125,14 @@ def recovered(
     values = np.empty((*shape, 3, 3))
     for some in (slice(k, k + _AT_ONCE) for k in range(0, len(points), _AT_ONCE)):
         values[some] = field(samples[some].reshape(-1, 3)).reshape(*values[some].shape)
-    found: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
+    tensor: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
     if side is not None:
-        own = np.asarray(side(*points.T))
-        others = np.asarray(side(*np.moveaxis(samples, -1, 0)))
-        mixed = np.flatnonzero(np.any(others != own[:, None, None, None], axis=(1, 2, 3)))
+        side_of_points = np.asarray(side(*points.T))
+        side_of_samples = np.asarray(side(*np.moveaxis(samples, -1, 0)))
+        mixed = np.flatnonzero(np.any(side_of_samples != side_of_points[:, None, None, None], axis=(1, 2, 3)))
         if mixed.size:
-            found[mixed] = field(points[mixed])
-    return found
+            tensor[mixed] = field(points[mixed])
+    return tensor
 
 
 def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: bool) -> tuple[FloatArray, FloatArray]:
@@ -150,8 +150,8 @@ def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: 
         breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * np.ptp(line))[: breaks.size]]
     side = np.searchsorted(breaks, gauss)
     places = np.empty((at.size, COUNT))
-    for row, (x, own) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
-        choice = gauss[side == own]
+    for row, (x, stretch) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
+        choice = gauss[side == stretch]
         if not choice.size:
             raise ValueError(f"faces must have elements between them (got none around {x:.9g}); merge them")
         first = int(np.clip(np.searchsorted(choice, x) - COUNT // 2, 0, max(choice.size - COUNT, 0)))
@@ -214,15 +214,15 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
     side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
-    own = np.asarray(contains(*points.T))
-    found = np.empty((len(points), 3, 3))
+    side_of_points = np.asarray(contains(*points.T))
+    stress = np.empty((len(points), 3, 3))
     for inside in (False, True):
-        chosen, wanted = np.flatnonzero(side == inside), np.flatnonzero(own == inside)
-        if not wanted.size:
+        chosen, targets = np.flatnonzero(side == inside), np.flatnonzero(side_of_points == inside)
+        if not targets.size:
             continue
         count = min(CANDIDATES, chosen.size)
-        near = chosen[cKDTree(gauss[chosen]).query(points[wanted][:, [0, 2]], k=count)[1]]
-        for at, candidates in zip(wanted, near, strict=True):
+        near = chosen[cKDTree(gauss[chosen]).query(points[targets][:, [0, 2]], k=count)[1]]
+        for at, candidates in zip(targets, near, strict=True):
             local = gauss[candidates] - points[at, [0, 2]]
             # distances in edges of the element at hand, which may be long and thin
             spread = np.linalg.cholesky(np.cov(nodes[:, :, element[candidates[0]]]))
@@ -236,5 +236,5 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
             values = solution.stress(np.insert(gauss[candidates[nearest]], 1, 0.0, axis=1)).reshape(-1, 9)
             weight = np.exp(-2.0 * (distance[nearest] / size) ** 2)[:, None]
             matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in POWERS], axis=1)
-            found[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
-    return found
+            stress[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
+    return stress

@@ -40,24 +40,26 @@ IntArray = NDArray[np.int64]
 def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
     """Stress (n, 3, 3) at Cartesian points (n, 3), off the boundaries of the regions."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    own = _side(solution, r, z)
+    side_of_points = _side(solution, r, z)
     rs, wr = stencil(solution.grid.lines[0], r, mirrored=True)
     zs, wz = stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
     shape = (r.size, COUNT, COUNT)
     sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
     beside = _curved(solution, np.abs(sample_r), sample_z)
-    beside |= _side(solution, np.abs(sample_r), sample_z) != own[:, None, None]
+    beside |= _side(solution, np.abs(sample_r), sample_z) != side_of_points[:, None, None]
     scattered = np.any(beside, axis=(1, 2))
-    found = np.empty((4, r.size))
+    continuous = np.empty((4, r.size))
     tensor = np.flatnonzero(~scattered)
     if tensor.size:
         values = _continuous(solution, sample_r[tensor].ravel(), sample_z[tensor].ravel())
         values = values.reshape(4, tensor.size, COUNT, COUNT)
-        found[:, tensor] = np.einsum("ni,nj,cnij->cn", wr[tensor], wz[tensor], values)
-    rest = np.flatnonzero(scattered)
-    if rest.size:
-        found[:, rest] = _fitted(solution, r[rest], z[rest], own[rest])
-    return _whole(solution, points, found)
+        continuous[:, tensor] = np.einsum("ni,nj,cnij->cn", wr[tensor], wz[tensor], values)
+    outside_tensor = np.flatnonzero(scattered)
+    if outside_tensor.size:
+        continuous[:, outside_tensor] = _fitted(
+            solution, r[outside_tensor], z[outside_tensor], side_of_points[outside_tensor]
+        )
+    return _whole(solution, points, continuous)
 
 
 def _side(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> IntArray:
@@ -88,8 +90,8 @@ def stencil(
     """
     gauss = gauss_lines(line, mirrored=mirrored)
     faces = np.concatenate([[-np.inf], [] if breaks is None else breaks, [np.inf]])
-    part = np.searchsorted(faces, at) - 1
-    low, high = np.searchsorted(gauss, faces[part]), np.searchsorted(gauss, faces[part + 1])
+    stretch = np.searchsorted(faces, at) - 1
+    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
     first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
     index = first[:, None] + np.arange(COUNT)
     lost = index >= high[:, None]
@@ -121,7 +123,7 @@ def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: Float
     return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
 
 
-def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: IntArray) -> FloatArray:
+def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, side_of_points: IntArray) -> FloatArray:
     """What is continuous, (4, n), by cubics through the nearest Gauss points on the same side."""
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
@@ -130,12 +132,12 @@ def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: I
     def values(chosen: IntArray) -> FloatArray:
         return _continuous(solution, gauss[chosen, 0], gauss[chosen, 1])
 
-    return fitted(values, nodes, gauss, element, side, np.stack([r, z], axis=1), own)
+    return fitted(values, nodes, gauss, element, side, np.stack([r, z], axis=1), side_of_points)
 
 
 def fitted(
     values: Callable[[IntArray], FloatArray], nodes: FloatArray, gauss: FloatArray, element: IntArray, side: IntArray,
-    at: FloatArray, own: IntArray,
+    at: FloatArray, side_of_points: IntArray,
 ) -> FloatArray:  # fmt: skip
     """Values (k, n) at points by cubics through the nearest Gauss points on the same side, by least squares.
 
@@ -146,13 +148,13 @@ def fitted(
     nodes : (2, 9, elements) float64
     gauss, element, side : (g, 2) float64, (g,) int64, (g,) int64
         Gauss points, their elements, and a number for the side that each lies on.
-    at, own : (n, 2) float64, (n,) int64
+    at, side_of_points : (n, 2) float64, (n,) int64
         Points, and the side that each lies on.
     """
-    found: list[FloatArray] = [np.empty(0)] * len(at)
-    for key in np.unique(own):
-        chosen, wanted = np.flatnonzero(side == key), np.flatnonzero(own == key)
-        here = at[wanted]
+    columns: list[FloatArray] = [np.empty(0)] * len(at)
+    for key in np.unique(side_of_points):
+        chosen, targets = np.flatnonzero(side == key), np.flatnonzero(side_of_points == key)
+        here = at[targets]
         near = chosen[cKDTree(gauss[chosen]).query(here, k=min(CANDIDATES, chosen.size))[1].reshape(len(here), -1)]
         spread = np.stack([np.linalg.cholesky(np.cov(nodes[:, :, e])) for e in element[near[:, 0]]])
         mirrored = gauss[near[:, 0], 0] * nodes[0, 8, element[near[:, 0]]] < 0
@@ -166,6 +168,6 @@ def fitted(
         table = values(near.ravel())
         matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in POWERS], axis=-1)
         solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(table.reshape(len(table), *near.shape), 0, -1))
-        for k, value in zip(wanted, solved[:, 0], strict=True):
-            found[k] = value
-    return np.stack(found, axis=1)
+        for k, value in zip(targets, solved[:, 0], strict=True):
+            columns[k] = value
+    return np.stack(columns, axis=1)
