@@ -30,7 +30,7 @@ def count_of(degree: int) -> int:
 
 def values_of(shape: Any, degree: int, places: FloatArray) -> FloatArray:
     """Densities at points ``(..., 3)``."""
-    return np.asarray(shape.densities(degree, *(np.array(part) for part in np.moveaxis(places, -1, 0))))
+    return np.asarray(shape.densities(degree, *(np.array(coordinate) for coordinate in np.moveaxis(places, -1, 0))))
 
 
 def density_sizes(shape: Any, degree: int) -> FloatArray:
@@ -98,9 +98,9 @@ def check_densities_arrays(shape: Any) -> None:
     for form in ((), (1,), (12,), (3, 2, 2), (0,)):
         size = int(np.prod(form))
         answer = values_of(shape, DEGREE, np.resize(points, (12, 3))[:size].reshape((*form, 3)))
-        alone = np.resize(expected, (count, 12))[:, :size].reshape((count, *form))
+        in_a_row = np.resize(expected, (count, 12))[:, :size].reshape((count, *form))
         ensure(
-            answer.shape == (count, *form) and np.allclose(answer, alone, rtol=1e-9, atol=1e-12),
+            answer.shape == (count, *form) and np.allclose(answer, in_a_row, rtol=1e-9, atol=1e-12),
             f"densities at points of shape {form}",
             f"of shape {(count, *form)}, the values of the same points in a row",
             f"of shape {answer.shape}",
@@ -117,7 +117,7 @@ def check_density_rule(shape: Any) -> None:
     grams, moments = [], []
     box = region(shape)
     for times in (1, 2):
-        points, weights = (np.asarray(part) for part in shape.density_rule((*(times * count for count in counts),)))
+        points, weights = (np.asarray(array) for array in shape.density_rule((*(times * count for count in counts),)))
         ensure(
             points.ndim == 2 and points.shape[1:] == (3,) and weights.shape == points.shape[:1],
             "points and weights of density_rule",

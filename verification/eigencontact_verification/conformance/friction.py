@@ -46,10 +46,10 @@ def check_shear_bound(law: Any) -> None:
         shape = state.pressure.shape
         case = f"shear_bound at pressures up to {state.pressure.max():.0e} Pa"
         ensure_array(bound, shape, case, "compute with state.pressure, (ny, nx), x (1, nx) and y (ny, 1)")
-        held = bound[state.pressure > 0]
+        borne = bound[state.pressure > 0]
         ensure(
-            np.all(np.isfinite(held)) and np.all(held >= 0), case, "finite, and zero or positive, in contact",
-            f"{held.min(initial=0.0):.3g} to {held.max(initial=0.0):.3g}", "look at low pressures and at no slip",
+            np.all(np.isfinite(borne)) and np.all(borne >= 0), case, "finite, and zero or positive, in contact",
+            f"{borne.min(initial=0.0):.3g} to {borne.max(initial=0.0):.3g}", "look at low pressures and at no slip",
         )  # fmt: skip
 
 

@@ -118,7 +118,7 @@ def check_decay(shape: Any) -> None:
                 potential(shape, which, orders, fine.centroid + factor * box.radius * rays) for factor in (50, 100)
             )
             expected = power - total
-            sizes = [np.sqrt(np.sum(part**2)) for part in (near, far)]
+            sizes = [np.sqrt(np.sum(tensor**2)) for tensor in (near, far)]
             with np.errstate(divide="ignore", invalid="ignore"):
                 rate = float(np.log2(np.divide(sizes[1], sizes[0])))
             ensure(

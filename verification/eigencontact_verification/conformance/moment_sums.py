@@ -22,8 +22,8 @@ _ROWS = 4
 
 def _places(shape: Any, *, image: bool) -> FloatArray:
     """Points inside and outside; z >= 0 for the image."""
-    parts = sample(shape)
-    places: FloatArray = np.concatenate([part.places for part in parts])
+    groups = sample(shape)
+    places: FloatArray = np.concatenate([group.places for group in groups])
     signs = np.where(places < 0, [-1.0, -1.0, 1.0], 1.0)
     return np.asarray(np.abs(places) * signs) if image else places
 
@@ -65,16 +65,16 @@ def _psi(shape: Any, orders: list[Order], places: FloatArray) -> FloatArray:
     higher = values_of(shape, DEGREE + 1, points) / density_sizes(shape, DEGREE + 1)[:, None]
     lower = values_of(shape, DEGREE, points) / density_sizes(shape, DEGREE)[:, None]
     products = [np.linalg.lstsq(higher.T, (offset * lower).T, rcond=None)[0].T for offset in (points - origin).T]
-    asked: list[Order] = [order for total in range(1, max(map(sum, orders))) for order in of_total(total)]
-    phi = dict(zip(asked, phi_of(shape, DEGREE + 1, asked, places).swapaxes(0, 1), strict=True))
-    own = dict(zip(asked, phi_of(shape, DEGREE, asked, places).swapaxes(0, 1), strict=True))
+    needed: list[Order] = [order for total in range(1, max(map(sum, orders))) for order in of_total(total)]
+    phi = dict(zip(needed, phi_of(shape, DEGREE + 1, needed, places).swapaxes(0, 1), strict=True))
+    potentials = dict(zip(needed, phi_of(shape, DEGREE, needed, places).swapaxes(0, 1), strict=True))
     out = []
     for order in orders:
         axis = int(np.argmax(np.array(order) > 0))
-        rest = add(order, AXES[axis], -1)
-        value = (places - origin)[:, axis] * own[rest] - products[axis] @ phi[rest]
-        if rest[axis]:
-            value += rest[axis] * own[add(rest, AXES[axis], -1)]
+        reduced = add(order, AXES[axis], -1)
+        value = (places - origin)[:, axis] * potentials[reduced] - products[axis] @ phi[reduced]
+        if reduced[axis]:
+            value += reduced[axis] * potentials[add(reduced, AXES[axis], -1)]
         out.append(value)
     return np.stack(out, axis=1)
 
@@ -141,7 +141,7 @@ def check_sums_of_chi(shape: Any) -> None:
         orders = mirror_orders(total)
         weights = _weights(shape, DEGREE, len(orders))
         coarse, values = (_chi_integrals(shape, orders, places, count) for count in (100, 150))
-        expected, rough = (np.einsum("kno,nop->kp", weights, part) for part in (values, coarse))
+        expected, rough = (np.einsum("kno,nop->kp", weights, integrals) for integrals in (values, coarse))
         scale = np.max(np.abs(values), axis=(0, 1)) * np.sqrt(weights[0].size)
         agree(
             [f"sum {row} of chi of order {total}" for row in range(_ROWS)],
