@@ -274,9 +274,12 @@ BRITTLE = {"type": "brittle", "damage": {"type": "mazars", "threshold": 1.0, "A"
     ("tables", "reason"),
     [
         ({"friction": {"type": "shear-cap", "coefficient": MU, "cap": 1.0}}, "no friction"),
-        ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": NONLOCAL}}, "not local"),
+        (
+            {"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": NONLOCAL}},
+            "averaged over a length",
+        ),
         ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": BRITTLE}}, "no law 'brittle'"),
-        ({"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}}, "slides"),
+        ({"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}}, "gross slip"),
     ],
 )
 def test_what_is_not_covered_is_said(tables, reason, tmp_path):

@@ -157,7 +157,7 @@ def read_contact(path: str | Path) -> StoredContact:
             if field.attrs.get("role") in ("scalar", "field")
         }
         if "pressure" not in arrays:
-            raise NotJudged("it has no contact")
+            raise NotJudged("the run has no contact")
         x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
         errors = {
             str(field.attrs["estimates"]): np.asarray(field.values, dtype=float)

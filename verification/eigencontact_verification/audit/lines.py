@@ -150,7 +150,7 @@ def stress_lines(
     lines, gaps = [], []
     numbers = {body.number: body for body in bodies}
     if not stored.regions:
-        gaps.append(Gap(subject=stored.name, what="stress", reason="the scene stores no region of stress"))
+        gaps.append(Gap(subject=stored.name, what="stress", reason="the scene requests no stress region"))
     for region in stored.regions:
         if region.body not in numbers:
             continue  # a gap says why there is no such body

@@ -85,9 +85,9 @@ def compared_numbers(
         read |= readings.keys()
         if readings:
             cases.append(_case(case, [_compared(case, *fresh[name], readings[name]) for name in readings]))
-    gaps = [_gap(stored, name, "no compared line comes near its place") for name in sorted(far - read)]
+    gaps = [_gap(stored, name, "no compared line passes near its point") for name in sorted(far - read)]
     gaps += [
-        _gap(stored, name, "its error bar is that of another value") for name in sorted(barred.keys() - fresh.keys())
+        _gap(stored, name, "the error bar belongs to another value") for name in sorted(barred.keys() - fresh.keys())
     ]
     return cases, gaps
 
