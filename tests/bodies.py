@@ -22,3 +22,15 @@ def pressed(law, steps, cells, **more):
         "body1": {**STEEL, **({"law": law} if law else {})}, "geometry": BALL, "steps": list(steps),
         "grid": {"cells": [cells, cells], "size": ["22 um", "22 um"]}, "output": {"pictures": False}, **more,
     }  # fmt: skip
+
+
+def rubbed(**changes):
+    """Tables of a ball with friction on steel, without those that are changed to None."""
+    tables = {
+        "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
+        "geometry": BALL,
+        "friction": {"type": "coulomb", "coefficient": 0.5},
+        "numerics": {"threads": 1, "coupling": "none"},
+        "output": {"pictures": False, "vtk": False},
+    } | changes
+    return {name: table for name, table in tables.items() if table is not None}

@@ -9,10 +9,9 @@ from bodies import STEEL_TABLE as STEEL
 from eigencontact.cli import app
 from eigencontact.errors import ResultsError, SceneError
 from eigencontact.execution.mechanics.mechanics import Mechanics
+from hz_1 import FRICTION, LOAD, NU, RADIUS, A, E
 from stopping import Stop, Stopper
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
 CONTACT = {
     "body1": STEEL,
     "geometry": {"type": "sphere", "radius": RADIUS},
@@ -21,10 +20,6 @@ CONTACT = {
 }
 BALL = {"type": "sphere", "center": [0.2 * A, 0.0, 0.5 * A], "radius": 0.3 * A}
 SOFT = {**BALL, "material": {"young-modulus": 0.3 * E, "poisson-ratio": NU}}
-FRICTION = {
-    "friction": {"type": "coulomb", "coefficient": 0.3},
-    "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],
-}
 FREE = {"body1": STEEL, "grid": {"cells": 16, "size": [3.2 * A, 3.2 * A]}}
 PLANE = {"name": "cut", "shape": "plane", "normal": "x", "position": 0.1 * A, "depth-max": A, "depth-cells": 5}
 SCENES = {

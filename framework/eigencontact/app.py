@@ -6,19 +6,18 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.stopwatch import Stopwatch
-from eigencontact.errors import DomainTooSmall, SceneError, shown
+from eigencontact.errors import SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.results.run_result import RunResult
+from eigencontact.solving import Solved, numbers_and_warnings, solve_stored, solver_in_memory
 
 if TYPE_CHECKING:
-    from eigencontact.accuracy.bars import Run
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
-    from eigencontact.results.records import StepRecord
     from eigencontact.results.store import ResultStore
     from eigencontact.scene.schema import Scene
     from eigencontact.viz.painter import Painter
@@ -229,7 +228,7 @@ def run(
             from eigencontact.accuracy.pursuit import pursue
             from eigencontact.accuracy.runs import Runs
 
-            runs = Runs(make=_maker(planned, registry), solve=_solver(watcher))
+            runs = Runs(make=_maker(planned, registry), solve=solver_in_memory(watcher))
             answer = pursue(planned, planned.scene.accuracy, runs)
         planned = answer.last.run.plan
     if target is None:
@@ -244,7 +243,7 @@ def run(
     accepted = {n: partial(stored.load_step, n) for n in stored.accepted()} if resume and stored is not None else {}
     try:
         if answer is None:
-            solved = _solve(planned, store, watcher, stopwatch, accepted)
+            solved = solve_stored(planned, store, watcher, stopwatch, accepted)
         else:
             solved = answer.last.run.kept.solved
             if stored is not None:
@@ -258,7 +257,7 @@ def run(
         with stopwatch.on("storing"):
             results = stored.finish()
         files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
-    noted = _noted(planned, store, solved.last)
+    noted = numbers_and_warnings(planned, store, solved.last)
     if answer is not None:
         noted |= answer.to_dict()
         if (fields := answer.last.fields) is not None:
@@ -272,7 +271,7 @@ def run(
 
         with stopwatch.on("error bars"):
             whole = summary_of(store.info, solved.last, noted["history"], noted)
-            noted |= stored_errors(planned, whole, store, _maker(planned, registry), _solver(watcher))
+            noted |= stored_errors(planned, whole, store, _maker(planned, registry), solver_in_memory(watcher))
     if stored is not None and target is not None:
         solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
         output = planned.scene.output
@@ -311,90 +310,7 @@ def _refuse_folder(planned: Plan, folder: Path) -> None:
     refuse_foreign(folder, labels, summary=True, pictures=output.pictures, vtk=output.vtk, animation=animated)
 
 
-class _Solved(NamedTuple):
-    """The last step, and the time of solving [s]."""
-
-    last: StepRecord
-    seconds: float
-
-
-def _solve(
-    planned: Plan,
-    store: Store,
-    watcher: Watcher | None,
-    stopwatch: Stopwatch,
-    accepted: Mapping[int, Callable[[], StepRecord]],
-) -> _Solved:
-    """Solve and store all steps that are not stored yet."""
-    from eigencontact.execution.run.driver import drive
-
-    last = accepted[max(accepted)]() if accepted else None
-    solving, resumed = 0.0, perf_counter()
-    try:
-        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=accepted):
-            solving += perf_counter() - resumed
-            with stopwatch.on("storing"):
-                store.write_step(record)
-            last, resumed = record, perf_counter()
-    except DomainTooSmall as problem:
-        from eigencontact.planning.room import with_room
-
-        raise with_room(problem, planned.model, problem.step) from problem
-    assert last is not None
-    return _Solved(last, solving)
-
-
-def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
-    """Numbers of all steps and of the run, and the warnings about their accuracy."""
-    from eigencontact.warnings_.after import noticed
-
-    history = store.history(last)
-    cautions = [*noticed(planned.model, planned.blocks, last, history)]
-    numbers: dict[str, float] = {}
-    if planned.conclusions:
-        with store.opened() as results:
-            findings = [conclusion.conclude(results) for conclusion in planned.conclusions]
-        store.append(variable for item in findings for variable in item.variables)
-        cautions += [caution for item in findings for caution in item.cautions]
-        numbers = {name: value for item in findings for name, value in item.numbers.items()}
-    return {"history": history, "warnings": [caution.to_dict() for caution in cautions], **numbers}
-
-
-class _Kept(NamedTuple):
-    """Results of a run in memory, for storage."""
-
-    store: MemoryStore
-    solved: _Solved
-
-
-def _in_memory(planned: Plan) -> tuple[_Kept, dict[str, Any]]:
-    """Solve a plan without a folder; return the data for storage, and the summary."""
-    from eigencontact.planning.provenance import run_info
-    from eigencontact.results.memory import MemoryStore
-    from eigencontact.results.summary import summary_of
-
-    store = MemoryStore(run_info(planned))
-    solved = _solve(planned, store, None, Stopwatch(), {})
-    noted = _noted(planned, store, solved.last)
-    return _Kept(store, solved), summary_of(store.info, solved.last, noted["history"], noted)
-
-
-def _solver(watcher: Watcher | None) -> Callable[[Plan, str], Run]:
-    """Solver of runs in memory that reports to the watcher."""
-    from eigencontact.accuracy.bars import Run
-
-    announced = getattr(watcher, "announced", None)
-
-    def solve(planned: Plan, words: str) -> Run:
-        if announced is not None:
-            announced(words)
-        stored, summary = _in_memory(planned)
-        return Run(planned, summary, stored.store.results(), stored)
-
-    return solve
-
-
-def _warn_of_targets(store: Store, solved: _Solved, noted: dict[str, Any]) -> None:
+def _warn_of_targets(store: Store, solved: Solved, noted: dict[str, Any]) -> None:
     """Add a warning for each target that is not met."""
     if noted["accuracy"]["reached"]:
         return
@@ -416,7 +332,7 @@ def _maker(planned: Plan, registry: Registry | None) -> Callable[[Mapping[str, A
 def _summary(
     planned: Plan,
     store: Store,
-    solved: _Solved,
+    solved: Solved,
     noted: dict[str, Any],
     files: Mapping[str, str],
     stopwatch: Stopwatch,

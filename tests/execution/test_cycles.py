@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import rubbed
 from eigencontact.execution.run.loading import LoadHistory
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import each_impact
@@ -94,16 +95,8 @@ def test_a_million_cycles_are_found_one_by_one():
 
 
 def scene(steps, **changes):
-    tables = {
-        "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
-        "geometry": {"type": "sphere", "radius": "105 um"},
-        "friction": {"type": "coulomb", "coefficient": 0.5},
-        "grid": {"cells": 12, "size": ["15 um", "15 um"]},
-        "steps": steps,
-        "numerics": {"threads": 1, "coupling": "none"},
-        "output": {"pictures": False, "vtk": False},
-    } | changes
-    return ec.load_scene({name: table for name, table in tables.items() if table is not None})
+    grid = {"cells": 12, "size": ["15 um", "15 um"]}
+    return ec.load_scene(rubbed(**{"grid": grid, "steps": steps, **changes}))
 
 
 def same(one, other, *, but=()):

@@ -11,10 +11,8 @@ from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.finer_cells import CoarseCells, FinerCells, join_levels
 from eigencontact.execution.mechanics.coupled import _by_body
+from hz_1 import LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 KEY = "numerics.inclusion-refinement"
 
 

@@ -7,11 +7,8 @@ import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact_verification.reporting.memory import PeakMemory
+from hz_1 import LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-MODULUS = E / (1 - NU**2)
-A = (0.75 * LOAD * RADIUS / MODULUS) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 slow = pytest.mark.slow
 
 

@@ -8,21 +8,7 @@ from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import DomainTooSmall, NotConverged
 from eigencontact.execution.mechanics.coupled import Coupled
-
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-MODULUS = E / (1 - NU**2)
-A = (0.75 * LOAD * RADIUS / MODULUS) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
-FRICTION = {
-    "friction": {"type": "coulomb", "coefficient": 0.3},
-    "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],
-}
-
-
-def grain(ratio, radius, depth, x=0.0, **more):
-    """A ball so many times as stiff as the body, places in contact radii."""
-    material = {"young-modulus": ratio * E, "poisson-ratio": NU} if ratio else {"void": True}
-    return {"type": "sphere", "center": [x * A, 0.0, depth * A], "radius": radius * A, "material": material, **more}
+from hz_1 import FRICTION, LOAD, MODULUS, NU, P0, RADIUS, A, E, grain
 
 
 def run(*inclusions, cells=16, window=3.2, tolerance=1e-6, **tables):

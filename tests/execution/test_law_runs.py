@@ -9,10 +9,8 @@ from eigencontact.errors import NotConverged, PluginError, SceneError
 from eigencontact.execution.interiors.swept_cells import SweptCells
 from eigencontact.execution.run.driver import drive
 from eigencontact.solvers.cell_sweeps import CellSweeps
+from hz_1 import FRICTION, LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS * (1 - NU**2) / E) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 YIELD = 0.3 * P0
 STEEL = {
     "type": "yielding", "young-modulus": E, "poisson-ratio": NU, "yield-stress": YIELD, "hardening-modulus": 0.05 * E,
@@ -194,10 +192,6 @@ def test_a_run_continues_from_what_is_stored(laws, tmp_path, monkeypatch):
         np.testing.assert_array_equal(again[name][-1], np.squeeze(whole.history[name].values), err_msg=name)
 
 
-FRICTION = {
-    "friction": {"type": "coulomb", "coefficient": 0.3},
-    "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],
-}
 ELASTIC = {"young-modulus": E, "poisson-ratio": NU}
 LOADED = {
     "normal": {},

@@ -10,9 +10,8 @@ import eigencontact as ec
 from close import close
 from eigencontact.errors import PlanError, PluginError
 from eigencontact.plugin import Observer
+from hz_1 import LOAD, NU, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
 BALL = {"type": "sphere", "center": [0.2 * A, 0.0, 0.5 * A], "radius": 0.3 * A,
         "material": {"young-modulus": 0.3 * E, "poisson-ratio": NU}}  # fmt: skip
 SCENE = {

@@ -10,10 +10,8 @@ from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.warnings_.after import _degree
+from hz_1 import LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 VOID = {"void": True}
 YIELDS = {
     "type": "j2", "young-modulus": E, "poisson-ratio": NU, "hardening": {"type": "perfect", "yield-stress": 1e9},

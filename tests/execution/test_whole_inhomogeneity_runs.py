@@ -6,22 +6,9 @@ import pytest
 import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
+from hz_1 import FRICTION, LOAD, P0, RADIUS, A, grain
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-MODULUS = E / (1 - NU**2)
-A = (0.75 * LOAD * RADIUS / MODULUS) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 WHOLE = {"inclusion-resolution": "whole"}
-FRICTION = {
-    "friction": {"type": "coulomb", "coefficient": 0.3},
-    "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],
-}
-
-
-def grain(ratio, radius, depth, x=0.0, **more):
-    """A ball so many times as stiff as the body, places in contact radii."""
-    material = {"young-modulus": ratio * E, "poisson-ratio": NU}
-    return {"type": "sphere", "center": [x * A, 0.0, depth * A], "radius": radius * A, "material": material, **more}
 
 
 def run(*inclusions, cells=16, tolerance=1e-6, numerics=WHOLE, **tables):

@@ -7,10 +7,8 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import SceneError
+from hz_1 import LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 POINTS = {"shape": "points", "points": [[0, 0, 0.5 * A], [0.1 * A, 0, 0.2 * A], [0.5 * A, 0.3 * A, 0.6 * A]]}
 
 

@@ -1,15 +1,12 @@
 """What cells make of the pressure above a void or a ball: estimated, told where it is much, and true."""
 
-import numpy as np
 import pytest
 
 import eigencontact as ec
 from close import close
 from eigencontact.model.resolution import cells_above, error_above
+from hz_1 import LOAD, NU, P0, RADIUS, A, E
 
-E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
-A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
-P0 = 1.5 * LOAD / (np.pi * A**2)
 R = 0.25 * A
 VOID, STIFF = {"void": True}, {"young-modulus": 10 * E, "poisson-ratio": NU}
 

@@ -5,6 +5,7 @@ import re
 import pytest
 
 import eigencontact as ec
+from bodies import rubbed
 from close import close
 from eigencontact.core.units import readable
 from eigencontact.model.resolution import percent
@@ -15,17 +16,8 @@ ENERGY = {"type": "dissipated-energy", "coefficient": "5 mm^3/J"}
 
 
 def scene(wear, steps, **changes):
-    tables = {
-        "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
-        "geometry": {"type": "sphere", "radius": "105 um"},
-        "friction": {"type": "coulomb", "coefficient": 0.5},
-        "wear": wear,
-        "grid": {"cells": 12, "size": ["15 um", "15 um"]},
-        "steps": steps,
-        "numerics": {"threads": 1, "coupling": "none"},
-        "output": {"pictures": False, "vtk": False},
-    } | changes
-    return ec.load_scene({name: table for name, table in tables.items() if table is not None})
+    grid = {"cells": 12, "size": ["15 um", "15 um"]}
+    return ec.load_scene(rubbed(**{"wear": wear, "grid": grid, "steps": steps, **changes}))
 
 
 def cycles(repeat):

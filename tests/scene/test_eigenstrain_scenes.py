@@ -10,6 +10,7 @@ import tomli_w
 from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact import EigencontactError, load_scene, make, plan
+from one_line import one_line_error
 
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "eigenstrain": 1e-3}
 GRID = {"cells": 8, "size": ["8 um", "8 um"]}
@@ -204,8 +205,5 @@ REFUSED = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_refusals(case):
     changes, words = REFUSED[case]
-    with pytest.raises(EigencontactError) as caught:
+    with one_line_error(words):
         plan(load_scene(scene(**changes)))
-    assert words in str(caught.value)
-    assert "\n" not in str(caught.value)
-    assert caught.value.exit_code == 2

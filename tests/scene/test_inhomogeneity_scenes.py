@@ -7,6 +7,7 @@ import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from eigencontact.errors import EigencontactError
 from eigencontact.scene.schema import Scene
+from one_line import one_line_error
 
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um"}
 GRID = {"cells": 8, "size": [4e-6, 4e-6]}
@@ -73,10 +74,8 @@ REFUSED = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_refusals(case):
     material, tables, words = REFUSED[case]
-    with pytest.raises(EigencontactError) as caught:
+    with one_line_error(words):
         scene(material, **tables)
-    assert words in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 CUBIC = {"type": "cubic", "c11": 3e9, "c12": 1e9, "c44": 1e9}
@@ -112,10 +111,8 @@ OF_NO_MATERIAL = {
 @pytest.mark.parametrize("case", OF_NO_MATERIAL)
 def test_constants_of_no_material_are_refused_before_the_run(case):
     material, words = OF_NO_MATERIAL[case]
-    with pytest.raises(EigencontactError) as caught:
+    with one_line_error(words):
         ec.plan({"body1": STEEL, "inclusions": {**BALL, "material": material}, "grid": GRID})
-    assert words in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 # changes of a good map -> words of the message

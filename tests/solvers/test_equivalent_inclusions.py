@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cell_map import CellMap
 from close import close
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged, SceneError
@@ -13,7 +14,6 @@ from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 from eigencontact.solvers.mean_stress import MeanVolumeField
 from eigencontact_plugins.laws.cubic import Cubic
 from eigencontact_plugins.laws.isotropic import Isotropic
-from eigencontact_plugins.laws.map import IsotropicPoints
 from eigencontact_plugins.laws.void import Void
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_verification.oracles.eshelby import infinite_bar
@@ -35,17 +35,6 @@ SPHERE = {
     4.0: (1.5647, -0.0824, 1.4000),
     1e6: (1.9385, -0.1615, 1.6154),  # rigid
 }
-
-
-class CellMap:
-    """Isotropic constants of every cell of a box."""
-
-    def __init__(self, young_modulus, poisson_ratio):
-        self.constants = [np.ravel(values) for values in (young_modulus, poisson_ratio)]
-
-    def of_cells(self, index):
-        E, nu = (values[index] for values in self.constants)
-        return IsotropicPoints(young_modulus=E, poisson_ratio=nu)
 
 
 def isotropic(material, ratio=1.0):

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cell_map import CellMap
 from close import close
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel
@@ -16,7 +17,6 @@ from eigencontact.solvers.polynomial_inclusions import PolynomialInclusions
 from eigencontact.solvers.subsurface import stress_at_points
 from eigencontact_plugins.laws.cubic import Cubic
 from eigencontact_plugins.laws.isotropic import Isotropic
-from eigencontact_plugins.laws.map import IsotropicPoints
 from eigencontact_plugins.laws.stiffness import GivenStiffness
 from eigencontact_plugins.laws.void import Void
 from eigencontact_plugins.shapes.cuboid import Cuboid
@@ -63,17 +63,6 @@ class WholeInclusions:
             eigenstrain=answer.eigenstrain[:, 0], stress=self.mean(stress), report=answer.report,
             amplitudes=answer.amplitudes,
         )  # fmt: skip
-
-
-class CellMap:
-    """Isotropic constants of every cell of a box."""
-
-    def __init__(self, young_modulus, poisson_ratio):
-        self.constants = [np.ravel(values) for values in (young_modulus, poisson_ratio)]
-
-    def of_cells(self, index):
-        E, nu = (values[index] for values in self.constants)
-        return IsotropicPoints(young_modulus=E, poisson_ratio=nu)
 
 
 def mandel(tensor):

@@ -274,11 +274,14 @@ BRITTLE = {"type": "brittle", "damage": {"type": "mazars", "threshold": 1.0, "A"
     ("tables", "reason"),
     [
         ({"friction": {"type": "shear-cap", "coefficient": MU, "cap": 1.0}}, "no friction"),
-        ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": NONLOCAL}}, "not local"),
+        (
+            {"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": NONLOCAL}},
+            "averaged over a length",
+        ),
         ({"friction": None, "steps": [{"normal-load": 0.1 * P}], "body1": BODY | {"law": BRITTLE}}, "no law 'brittle'"),
         pytest.param(
-            {"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}}, "slides",
-            marks=pytest.mark.slow,
+            {"steps": [{"normal-load": P}, {"shift-x": 3.0}], "grid": SCENE["grid"] | {"datum-depth": 3.0}},
+            "gross slip", marks=pytest.mark.slow,
         ),
     ],
 )  # fmt: skip

@@ -178,7 +178,7 @@ def test_an_inclusion_under_bulk_stress(tmp_path):
 @pytest.mark.parametrize(
     ("tables", "reason"),
     [
-        ({"inclusions": bar(void=True) + bar(radius=0.2, depth=0.5, void=True)}, "boxes around inclusions meet"),
+        ({"inclusions": bar(void=True) + bar(radius=0.2, depth=0.5, void=True)}, "boxes around two inclusions overlap"),
         pytest.param(
             {"inclusions": [{**bar()[0], "axis": "z", "length": 0.4, "material": {"void": True}}]}, "no cross-section",
             marks=pytest.mark.slow,

@@ -127,7 +127,7 @@ def test_a_bar_of_another_value_does_not_count(run, tmp_path):
     rows, gaps, _ = audited(other)
     assert "approach" not in rows
     assert [(gap.what, gap.reason) for gap in gaps] == [
-        ("comparison error of approach", "its error bar is that of another value")
+        ("comparison error of approach", "the error bar belongs to another value")
     ]
 
 

@@ -10,7 +10,7 @@ from eigencontact_verification.crosscheck.case import Gap
 SHALLOW = Gap(subject="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
 UNSOLVED = Gap(subject="a", what="step-1", reason="not solved: budget must be at least 2 unknowns")
 BODY = Gap(subject="a", what="body 1", reason="it repeats")
-SURFACE = Gap(subject="a", what="displacement of the surface", reason="one of the bodies cannot be judged")
+SURFACE = Gap(subject="a", what="displacement of the surface", reason="the elements cannot represent one of the bodies")
 
 
 @pytest.mark.parametrize(

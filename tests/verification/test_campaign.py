@@ -100,8 +100,8 @@ def found(done):
 
 
 def test_a_model_agrees_where_it_is_right_and_is_caught_where_it_is_not(found):
-    assert len(found.found) == 4
-    for one in found.found:
+    assert len(found.points) == 4
+    for one in found.points:
         soft = one.point.values["softer"] > 0
         approach = next(finding for finding in one.findings if finding.quantity == "approach")
         assert approach.claimed is not soft
@@ -123,7 +123,7 @@ def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
     assert not any(study.changes for model in item.models for study in model.reference)
     report = perform(item, tmp_path / "toy", coarse=True)
     for one, judged in zip(
-        report.found, (one for one in done[1].found if one.point.values["load"] == 0.4), strict=True
+        report.points, (one for one in done[1].points if one.point.values["load"] == 0.4), strict=True
     ):
         findings = {finding.quantity: finding for finding in one.findings}
         bar = one.point.model.summary["errors"]["approach"]
@@ -141,18 +141,18 @@ def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
     files = write_map(report, tmp_path / "report")
     assert "| u_SA |" in files["markdown"].read_text(encoding="utf-8")
     assert "| u_SA |" not in write_map(done[1], tmp_path / "before")["markdown"].read_text(encoding="utf-8")
-    axes = next(axes for axes in draw_map(report.campaign, report.found).axes if axes.get_title() == "approach")
+    axes = next(axes for axes in draw_map(report.campaign, report.points).axes if axes.get_title() == "approach")
     (container,) = axes.containers
     (bars,) = container[2]
     spans = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
-    found = sorted(report.found, key=lambda one: one.point.values["softer"])
+    found = sorted(report.points, key=lambda one: one.point.values["softer"])
     assert spans == close([200 * one.findings[0].own for one in found])
 
 
 def test_disagreement_inside_the_claim_fails(found):
     claim = replace(found.campaign, expect="")
-    judged = tuple(replace(one, findings=tuple(replace(f, claimed=True) for f in one.findings)) for one in found.found)
-    report = MapReport(campaign=claim, found=judged)
+    judged = tuple(replace(one, findings=tuple(replace(f, claimed=True) for f in one.findings)) for one in found.points)
+    report = MapReport(campaign=claim, points=judged)
     assert report.exit_code == 1
     silent = tuple(replace(one, findings=tuple(replace(f, claimed=False) for f in one.findings)) for one in judged)
     assert totals(claim, silent).endswith("Agreement is claimed nowhere.")
@@ -169,7 +169,7 @@ def test_what_is_stored_is_read_again(toy, done, tmp_path):
     # an interrupted campaign lacks some runs: these alone are computed
     lost = next(iter(stamps))
     lost.with_name("variant.json").unlink()
-    again = perform(read_campaign(toy), tmp_path / "out", told=lambda *words: told.append(words))
+    again = perform(read_campaign(toy), tmp_path / "out", tell=lambda *words: told.append(words))
     assert [words[1:] for words in told] == [(n + 1, 16) for n in range(16)]
     runs_of_a_point = {"model", *(f"reference, refinement {k} of 3" for k in (1, 2, 3))}
     names = {words[0] for words in told}
@@ -177,7 +177,7 @@ def test_what_is_stored_is_read_again(toy, done, tmp_path):
         f"softer 0.2, P 0.4: {run}" for run in runs_of_a_point
     }
     assert [path for path, stamp in stamps.items() if path.stat().st_mtime_ns != stamp] == [lost]
-    assert [one.findings for one in again.found] == [one.findings for one in done[1].found]
+    assert [one.findings for one in again.points] == [one.findings for one in done[1].points]
 
 
 def test_files_are_written_and_tell_the_same(found, tmp_path):
@@ -202,7 +202,7 @@ def test_the_table_has_every_number_in_csv_and_latex(found, tmp_path):
     with files["csv"].open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert files["csv"].name == "table.csv"
-    findings = [(point, finding) for point in found.found for finding in point.findings]
+    findings = [(point, finding) for point in found.points for finding in point.findings]
     assert len(rows) == len(findings)
     for row, (point, finding) in zip(rows, findings, strict=True):
         assert (row["quantity"], row["verdict"]) == (finding.quantity, finding.word)
@@ -218,31 +218,31 @@ def test_the_table_has_every_number_in_csv_and_latex(found, tmp_path):
 
 
 def test_symbols_with_an_index_are_formulas_on_the_axes(found):
-    (axes, *_) = draw_map(found.campaign, found.found).axes
+    (axes, *_) = draw_map(found.campaign, found.points).axes
     assert axes.get_ylabel() == "$P_{n}$ / N"
     assert axes.get_xlabel() == "taken off E"
 
 
 def test_a_map_has_a_cell_for_each_point_and_a_curve_where_one_parameter_varies(found):
-    assert axes_of_map(found.campaign, found.found) == ("softer", "load", [])
-    figure = draw_map(found.campaign, found.found)
+    assert axes_of_map(found.campaign, found.points) == ("softer", "load", [])
+    figure = draw_map(found.campaign, found.points)
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert len(words) == 8
     assert sum("✗ disagrees" in one for one in words) >= 2
-    row = [one for one in found.found if one.point.values["load"] == 0.4]
+    row = [one for one in found.points if one.point.values["load"] == 0.4]
     assert axes_of_map(found.campaign, row) == ("softer", None, [])
     curve = draw_map(found.campaign, row)
     assert {text.get_text() for text in curve.axes[0].texts} == {"✓ agrees", "✗ disagrees"}
 
 
 def test_the_answer_says_from_where_on(found):
-    lines = answers(found.campaign, found.found)
+    lines = answers(found.campaign, found.points)
     assert "approach, load = 0.4: up to softer = 0" in lines
 
 
 def test_an_island_is_no_answer(found):
     def point(at, word):
-        source = found.found[0]
+        source = found.points[0]
         numbers = {"tolerance": 0.1, "error": 0.0, "uncertainty": 0.0}
         finding = MapFinding(quantity="q", word=word, reason="", claimed=True, **numbers)
         values = {"softer": at, "load": 0.4}
@@ -291,7 +291,7 @@ def test_files_with_a_fault_are_refused_by_key(toy, old, new, message):
 def test_different_numbers_of_values_are_told(toy, done):
     toy.write_text(TOY.replace('is = "approach"', 'is = "row(pressure)"', 1), encoding="utf-8")
     report = perform(read_campaign(toy), done[0] / "toy", coarse=True)
-    reasons = {f.reason for one in report.found for f in one.findings if f.word == "failed"}
+    reasons = {f.reason for one in report.points for f in one.findings if f.word == "failed"}
     assert len(reasons) == 1
     assert "equally many values in all models" in reasons.pop()
     assert report.exit_code == 1
@@ -302,8 +302,8 @@ def test_a_variant_that_fails_is_told_and_stops_nothing(toy, tmp_path):
     toy.write_text(TOY.replace("[0.4, 0.6]", "[0.4, 400.0]", 1), encoding="utf-8")
     toy.write_text(toy.read_text(encoding="utf-8").replace("[0.0, 0.2]", "[0.0]", 1), encoding="utf-8")
     report = perform(read_campaign(toy), tmp_path / "out")
-    assert [one.word for one in report.found] == ["agrees", "failed"]
-    assert "edge" in report.found[1].findings[0].reason
+    assert [one.word for one in report.points] == ["agrees", "failed"]
+    assert "edge" in report.points[1].findings[0].reason
 
 
 @pytest.mark.slow
@@ -399,7 +399,7 @@ def test_elements_judge_runs_under_the_same_words(audited, tmp_path):
     ]  # fmt: skip
     assert all(one.gaps == ("stress: none is stored",) for one in judged)
     assert all(one.reference_seconds is not None and one.all_seconds >= one.reference_seconds for one in judged)
-    report = MapReport(campaign=item, found=tuple(judged))
+    report = MapReport(campaign=item, points=tuple(judged))
     assert report.exit_code == 0
     files = write_map(report, tmp_path)
     assert "stress: none is stored (2 of 2 points)" in files["html"].read_text(encoding="utf-8")
@@ -413,7 +413,7 @@ def test_elements_judge_runs_under_the_same_words(audited, tmp_path):
     again = judge_by_elements(item, points, folder, cases_of=by_hertz(), executor=refusing)
     assert {key: one.findings for key, one in enumerate(again)} == fields
     wrong = judge_by_elements(item, points, folder, cases_of=by_hertz(scale=1.05), executor=here)
-    assert MapReport(campaign=item, found=tuple(wrong)).exit_code == 1
+    assert MapReport(campaign=item, points=tuple(wrong)).exit_code == 1
 
 
 def test_a_solution_that_fails_is_told(audited):
@@ -421,7 +421,7 @@ def test_a_solution_that_fails_is_told(audited):
     judged = judge_by_elements(item, points, folder, cases_of=by_hertz(broken=True, subject="b"), executor=here)
     assert {one.word for one in judged} == {"failed"}
     assert "no convergence" in judged[0].findings[0].reason
-    assert MapReport(campaign=item, found=tuple(judged)).exit_code == 1
+    assert MapReport(campaign=item, points=tuple(judged)).exit_code == 1
 
     def nothing(_):
         return (), (Gap(subject="b", what="all", reason="it is worn"),)
@@ -460,13 +460,13 @@ output = { pictures = false, vtk = false }
 def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
     (tmp_path / "cells.toml").write_text(CELLS, encoding="utf-8")
     report = perform(read_campaign(tmp_path / "cells.toml"), tmp_path / "cells")
-    words = {(one.point.values["cells"], f.quantity): f.word for one in report.found for f in one.findings}
+    words = {(one.point.values["cells"], f.quantity): f.word for one in report.points for f in one.findings}
     kinds = ("approach", "contact radius", "pressure, step 1")
     assert [words[16, kind] for kind in kinds] == ["agrees"] * 3
     assert words[3, "contact radius"] == "disagrees"
     assert report.exit_code == 0
     assert "Agreement is claimed where cells >= 16: 4 verdicts, of which 4 agree" in totals(
-        report.campaign, report.found
+        report.campaign, report.points
     )
 
 
@@ -476,14 +476,14 @@ def test_numbers_of_a_contact_have_their_bars(tmp_path):
     text = CELLS.replace("[3, 16]", "[8]").replace("output = {", "output = { errors = true,")
     (tmp_path / "cells.toml").write_text(text, encoding="utf-8")
     report = perform(read_campaign(tmp_path / "cells.toml"), tmp_path / "cells")
-    findings = {finding.quantity: finding for finding in report.found[0].findings}
-    summary = report.found[0].point.model.summary
+    findings = {finding.quantity: finding for finding in report.points[0].findings}
+    summary = report.points[0].point.model.summary
     for quantity, name in {"contact area": "contact_area", "approach": "approach"}.items():
         bar = summary["errors"][name]
         assert findings[quantity].own == close(bar["relative"])
         assert findings[quantity].value == close(bar["value"])
         assert findings[quantity].error < findings[quantity].own + findings[quantity].uncertainty
-    assert len({finding.quantity for finding in report.found[0].findings}) == len(report.found[0].findings)
+    assert len({finding.quantity for finding in report.points[0].findings}) == len(report.points[0].findings)
 
 
 #: Asks for the geometry of a plugin file, where it is solved; a module that processes import.
@@ -520,7 +520,7 @@ def test_plugin_files_of_the_scenes_reach_who_solves(tmp_path, monkeypatch, clus
     (tmp_path / "bowls.toml").write_text(text, encoding="utf-8")
     engine = None if cluster is None else Cluster(cluster)
     report = perform(read_campaign(tmp_path / "bowls.toml"), tmp_path / "bowls", cluster=engine, cases_of=of_bowls)
-    assert [one.word for one in report.found] == ["agrees"]
+    assert [one.word for one in report.points] == ["agrees"]
 
 
 def test_every_key_is_explained():
@@ -530,7 +530,7 @@ def test_every_key_is_explained():
 @pytest.mark.slow
 def test_a_cluster_finds_the_same(toy, done, tmp_path):
     report = perform(read_campaign(toy), tmp_path / "out", cluster=Cluster("local:2"))
-    for one, other in zip(report.found, done[1].found, strict=True):
+    for one, other in zip(report.points, done[1].points, strict=True):
         for mine, theirs in zip(one.findings, other.findings, strict=True):
             assert (mine.word, mine.error) == (theirs.word, close(theirs.error, rel=1e-6, abs=1e-9))
 
@@ -551,4 +551,4 @@ def test_an_interrupted_campaign_says_so_and_continues(toy, done, tmp_path):
     assert 2 <= len(stamps) < 16
     again = perform(read_campaign(toy), tmp_path / "toy")
     assert all(path.stat().st_mtime_ns == stamp for path, stamp in stamps.items())
-    assert [one.findings for one in again.found] == [one.findings for one in done[1].found]
+    assert [one.findings for one in again.points] == [one.findings for one in done[1].points]

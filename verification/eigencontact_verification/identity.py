@@ -72,31 +72,31 @@ def measured(name: str, changes: list[str]) -> dict[str, list[float]]:
 
     plain = ["output.pictures=false", "output.vtk=false"]
     result = eigencontact.run(eigencontact.load_scene(name.split(" ", 1)[0], [*changes, *plain]))
-    found = {}
+    norms = {}
     for variable, values in result.dataset.data_vars.items():
         role = str(values.attrs.get("role"))
         if role not in ("field", "scalar", "observed", "region") or any(word in str(variable) for word in WORK):
             continue
         numbers = np.nan_to_num(np.asarray(values, dtype=float)).ravel()
         signs = np.random.default_rng(1).choice([-1.0, 1.0], numbers.size)
-        found[str(variable)] = [float(np.abs(numbers).max()), float(np.linalg.norm(numbers)), float(signs @ numbers)]
-    return found
+        norms[str(variable)] = [float(np.abs(numbers).max()), float(np.linalg.norm(numbers)), float(signs @ numbers)]
+    return norms
 
 
 def compare(now: dict[str, list[float]], then: dict[str, list[float]]) -> list[tuple[str, float]]:
     """Variables that differ by more than `SAME`, and by how much; a variable that is gone differs by infinity."""
-    found = []
+    differences = []
     for variable, before in then.items():
         size = before[1]
         floor = _rounding(variable, then)
         if variable not in now:
-            found.append((variable, np.inf))
+            differences.append((variable, np.inf))
         elif size > floor or now[variable][1] > floor:
             # The signed sum adds numbers that cancel: it is measured by the norm too.
             change = max(abs(a - b) for a, b in zip(now[variable], before, strict=True)) / max(size, floor)
             if change > SAME:
-                found.append((variable, change))
-    return sorted(found, key=lambda item: -item[1])
+                differences.append((variable, change))
+    return sorted(differences, key=lambda item: -item[1])
 
 
 def _rounding(variable: str, then: dict[str, list[float]]) -> float:

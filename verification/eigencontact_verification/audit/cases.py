@@ -260,7 +260,7 @@ def cases_of(
 def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[AuditCase, ...], tuple[Gap, ...]]:
     """`cases_of` a step that is read."""
     if stored.scene.grid.line:
-        reason = "a line contact has no end along y, as the elements under tractions have; use --contact"
+        reason = "the elements under tractions cannot represent a line contact; use --contact"
         return (), (Gap(subject=stored.name, what=f"step {stored.step}", reason=reason),)
     bodies, gaps = bodies_of_step(stored)
     deformable = sum(not body.rigid for body in (stored.scene.body1, stored.scene.body2))
@@ -277,12 +277,16 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
     if len(bodies) < deformable and bodies:
         gaps.append(
-            Gap(subject=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
+            Gap(
+                subject=stored.name,
+                what="displacement of the surface",
+                reason="the elements cannot represent one of the bodies",
+            )
         )
     causes = _causes(stored, gaps)
     mixed = any(body.loaded.layers and (body.loaded.regions or body.loaded.cells) for body in bodies)
     if mixed and causes != CAUSES["full"]:
-        reason = "inclusions answer all tractions and layers not, of which the elements know the sum alone"
+        reason = "inclusions respond to all tractions and layers do not, and the elements compute the sum only"
         gaps.append(Gap(subject=stored.name, what="displacement of the surface", reason=reason))
         above = []
     lines = (*above, *below)
@@ -304,7 +308,7 @@ def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:
         return CAUSES["full"]
     missing = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
     missing = f"u_x by shear along y, u_y by shear along x, {missing}" if coupling == "none" else missing
-    reason = f'the scene leaves it out: numerics.coupling = "{coupling}"'
+    reason = f'the run omits it with numerics.coupling = "{coupling}"'
     gaps.append(Gap(subject=stored.name, what=missing, reason=reason))
     return CAUSES[coupling]
 
@@ -317,10 +321,10 @@ def _case(
     )
     engine = engines.engine_for([body.loaded for body in loaded])
     ratio = engines.ratio_for(engine, [body.loaded for body in loaded])
-    seen = [body for body in loaded if _lines_of(lines, body.number)]
-    watched = [_watched(_lines_of(lines, body.number)) for body in seen]
-    read = [_read_at(_lines_of(lines, body.number)) for body in seen]
-    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in seen]
+    visible_bodies = [body for body in loaded if _lines_of(lines, body.number)]
+    watched = [_watched(_lines_of(lines, body.number)) for body in visible_bodies]
+    read = [_read_at(_lines_of(lines, body.number)) for body in visible_bodies]
+    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in visible_bodies]
     budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
     closed_form: Fields = {}
     for body in loaded:

@@ -41,7 +41,7 @@ _WITHOUT = (
 def is_results(name: str) -> bool:
     """Whether a name on the command line is a run: a results file, or a folder that has one or the steps of one."""
     path = Path(name)
-    return path.suffix == ".nc" or (path.is_dir() and any((path / part).exists() for part in ("results.nc", "steps")))
+    return path.suffix == ".nc" or (path.is_dir() and any((path / entry).exists() for entry in ("results.nc", "steps")))
 
 
 def audit_results(
@@ -86,7 +86,7 @@ def audit_results(
     answers: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
     answers += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
     bars = {run.name: bars_of(path) for run, path in zip(runs, paths, strict=True)}
-    without = {name: () if own else (_WITHOUT.format(name=name),) for name, own in bars.items()}
+    without = {name: () if own_bars else (_WITHOUT.format(name=name),) for name, own_bars in bars.items()}
 
     def beside(judged: Sequence[JudgedCase]) -> tuple[list[JudgedCase], list[Gap]]:
         """Checks of all runs, and numbers of those with error bars."""

@@ -16,7 +16,7 @@ from eigencontact_verification.audit.contact_model import contact_model, junctio
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.line_cases import line_cases_of
 from eigencontact_verification.audit.line_scene import is_line
-from eigencontact_verification.audit.stored import bars_of
+from eigencontact_verification.audit.stored import bars_of, run_name
 from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
@@ -125,7 +125,7 @@ def contact_cases_of(
     """
     if is_line(folder):
         return line_cases_of(folder, quick=quick, coarser=coarser)
-    name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
+    name = run_name(folder)
     try:
         stored = read_contact(folder)
         name = stored.name
@@ -134,11 +134,11 @@ def contact_cases_of(
     except NotJudged as problem:
         return (), (Gap(subject=name, what="whole contact", reason=str(problem)),)
     if not stored.load[: stored.straight].max(initial=0.0) > 0:
-        reason = "none of its steps has a load along the axis alone"
+        reason = "no step has a pure normal load"
         return (), (Gap(subject=name, what="whole contact", reason=reason),)
     gaps = [Gap(subject=name, what="whole contact: sides", reason=note) for note in scene.notes]
     if stored.straight < len(stored.load):
-        later = f"step {stored.straight + 1} and those after it have shear or a moment"
+        later = f"shear or a moment acts from step {stored.straight + 1} on"
         gaps.append(Gap(subject=name, what="whole contact: later steps", reason=later))
     a = float(stored.radius[: stored.straight].max())
     lines = contact_lines(folder, stored, scene)
@@ -150,8 +150,8 @@ def contact_cases_of(
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     lines = with_bars(lines, stored, bars_of(folder), a)
     if scene.cells and not any(line.kind == "stress" for line in lines):
-        none = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
-        gaps.append(Gap(subject=name, what="whole contact: stress", reason=none))
+        lacking = "the run stores fewer than five stress points near the axis at centres of cells"
+        gaps.append(Gap(subject=name, what="whole contact: stress", reason=lacking))
     case = ContactCase(
         subject=name,
         name="contact",

@@ -157,7 +157,7 @@ def read_contact(path: str | Path) -> StoredContact:
             if field.attrs.get("role") in ("scalar", "field")
         }
         if "pressure" not in arrays:
-            raise NotJudged("it has no contact")
+            raise NotJudged("the run has no contact")
         x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
         errors = {
             str(field.attrs["estimates"]): np.asarray(field.values, dtype=float)
@@ -262,14 +262,14 @@ def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[Contac
     late = read & (steps > stored.peak)  # beyond the edge lies what was pressed before, and keeps its form
     edges[late, 1] = np.maximum(edges[late, 1], edges[read & (steps == stored.peak), 1].max(initial=0.0))
     lines, scale = [], float(a.max())
-    for kind, name, which, radii, own in (
+    for kind, name, which, radii, error in (
         ("radius", "contact radius", steps, a[steps], stored.correction[steps] + counted),
         ("edge", "contact radius from the gap", steps[read], edges[read, 0], edges[read, 1]),
     ):
         nowhere, number = np.zeros((which.size, 3)), np.asarray(which + 1, dtype=np.float64)
         if which.size:
             moments = tuple(int(k) for k in which)
-            lines.append(_line(kind, name, nowhere, number, np.asarray(radii / scale), own / scale, moments))
+            lines.append(_line(kind, name, nowhere, number, np.asarray(radii / scale), error / scale, moments))
     return lines
 
 

@@ -106,23 +106,25 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
     solids = bodies_of(scene, registry)
     (number, solid), *others = [(k, elastic) for k, elastic in enumerate(solids, 1) if elastic is not None]
     if others:
-        raise NotJudged("both bodies are elastic, and the elements press a rigid one")
+        raise NotJudged("both bodies are elastic, and the axisymmetric elements need a rigid one")
     material: Any = getattr(solid, "deep_material", solid)
     if material.poisson_ratio > INCOMPRESSIBLE:
-        raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, and the elements need less than 0.5")
+        raise NotJudged(
+            f"Poisson's ratio is {material.poisson_ratio:g}, and the elements lock above {INCOMPRESSIBLE:g}"
+        )
     deep: list[Any] = [getattr(elastic, "deep_material", elastic) for elastic in solids]
     if scene.eigenstrain:
-        raise NotJudged("a patch of eigenstrain has corners")
+        raise NotJudged("a patch of eigenstrain is rectangular, and the elements are axisymmetric")
     prescribed, different = build_sources(scene, registry, None, deep)
     notes: list[str] = []
     body = scene.body1 if number == 1 else scene.body2
     if body.initial is not None:
-        raise NotJudged("the body begins with the state of another run")
+        raise NotJudged("the body starts from the state of another run")
     regions = []
     for source in (*prescribed, *different):
         place = _place(source.shape, source.name, contact_radius, notes)
         if not source.field.uniform:
-            raise NotJudged(f"inclusion '{source.name}' has an eigenstrain that is not uniform")
+            raise NotJudged(f"the eigenstrain of '{source.name}' varies in space, and the elements need uniform ones")
         place["eigenstrain"] = _of_revolution(source.name, np.asarray(source.uniform_eigenstrain(1.0)))
         if hasattr(source, "law"):
             young, nu = moduli_of(source.law, material)
@@ -144,13 +146,14 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
 
 def refuse(scene: Any, *, line: bool = False) -> None:
     """Raise NotJudged where a scene is not covered at all; elements of a line contact have friction and bulk stress."""
+    half_space, boundary = scene.numerics.half_space, scene.numerics.boundary
     reasons = {
-        "it has no contact": not scene.geometry,
-        "its contact has friction": scene.friction is not None and not line,
-        "its surface wears": scene.wear is not None,
-        "its bodies are under bulk stress": bool(scene.bulk_at_rest) and not line,
-        f'numerics.half-space = "{scene.numerics.half_space}" is another body': scene.numerics.half_space != "exact",
-        'numerics.boundary = "periodic" is a body that repeats': scene.numerics.boundary != "non-periodic",
+        "the run has no contact": not scene.geometry,
+        "the contact has friction, and the axisymmetric elements have none": scene.friction is not None and not line,
+        "a surface wears, and the elements keep their surfaces": scene.wear is not None,
+        "the bodies have a bulk stress, and the axisymmetric elements have none": bool(scene.bulk_at_rest) and not line,
+        f'numerics.half-space is "{half_space}", and the elements need "exact"': half_space != "exact",
+        f'numerics.boundary is "{boundary}", and the elements need "non-periodic"': boundary != "non-periodic",
     }
     for reason, holds in reasons.items():
         if holds:
@@ -178,9 +181,9 @@ def law_numbers(law: Any, young_modulus: float) -> dict[str, Any] | None:
     if law.damage is not None:
         damage = _plain(law.damage)
         if damage["type"] != "exponential":
-            raise NotJudged(f"the elements have no damage {damage['type']!r}")
+            raise NotJudged(f"the elements have no damage law {damage['type']!r}")
         if damage.get("length"):
-            raise NotJudged("its damage is not local")
+            raise NotJudged("the damage is averaged over a length, and the elements have local damage")
         table["damage"] = damage
     return table
 
@@ -203,16 +206,16 @@ def layers_of(solid: Any) -> list[dict[str, float]]:
     depths = [0.0, *solid.interfaces]
     layers = []
     for top, bottom in pairwise(depths):
-        made = solid.material_at(top)
+        material = solid.material_at(top)
         layers.append(
             {
                 "thickness": bottom - top,
-                "young_modulus": made.young_modulus,
-                "poisson_ratio": made.poisson_ratio,
+                "young_modulus": material.young_modulus,
+                "poisson_ratio": material.poisson_ratio,
             }
         )
-        if solid.material_at(0.5 * (top + bottom)) != made:
-            raise NotJudged("the constants of a layer change with depth")
+        if solid.material_at(0.5 * (top + bottom)) != material:
+            raise NotJudged("the constants of a layer change with depth, and the elements need uniform layers")
     return layers
 
 
@@ -220,7 +223,7 @@ def _place(shape: Any, name: str, contact_radius: float, notes: list[str]) -> di
     """Kind and size of an inclusion on the axis."""
     (x0, y0, top), (x1, y1, bottom) = ((float(v) for v in corner) for corner in shape.bounds)
     if max(abs(x0 + x1), abs(y0 + y1)) > 2 * _CENTRED * contact_radius:
-        raise NotJudged(f"inclusion '{name}' is not on the axis")
+        raise NotJudged(f"inclusion '{name}' lies off the axis")
     key, half = shape.key, 0.5 * min(x1 - x0, y1 - y0)
     tall = getattr(shape, "axis", "z") in ("z", (0.0, 0.0, 1.0))
     if key in ("sphere", "ellipsoid") and np.isclose(x1 - x0, y1 - y0, rtol=1e-9, atol=0):
@@ -230,15 +233,18 @@ def _place(shape: Any, name: str, contact_radius: float, notes: list[str]) -> di
     if key in ("cuboid", "layer") and half >= _ENDLESS * contact_radius:
         return {"kind": "layer", "top": top, "bottom": bottom}
     if key == "cuboid" and half >= _WIDE * contact_radius and np.isclose(x1 - x0, y1 - y0, rtol=1e-9, atol=0):
-        notes.append(f"the box '{name}' of half width {half / contact_radius:.3g} contact radii is a disc of its area")
+        notes.append(
+            f"the box '{name}' of half width {half / contact_radius:.3g} contact radii is represented by a disc of "
+            "equal area"
+        )
         return {"kind": "disc", "top": top, "bottom": bottom, "radius": 2 * half / np.sqrt(np.pi)}
-    raise NotJudged(f"inclusion '{name}' ({key}) is not of revolution about the axis")
+    raise NotJudged(f"inclusion '{name}' ({key}) is not axisymmetric")
 
 
 def _of_revolution(name: str, mandel: FloatArray) -> list[float]:
     size = float(np.abs(mandel).max())
     if size and max(abs(mandel[0] - mandel[1]), *np.abs(mandel[3:])) > 1e-9 * size:
-        raise NotJudged(f"inclusion '{name}' has an eigenstrain that is not of revolution")
+        raise NotJudged(f"inclusion '{name}' has an eigenstrain that is not axisymmetric")
     return [float(mandel[0]), float(mandel[2])]
 
 
@@ -248,7 +254,7 @@ def profile_of(registry: Any, table: Mapping[str, Any], contact_radius: float) -
 
     geometry = build_component(registry, "geometry", table, "geometry")
     if max(abs(v) for v in getattr(geometry, "center", (0.0, 0.0))) > _CENTRED * contact_radius:
-        raise NotJudged(f"the geometry {geometry.key!r} is not on the axis")
+        raise NotJudged(f"the geometry {geometry.key!r} lies off the axis")
     if geometry.key == "sphere":
         return {"kind": geometry.profile, "radius": geometry.radius}
     if geometry.key == "cylinder" and geometry.length == np.inf and geometry.angle == 0.0:
@@ -257,4 +263,4 @@ def profile_of(registry: Any, table: Mapping[str, Any], contact_radius: float) -
         return {"kind": "punch", "flat": geometry.flat_radius, "radius": geometry.edge_radius}
     if geometry.key == "rounded-cone":
         return {"kind": "cone", "half_angle": geometry.half_angle, "radius": geometry.tip_radius}
-    raise NotJudged(f"the geometry {geometry.key!r} is not one of revolution that the elements have")
+    raise NotJudged(f"the geometry {geometry.key!r} has no equivalent in the finite-element models")

@@ -62,7 +62,7 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
     solids = bodies_of(scene, registry)
     deep: list[Any] = [getattr(solid, "deep_material", solid) for solid in solids]
     if any(patch.size is None for patch in scene.eigenstrain):
-        raise NotJudged("a patch of eigenstrain fills the window, and has no size of its own")
+        raise NotJudged("a patch of eigenstrain without a size fills the window, and the elements need a size")
     prescribed, different = build_sources(scene, registry, None, deep)
     bodies = []
     for number, (solid, material) in enumerate(zip(solids, deep, strict=True), 1):
@@ -70,14 +70,18 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
         if solid is None:
             continue
         if material.poisson_ratio > INCOMPRESSIBLE:
-            raise NotJudged(f"Poisson's ratio is {material.poisson_ratio:g}, and the elements need less than 0.5")
+            raise NotJudged(
+                f"Poisson's ratio is {material.poisson_ratio:g}, and the elements lock above {INCOMPRESSIBLE:g}"
+            )
         if table.initial is not None:
-            raise NotJudged(f"body {number} begins with the state of another run")
+            raise NotJudged(f"body {number} starts from the state of another run")
         layers = _layers(solid)
-        own = [source for source in (*prescribed, *different) if source.body == number]
-        if layers and own:
-            raise NotJudged(f"body {number} has layers, and inclusions or eigenstrain beside them")
-        regions = [_region(source, material, edges, times) for source in own]
+        sources = [source for source in (*prescribed, *different) if source.body == number]
+        if layers and sources:
+            raise NotJudged(
+                f"body {number} has layers and inclusions or eigenstrain, and the elements take one of them"
+            )
+        regions = [_region(source, material, edges, times) for source in sources]
         _refuse_overlap([region for region in regions if "young_modulus" in region])
         bodies.append(
             {
@@ -93,9 +97,9 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
     if scene.friction is not None:
         friction: Any = build_component(registry, "friction-law", scene.friction, "friction")
         if friction.key != "coulomb":
-            raise NotJudged(f"the elements have no friction {friction.key!r}")
+            raise NotJudged(f"the elements have no friction law {friction.key!r}")
         if bodies[0]["number"] != 1:
-            raise NotJudged("body 1 is rigid, and the elements hold the shear on it")
+            raise NotJudged("body 1 is rigid, and the elements need an elastic body 1 under friction")
         coefficient = float(friction.coefficient)
     profile = [profile_of(registry, table, 0.0) for table in scene.geometry]
     return {"bodies": bodies, "profile": profile, "friction": coefficient}
@@ -103,30 +107,32 @@ def line_scene(text: str, edges: FloatArray, times: Sequence[float]) -> dict[str
 
 def _layers(solid: Any) -> list[dict[str, Any]]:
     """Layers with the depths of their sides."""
-    found, top = [], 0.0
+    layers, top = [], 0.0
     for layer in layers_of(solid):
         bottom = top + layer.pop("thickness")
-        found.append({"kind": "layer", "top": top, "bottom": bottom, **layer})
+        layers.append({"kind": "layer", "top": top, "bottom": bottom, **layer})
         top = bottom
-    return found
+    return layers
 
 
 def _region(source: Any, material: Any, edges: FloatArray, times: Sequence[float]) -> dict[str, Any]:
     """Place, constants and eigenstrain of a source."""
     if not source.field.uniform:
-        raise NotJudged(f"inclusion '{source.name}' has an eigenstrain that is not uniform")
+        raise NotJudged(f"the eigenstrain of '{source.name}' varies in space, and the elements need uniform ones")
     strains = np.array([source.uniform_eigenstrain(time) for time in times])
     xx, yy, zz, yz, xz, xy = strains[0]
     if np.any(strains != strains[0]):
         raise NotJudged(f"the eigenstrain of '{source.name}' changes with time")
     if yz or xy:
-        raise NotJudged(f"the eigenstrain of '{source.name}' shears along the line")
-    found = _place(source, edges)
-    found["eigenstrain"] = [float(v) for v in (xx, yy, zz, xz / np.sqrt(2.0))]
+        raise NotJudged(
+            f"the eigenstrain of '{source.name}' has shear along the line, and the elements are in plane strain"
+        )
+    region = _place(source, edges)
+    region["eigenstrain"] = [float(v) for v in (xx, yy, zz, xz / np.sqrt(2.0))]
     if hasattr(source, "law"):
         young, nu = moduli_of(source.law, material)
-        found |= {"young_modulus": young, "poisson_ratio": nu, "law": law_numbers(source.law, young)}
-    return found
+        region |= {"young_modulus": young, "poisson_ratio": nu, "law": law_numbers(source.law, young)}
+    return region
 
 
 def _place(source: Any, edges: FloatArray) -> dict[str, Any]:
@@ -165,4 +171,4 @@ def _refuse_overlap(regions: list[dict[str, Any]]) -> None:
             boxes.append((np.array([region["left"], region["top"]]), np.array([region["right"], region["bottom"]])))
     for k, (low, high) in enumerate(boxes):
         if any(np.all((low < up) & (high > down)) for down, up in boxes[:k]):
-            raise NotJudged("boxes around inclusions meet, and the meshes of the elements need room between them")
+            raise NotJudged("the boxes around two inclusions overlap, and the meshes need room between them")

@@ -21,6 +21,7 @@ from eigencontact_verification.audit.line_grids import run_coarser, with_coarser
 from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import LineProfile, line_profiles
 from eigencontact_verification.audit.line_scene import StoredLine, read_line
+from eigencontact_verification.audit.stored import run_name
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.line_contact import LineStep, solve_line_contact
 
@@ -80,7 +81,7 @@ class LineCase(RunCase):
 
 def line_steps(parameters: Mapping[str, Any]) -> list[LineStep]:
     """Increments of the parameters of a case: normal, shear, bulk stress of both bodies, place."""
-    return [LineStep(normal=p, shear=q, bulk=(one, two), place=place) for p, q, one, two, place in parameters["steps"]]
+    return [LineStep(normal=p, shear=q, bulk=(b1, b2), place=place) for p, q, b1, b2, place in parameters["steps"]]
 
 
 def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArray:
@@ -136,8 +137,7 @@ def line_cases_of(
     try:
         stored = read_line(folder)
     except NotJudged as problem:
-        name = Path(folder).parent.name if Path(folder).suffix == ".nc" else Path(folder).name
-        return (), (Gap(subject=name, what="whole line contact", reason=str(problem)),)
+        return (), (Gap(subject=run_name(folder), what="whole line contact", reason=str(problem)),)
     lines = tuple(line_profiles(stored))
     try:
         lines = _with_error_of_cells(lines, stored, coarser)

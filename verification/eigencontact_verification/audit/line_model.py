@@ -36,7 +36,7 @@ def line_model(parameters: Mapping[str, Any], divisions: int, outer: Outer) -> L
     """Model of the parameters of a case; ``half_width``, ``parts`` and ``edges`` in them decide the mesh."""
     heights, a = Heights(bodies=tuple(parameters["profile"])), parameters["half_width"]
     places = [0.0, *(place for *_, place in parameters["steps"])]
-    parts = parameters["parts"]
+    per_half_width = parameters["parts"]
     bodies = []
     for table in parameters["bodies"]:
         moduli = {name: table[name] for name in ("young_modulus", "poisson_ratio")}
@@ -47,12 +47,12 @@ def line_model(parameters: Mapping[str, Any], divisions: int, outer: Outer) -> L
         gap=lambda x: heights(np.abs(x)),
         friction=parameters["friction"],
         window=(min(places) - _WINDOW * a, max(places) + _WINDOW * a),
-        fine=a / parts,
+        fine=a / per_half_width,
         deep=(_DEEP_YIELDING if any(body.law for body in bodies) else _DEEP) * a,
         edges=tuple(parameters["edges"]),
-        sharp=a / (_SHARPER * parts),
+        sharp=a / (_SHARPER * per_half_width),
         reach=_REACH * a,
-        growth=_GROWTH ** (1 / parts),
+        growth=_GROWTH ** (1 / per_half_width),
         divisions=divisions,
         outer=outer,
     )

@@ -149,8 +149,8 @@ def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
                     for at in beside
                 ]
                 across = [
-                    np.abs(one - caused[1]) / max(np.ptp(region.points[0, [column, at], 0]), stored.cell / 2)
-                    for one, at in zip(caused, beside, strict=True)
+                    np.abs(cause - caused[1]) / max(np.ptp(region.points[0, [column, at], 0]), stored.cell / 2)
+                    for cause, at in zip(caused, beside, strict=True)
                 ]
                 change = np.abs(np.gradient(caused[1], points[:, 2], axis=0)) + np.maximum(across[0], across[2])
                 padded = np.pad(change, ((1, 1), (0, 0)), mode="edge")  # where a change happens to vanish no error does
@@ -200,13 +200,13 @@ def _histories(stored: StoredLine) -> list[LineProfile]:
 
 def _columns(body: dict[str, Any], a: float) -> list[tuple[float, str]]:
     """Places x of columns, and words for them."""
-    found = [(0.0, "in the middle"), (-0.9 * a, "near the edge")]
+    columns = [(0.0, "in the middle"), (-0.9 * a, "near the edge")]
     for number, region in enumerate(body["regions"], 1):
         if region["kind"] != "layer":
             x = region["x"] if region["kind"] == "ellipse" else (region["left"] + region["right"]) / 2
-            if all(abs(x - place) > _APART * a for place, _ in found):
-                found.append((x, f"through region {number}"))
-    return found
+            if all(abs(x - place) > _APART * a for place, _ in columns):
+                columns.append((x, f"through region {number}"))
+    return columns
 
 
 def _clear(stored: StoredLine, body: dict[str, Any], points: FloatArray, a: float) -> NDArray[np.bool_]:
@@ -281,7 +281,7 @@ def _bend(values: FloatArray, good: NDArray[np.bool_] | None = None) -> FloatArr
 
 
 def _line(
-    kind: str, name: str, points: FloatArray, axis: int, values: FloatArray, own: FloatArray,
+    kind: str, name: str, points: FloatArray, axis: int, values: FloatArray, error: FloatArray,
     moments: tuple[int, ...], body: int = 1, along: FloatArray | None = None,
 ) -> LineProfile:  # fmt: skip
     quantity, label, components, unit = _KINDS[kind]
@@ -289,4 +289,4 @@ def _line(
         name=kind + name, quantity=quantity, points=points, along=points[:, axis] if along is None else along,
         label=label, components=components, unit=unit,
     )  # fmt: skip
-    return LineProfile(profile=profile, kind=kind, moments=moments, body=body, values=values, own=own)
+    return LineProfile(profile=profile, kind=kind, moments=moments, body=body, values=values, own=error)

@@ -96,7 +96,7 @@ class StoredLine:
     @property
     def yields(self) -> bool:
         """Whether a body or a region has a law."""
-        return any(part.get("law") for body in self.scene["bodies"] for part in (body, *body["regions"]))
+        return any(owner.get("law") for body in self.scene["bodies"] for owner in (body, *body["regions"]))
 
     @property
     def smooth(self) -> bool:
@@ -148,13 +148,13 @@ def read_line(path: str | Path) -> StoredLine:
 
     with open_results(path) as data:
         if "pressure" not in data.variables:
-            raise NotJudged("it has no contact")
+            raise NotJudged("the run has no contact")
         load = np.asarray(data["normal_load"].values, dtype=float)
         rubs = "shear_x" in data.variables
         names = ("pressure", "shear_x", "slip_x") if rubs else ("pressure",)
         remote = {str(name) for name in data.variables if "bulk_stress_" in str(name)}
         if any(np.any(data[name].values) for name in remote if not name.endswith("_xx")):
-            raise NotJudged("its bulk stress is not along x alone")
+            raise NotJudged("the bulk stress has components beside xx")
         ends = ("bulk_stress_xx", "body2_bulk_stress_xx")
         x, cell = np.asarray(data["x"].values, dtype=float), float(data.attrs["cell_size"][0])
         edges = np.append(x - cell / 2, x[-1] + cell / 2)
@@ -191,7 +191,7 @@ def read_line(path: str | Path) -> StoredLine:
             ],
         )
     if not load.max(initial=0.0) > 0:
-        raise NotJudged("none of its steps has a load")
+        raise NotJudged("no step has a normal load")
     if np.any(np.abs(stored.force) > _SLIDES * stored.scene["friction"] * load):
-        raise NotJudged("it slides as a whole, and the elements hold the force")
+        raise NotJudged("the contact is in gross slip, and the elements need a force below the limit of friction")
     return stored

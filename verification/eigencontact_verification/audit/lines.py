@@ -150,7 +150,7 @@ def stress_lines(
     lines, gaps = [], []
     numbers = {body.number: body for body in bodies}
     if not stored.regions:
-        gaps.append(Gap(subject=stored.name, what="stress", reason="the scene stores no region of stress"))
+        gaps.append(Gap(subject=stored.name, what="stress", reason="the scene requests no stress region"))
     for region in stored.regions:
         if region.body not in numbers:
             continue  # a gap says why there is no such body
@@ -322,15 +322,15 @@ def _through(
     if "z" not in region.axes:  # a plane at one depth: a cross
         places = {name: chosen[:1] for name, chosen in places.items()}
     paths: list[tuple[str, tuple[IntArray, ...], FloatArray, str]] = []
-    seen = set()
+    cut_planes = set()
     for name, line in lines.items():
         others = [other for other in region.axes if other != name]
         for chosen in _combinations([places[other] for other in others]):
             fixed = dict(zip(others, chosen, strict=True))
             key = (name, *(fixed[other] for other in others))
-            if key in seen:
+            if key in cut_planes:
                 continue
-            seen.add(key)
+            cut_planes.add(key)
             at = tuple(
                 np.arange(line.size) if axis == name else np.full(line.size, fixed[axis]) for axis in region.axes
             )

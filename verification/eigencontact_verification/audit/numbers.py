@@ -62,16 +62,18 @@ def compared_numbers(
     judged : iterable of JudgedCase
         Cases of this run and of others.
     """
-    own = {name: bars[name] for name in _COMPARED if name in bars and _is_free(stored, name)}
+    barred = {name: bars[name] for name in _COMPARED if name in bars and _is_free(stored, name)}
     fresh = {
-        name: pair for name, pair in own.items() if np.isclose(stored.scalars[name], pair[1].value, rtol=1e-9, atol=0.0)
+        name: pair
+        for name, pair in barred.items()
+        if np.isclose(stored.scalars[name], pair[1].value, rtol=1e-9, atol=0.0)
     }
     cases, read, far = [], set[str](), set[str]()
-    for one in judged:
-        if one.case.subject != stored.name or not one.estimates:
+    for case in judged:
+        if case.case.subject != stored.name or not case.estimates:
             continue
         readings: dict[str, _Reading] = {}
-        for reading in _readings(one, stored):
+        for reading in _readings(case, stored):
             if reading.name not in fresh:
                 continue
             value = fresh[reading.name][1].value
@@ -82,9 +84,11 @@ def compared_numbers(
                 readings[reading.name] = reading
         read |= readings.keys()
         if readings:
-            cases.append(_case(one, [_compared(one, *fresh[name], readings[name]) for name in readings]))
-    gaps = [_gap(stored, name, "no compared line comes near its place") for name in sorted(far - read)]
-    gaps += [_gap(stored, name, "its error bar is that of another value") for name in sorted(own.keys() - fresh.keys())]
+            cases.append(_case(case, [_compared(case, *fresh[name], readings[name]) for name in readings]))
+    gaps = [_gap(stored, name, "no compared line passes near its point") for name in sorted(far - read)]
+    gaps += [
+        _gap(stored, name, "the error bar belongs to another value") for name in sorted(barred.keys() - fresh.keys())
+    ]
     return cases, gaps
 
 
@@ -97,42 +101,46 @@ def _gap(stored: StoredStep, name: str, reason: str) -> Gap:
     return Gap(subject=stored.name, what=f"comparison error of {name.replace('_', ' ')}", reason=reason)
 
 
-def _compared(one: JudgedCase, number: Number, bar: ErrorBar, reading: _Reading) -> Comparison:
+def _compared(case: JudgedCase, number: Number, bar: ErrorBar, reading: _Reading) -> Comparison:
     u_sa, source = _of_run(bar)
     return compared(
-        one.case.subject, f"{one.case.name}-numbers", number.name, number.words, simulation=bar.value,
+        case.case.subject, f"{case.case.name}-numbers", number.name, number.words, simulation=bar.value,
         reference=bar.value - (reading.stored - reading.reference), u_sa=u_sa, u_fe=reading.uncertainty,
-        unit=number.unit, source=source, remedy=one.case.remedy("discretisation", 1.0) or "repeat on finer meshes",
+        unit=number.unit, source=source, remedy=case.case.remedy("discretisation", 1.0) or "repeat on finer meshes",
     )  # fmt: skip
 
 
 def _of_run(bar: ErrorBar) -> tuple[float, str]:
     """Error of a run that the elements do not share, and its main source."""
-    own = {source: part for source, part in bar.parts.items() if source not in _SHARED}
-    if len(own) in (0, len(bar.parts)):
+    run_parts = {source: error for source, error in bar.parts.items() if source not in _SHARED}
+    if len(run_parts) in (0, len(bar.parts)):
         return bar.error, bar.source
-    source = max(own, key=lambda name: own[name])
-    return max(own[source], bar.error - sum(bar.parts[name] for name in _SHARED)), source
+    source = max(run_parts, key=lambda name: run_parts[name])
+    return max(run_parts[source], bar.error - sum(bar.parts[name] for name in _SHARED)), source
 
 
-def _case(one: JudgedCase, rows: Sequence[Comparison]) -> JudgedCase:
+def _case(judged: JudgedCase, rows: Sequence[Comparison]) -> JudgedCase:
     case = WithoutElements(
-        subject=one.case.subject, name=f"{one.case.name}-numbers", parameters={}, quick=one.case.quick, profiles=()
+        subject=judged.case.subject,
+        name=f"{judged.case.name}-numbers",
+        parameters={},
+        quick=judged.case.quick,
+        profiles=(),
     )
     return JudgedCase(case=case, rows=tuple(rows), outcomes=(), judged={}, estimates={})
 
 
-def _readings(one: JudgedCase, stored: StoredStep) -> Iterator[_Reading]:
+def _readings(case: JudgedCase, stored: StoredStep) -> Iterator[_Reading]:
     """Numbers of all lines of a case; the estimates of a run's own error are no part of the elements' uncertainty."""
-    for line in getattr(one.case, "lines", ()):
+    for line in getattr(case.case, "lines", ()):
         name = line.profile.name
-        estimate = one.estimates[name]
+        estimate = case.estimates[name]
         band = estimate.uncertainty - estimate.parts.get("judged", 0.0)
         fields = line.values, estimate.value, band
-        if isinstance(one.case, AuditCase):
+        if isinstance(case.case, AuditCase):
             yield from _under_tractions(fields, line.profile.components, stored, line.indices)
-        elif isinstance(one.case, ContactCase) and line.kind in _OF_LINES:
-            scale = one.case.parameters["mesh"]["radius"] if line.kind == "radius" else 1.0
+        elif isinstance(case.case, ContactCase) and line.kind in _OF_LINES:
+            scale = case.case.parameters["mesh"]["radius"] if line.kind == "radius" else 1.0
             yield from _of_contact(line.kind, *(scale * np.asarray(values)[:, 0] for values in fields))
 
 
@@ -159,10 +167,10 @@ def _under_tractions(
     values, reference, band = fields
     pressure = stored.surface.get("pressure")
     if components == STRESSES:
-        own, _ = _von_mises(values)
-        k = int(np.argmax(own))
+        mises, _ = _von_mises(values)
+        k = int(np.argmax(mises))
         other, slope = _von_mises(reference[k : k + 1])
-        yield _Reading("max_von_mises", float(own[k]), float(other[0]), float((np.abs(slope) * band[k]).sum()))
+        yield _Reading("max_von_mises", float(mises[k]), float(other[0]), float((np.abs(slope) * band[k]).sum()))
     elif "u_z" in components and pressure is not None and np.any(pressure[at] > 0.0):
         column, k = components.index("u_z"), int(np.argmax(pressure[at]))
         depth = stored.scalars.get("approach", np.nan)

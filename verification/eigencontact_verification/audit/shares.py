@@ -46,15 +46,15 @@ def mean_of_parts(block: Cells, beside: FloatArray | None, sources: Sequence[Inh
     remembering = np.sort(shares[number], axis=0)
     total, larger = remembering.sum(axis=0), remembering[-1]
     whole = (larger < _SLIVER) | (larger > 1.0 - _SLIVER)
-    larger, rest = np.where(whole, 1.0, larger), np.where(whole, 0.0, total - larger)
+    larger, smaller = np.where(whole, 1.0, larger), np.where(whole, 0.0, total - larger)
     strain = block.eigenstrain.copy()
     strain[..., cut] *= larger
     if beside is not None:
-        strain[..., cut] += rest * beside[..., cut]
-    kept = None if block.kept is None else block.kept.copy()
-    if kept is not None:
-        kept[cut] = 1.0 - larger * (1.0 - kept[cut])
-    return replace(block, eigenstrain=strain, kept=kept)
+        strain[..., cut] += smaller * beside[..., cut]
+    stiffness = None if block.kept is None else block.kept.copy()
+    if stiffness is not None:
+        stiffness[cut] = 1.0 - larger * (1.0 - stiffness[cut])
+    return replace(block, eigenstrain=strain, kept=stiffness)
 
 
 def _labels(sources: Sequence[Inhomogeneity], z: FloatArray, y: FloatArray, x: FloatArray) -> NDArray[np.intp]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from eigencontact.core.numbers import ErrorBar, Number
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Place", "StoredRegion", "StoredStep", "bars_of", "plugin_files", "read_step", "regions_at"]
+__all__ = ["Place", "StoredRegion", "StoredStep", "bars_of", "plugin_files", "read_step", "regions_at", "run_name"]
 
 FloatArray = NDArray[np.float64]
 
@@ -193,6 +193,12 @@ def plugin_files(path: str | Path) -> tuple[str, ...]:
 
     with open_results(path) as data:
         return tuple(tomllib.loads(str(data.attrs["scene"])).get("plugins", ()))
+
+
+def run_name(folder: str | Path) -> str:
+    """Name of the folder of a run, or of the folder of its ``results.nc``."""
+    path = Path(folder)
+    return path.parent.name if path.suffix == ".nc" else path.name
 
 
 def bars_of(path: str | Path) -> dict[str, tuple[Number, ErrorBar]]:

@@ -142,15 +142,15 @@ def line_of(audit: SceneAudit) -> dict[str, Any]:
 
 def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
     """Sentences and two tables, for a page, of what `line_of` says of runs."""
-    words = Counter(line["word"] for line in lines)
+    counts = Counter(line["word"] for line in lines)
     verdicts: Counter[str] = Counter()
     for line in lines:
         verdicts.update(line["counts"])
     hold, checks = (sum(line["checks"][k] for line in lines) for k in (0, 1))
     total = sum(verdicts.values())
     summary = (
-        f"{len(lines)} scenes: {words['agrees']} agree, {words['inconclusive']} are inconclusive, "
-        f"{words['disagrees']} disagree. {total} verdicts: {verdicts['agrees']} agree, {verdicts['inconclusive']} are "
+        f"{len(lines)} scenes: {counts['agrees']} agree, {counts['inconclusive']} are inconclusive, "
+        f"{counts['disagrees']} disagree. {total} verdicts: {verdicts['agrees']} agree, {verdicts['inconclusive']} are "
         f"inconclusive, {verdicts['disagrees']} disagree, {verdicts['failed']} failed. {checks} checks without "
         f"elements: {hold} hold."
     )
@@ -176,19 +176,19 @@ def contacts_of(judged: Sequence[JudgedCase], gaps: Sequence[Gap]) -> str:
         Column("elements [s]", "seconds", ".0f"),
         Column("peak [MB]", "memory", ".0f", scale=1e-6),
     ]
-    parts = [table(rows_of, columns)]
+    sections = [table(rows_of, columns)]
     for title, lines in (("Not agreed:", disputed), ("Left out, or taken otherwise:", left_out)):
         if lines:
-            parts += [title, "\n".join(lines)]
-    return "\n\n".join([*parts, f"{describe(facts())}."])
+            sections += [title, "\n".join(lines)]
+    return "\n\n".join([*sections, f"{describe(facts())}."])
 
 
 def _contact_row(contact: JudgedCase) -> dict[str, Any]:
     """Verdicts, largest difference by kind of profile, effort."""
-    words = [row.word for row in contact.rows]
+    verdicts = [row.word for row in contact.rows]
     cells: dict[str, Any] = {
         "scene": contact.case.subject,
-        "verdicts": f"{words.count('agrees')} / {words.count('inconclusive')} / {words.count('disagrees')}",
+        "verdicts": f"{verdicts.count('agrees')} / {verdicts.count('inconclusive')} / {verdicts.count('disagrees')}",
         "seconds": sum(outcome.seconds for task, outcome in contact.outcomes if task.level is not None),
         "memory": max((outcome.memory or 0 for _, outcome in contact.outcomes), default=0),
     }

@@ -43,10 +43,10 @@ def _count(text: str) -> int:
 
 
 def _code(text: str) -> str:
-    names = {*CODES, *(name for one in BENCHMARKS.values() for name in one.methods or ())}
+    names = {*CODES, *(name for benchmark in BENCHMARKS.values() for name in benchmark.methods or ())}
     if ":" not in text and text not in names:
-        known = ", ".join(sorted(names))
-        raise argparse.ArgumentTypeError(f"must be one of {known} or package.module:OBJECT (got {text})")
+        names_in_words = ", ".join(sorted(names))
+        raise argparse.ArgumentTypeError(f"must be one of {names_in_words} or package.module:OBJECT (got {text})")
     return text
 
 
@@ -74,36 +74,36 @@ def parser() -> argparse.ArgumentParser:
     add("--json", type=Path, metavar="FILE", help="write raw samples and rows")
     add("--markdown", type=Path, metavar="FILE", help="replace the table between its markers")
     add("--section", help="name in the markers; by default that of the benchmark")
-    for one in BENCHMARKS.values():
-        add = commands.add_parser(one.name, parents=[common], help=one.help).add_argument
-        if len(one.sizes) > 1:
-            add("--sizes", type=_count, nargs="+", default=list(one.sizes), metavar=one.unit)
-        elif one.sizes:
-            add("--size", type=_count, default=one.sizes[0], metavar=one.unit)
-        if one.depths:
-            add("--depths", type=_count, default=one.depths)
-        if len(one.cases) > 1:
-            words = "; ".join(one.cases).replace("%", "%%")  # argparse fills in formats
-            add("--cases", nargs="+", choices=one.cases, default=one.cases, metavar="CASE", help=words)
-        if one.rows:
+    for benchmark in BENCHMARKS.values():
+        add = commands.add_parser(benchmark.name, parents=[common], help=benchmark.help).add_argument
+        if len(benchmark.sizes) > 1:
+            add("--sizes", type=_count, nargs="+", default=list(benchmark.sizes), metavar=benchmark.unit)
+        elif benchmark.sizes:
+            add("--size", type=_count, default=benchmark.sizes[0], metavar=benchmark.unit)
+        if benchmark.depths:
+            add("--depths", type=_count, default=benchmark.depths)
+        if len(benchmark.cases) > 1:
+            words = "; ".join(benchmark.cases).replace("%", "%%")  # argparse fills in formats
+            add("--cases", nargs="+", choices=benchmark.cases, default=benchmark.cases, metavar="CASE", help=words)
+        if benchmark.rows:
             add("--rows", default="", metavar="FOLDER", help="keep raw rows there; a later call solves those that lack")
-        if one.peers:
-            add("--peers", action="store_true", help=f"also {', '.join(one.peers)}, where installed")
-        keys = [column.key for column in one.columns]
+        if benchmark.peers:
+            add("--peers", action="store_true", help=f"also {', '.join(benchmark.peers)}, where installed")
+        keys = [column.key for column in benchmark.columns]
         add("--columns", nargs="+", choices=keys, metavar="KEY", help=f"of the stored table: {', '.join(keys)}")
-        if one.draw:
+        if benchmark.draw:
             add("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
     return top
 
 
 def _report(out: Measurements, benchmark: Benchmark, machine: str, columns: Sequence[Column]) -> str:
     """Table, notes, settings and machine, as Markdown."""
-    parts = [table(out.rows, columns)] if out.rows else []
+    blocks = [table(out.rows, columns)] if out.rows else []
     remarks = benchmark.remarks(out.rows) + out.notes
     remarks += [f"{code} {text}" for code, text in out.settings.items()]
-    parts.append("\n".join(f"- {remark}" for remark in remarks))
-    parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {machine}.")
-    return "\n\n".join(part for part in parts if part)
+    blocks.append("\n".join(f"- {remark}" for remark in remarks))
+    blocks.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {machine}.")
+    return "\n\n".join(block for block in blocks if block)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -130,7 +130,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     out = Measurements()
     for case in chosen.get("cases", benchmark.cases):
-        found = measure_all(
+        measured = measure_all(
             replace(template, case=case),
             codes=codes,
             sizes=sizes,
@@ -139,10 +139,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             run=run,
             say=lambda text, case=case: print(f"{case}: {text}" if case else text, file=sys.stderr),  # type: ignore[misc]
         )
-        out.rows += found.rows
-        out.samples += found.samples
-        out.notes += [f"{case}: {note}" if case else note for note in found.notes]
-        out.settings |= found.settings
+        out.rows += measured.rows
+        out.samples += measured.samples
+        out.notes += [f"{case}: {note}" if case else note for note in measured.notes]
+        out.settings |= measured.settings
     print(_report(out, benchmark, describe(machine), benchmark.columns))
     try:
         if options.json:

@@ -39,22 +39,22 @@ def measure(_: Code, task: Task) -> Sample:
     quiet = ["output.pictures=false", "output.vtk=false", "output.animation=false", f"numerics.threads={task.threads}"]
     scene = app.load_scene(task.case, quiet)
     hand, _wall, hand_seconds = timed(lambda: app.run(scene))
-    asked = {"numbers": f"{task.n} %", "time": _TIME}
+    targets = {"numbers": f"{task.n} %", "time": _TIME}
     try:
-        answer, _wall, seconds = timed(lambda: app.run(scene, accuracy=asked))
+        answer, _wall, seconds = timed(lambda: app.run(scene, accuracy=targets))
     except EigencontactError as problem:
         return {"status": "ok", "took_s": hand_seconds, "hand_s": hand_seconds, "said": " ".join(str(problem).split())}
-    found = answer.summary["accuracy"]
+    entry = answer.summary["accuracy"]
     sample = {
-        "status": "ok", "took_s": seconds, "hand_s": hand_seconds, "rungs": len(found["rungs"]), "runs": found["runs"],
-        "said": found["stopped"],
+        "status": "ok", "took_s": seconds, "hand_s": hand_seconds, "rungs": len(entry["rungs"]), "runs": entry["runs"],
+        "said": entry["stopped"],
     }  # fmt: skip
     planned = app.plan(tomllib.loads(answer.dataset.attrs["scene"]))
     sample["alone_s"] = timed(lambda: app.run(planned))[2]
     truth = None
     try:
         finest = app.plan(finer(planned))
-        if finest.seconds / planned.seconds * found["rungs"][-1]["seconds"] < _JUDGE:
+        if finest.seconds / planned.seconds * entry["rungs"][-1]["seconds"] < _JUDGE:
             truth = app.run(finest).summary
     except EigencontactError as problem:
         sample["said"] += f" (no judge: {' '.join(str(problem).split())})"
@@ -64,21 +64,21 @@ def measure(_: Code, task: Task) -> Sample:
 def verdict(answer: Mapping[str, Any], hand: Mapping[str, Any], truth: Mapping[str, Any] | None) -> Row:
     """Targets that hold by the bars and against the judge; largest errors in parts of the target."""
     targets = answer["accuracy"]["targets"]
-    held = [name for name, row in targets.items() if row["holds"]]
+    met = [name for name, row in targets.items() if row["holds"]]
     row: Row = {
-        "held": f"{len(held)} of {len(targets)}",
-        "missed": ", ".join(sorted(set(targets) - set(held))) or "none",
+        "held": f"{len(met)} of {len(targets)}",
+        "missed": ", ".join(sorted(set(targets) - set(met))) or "none",
     }
-    if truth is None or not held:
+    if truth is None or not met:
         return row
 
     def worst(summary: Mapping[str, Any]) -> tuple[float, str]:
-        return max((abs(_value(summary, name) - _value(truth, name)) / targets[name]["allowed"], name) for name in held)
+        return max((abs(_value(summary, name) - _value(truth, name)) / targets[name]["allowed"], name) for name in met)
 
-    true = [name for name in held if abs(_value(answer, name) - _value(truth, name)) <= targets[name]["allowed"]]
+    true = [name for name in met if abs(_value(answer, name) - _value(truth, name)) <= targets[name]["allowed"]]
     return row | {
-        "true": f"{len(true)} of {len(held)}", "error": worst(answer)[0], "hand_error": worst(hand)[0],
-        "untrue": ", ".join(sorted(set(held) - set(true))) or "none",
+        "true": f"{len(true)} of {len(met)}", "error": worst(answer)[0], "hand_error": worst(hand)[0],
+        "untrue": ", ".join(sorted(set(met) - set(true))) or "none",
     }  # fmt: skip
 
 

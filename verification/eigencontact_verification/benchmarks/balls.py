@@ -28,21 +28,23 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 def _places(n: int) -> dict[str, Any]:
     """Points ``(150, 3)`` by name, in radii from the middle; "inner" and "outer" within half a cell of the boundary."""
     rng = np.random.default_rng(1)
-    way, part = rng.normal(size=(150, 3)), rng.uniform(size=(150, 1))
+    way, fraction = rng.normal(size=(150, 3)), rng.uniform(size=(150, 1))
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     return {
-        "core": way * 0.5 * part ** (1 / 3),
-        "inside": way * (0.5 + 0.5 * part),
-        "inner": way * (1.0 - part / n),
-        "outer": way * (1.0 + part / n),
-        "around": way * (1.0 + 0.4 * part),
+        "core": way * 0.5 * fraction ** (1 / 3),
+        "inside": way * (0.5 + 0.5 * fraction),
+        "inner": way * (1.0 - fraction / n),
+        "outer": way * (1.0 + fraction / n),
+        "around": way * (1.0 + 0.4 * fraction),
     }
 
 
 def _exact(ratio: float, points: Any) -> Any:
     """Stress ``(6, n)`` [Pa], plain components."""
-    own = np.diag([_STRAIN, 0.0, 0.0])
-    inner, eigenstrain = sphere_in_body(isotropic_stiffness(ratio * _YOUNG, _NU), _YOUNG, _NU, np.zeros((3, 3)), own)
+    prestrain = np.diag([_STRAIN, 0.0, 0.0])
+    inner, eigenstrain = sphere_in_body(
+        isotropic_stiffness(ratio * _YOUNG, _NU), _YOUNG, _NU, np.zeros((3, 3)), prestrain
+    )
     stress = np.repeat(inner[:, :, None], len(points), axis=2)
     outside = np.linalg.norm(points, axis=1) > 1.0
     stress[:, :, outside] = stress_about_sphere(eigenstrain, _YOUNG, _NU, points[outside])
@@ -81,8 +83,8 @@ def errors_of_ball(ratio: float, n: int) -> dict[str, float]:
     points = np.concatenate(list(places.values()))
     exact = _exact(ratio, points)
     errors = _size(_stored(ratio, n, points) - exact) / _size(exact).max()
-    parts = np.split(errors, len(places))
-    return {name: float(np.sqrt(np.mean(part**2))) for name, part in zip(places, parts, strict=True)}
+    groups = np.split(errors, len(places))
+    return {name: float(np.sqrt(np.mean(group**2))) for name, group in zip(places, groups, strict=True)}
 
 
 def measure(_: Code, task: Task) -> Sample:

@@ -77,12 +77,12 @@ def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sa
     shapes, strains = _inclusions(task.case, task.n, points)
     at = lattice(points)
 
-    def judge(found: FloatArray) -> dict[str, Any]:
+    def judge(field: FloatArray) -> dict[str, Any]:
         chosen = np.random.default_rng(1).choice(len(at), min(_JUDGED, len(at)), replace=False)
-        wanted = np.zeros((chosen.size, 3, 3))
+        expected = np.zeros((chosen.size, 3, 3))
         for shape, strain in zip(shapes, strains, strict=True):
-            wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
-        return {"points": len(at), "error": largest_error(found[chosen], wanted)}
+            expected += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
+        return {"points": len(at), "error": largest_error(field[chosen], expected)}
 
     tolerance = 0.0 if code.name == "one-by-one" else 1e-6
     call = partial(inclusion_field, shapes, strains, at, quantity="stress", tolerance=tolerance, **MATERIAL)

@@ -74,7 +74,7 @@ def agreement(raw: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
 
     Errors below what the tolerance of the solution leaves hold, and take no part in the median.
     """
-    found: dict[str, Any] = {}
+    shares: dict[str, Any] = {}
     for degree in DEGREES:
         for name, factor in FACTORS.items():
             pairs = np.array([errors[str(degree)][name] for errors in raw if str(degree) in errors]).reshape(-1, 2)
@@ -84,8 +84,8 @@ def agreement(raw: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
                 share = float(np.mean((true <= factor * stated) | ~above))
                 ratio = float(np.median(stated[above] / true[above])) if above.any() else float("nan")
                 key = f"{name} {degree}"
-                found |= {f"{key} share": share, f"{key} ratio": ratio, key: f"{100 * share:.0f} %, {ratio:.1f}"}
-    return found
+                shares |= {f"{key} share": share, f"{key} ratio": ratio, key: f"{100 * share:.0f} %, {ratio:.1f}"}
+    return shares
 
 
 def _columns(name: str) -> list[Column]:

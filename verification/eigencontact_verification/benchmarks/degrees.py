@@ -75,18 +75,18 @@ def measure(_code: Code, task: Task) -> Sample:
     """All resolutions of one case."""
     material, _, depth = task.case.rpartition(", ")
     reference = _REFERENCES[float(depth) >= _DEEP]
-    found: dict[str, tuple[tuple[float | None, float | None], float | None]] = {}
+    results: dict[str, tuple[tuple[float | None, float | None], float | None]] = {}
     pressure(material, float(depth), _CELLS, min(DEGREES))
     right = pressure(material, float(depth), _CELLS, reference)[0]
     for degree in DEGREES:
-        found[f"degree {degree}"] = pressure(material, float(depth), _CELLS, degree), right
-    highest = found[f"degree {max(DEGREES)}"][0][0]
+        results[f"degree {degree}"] = pressure(material, float(depth), _CELLS, degree), right
+    highest = results[f"degree {max(DEGREES)}"][0][0]
     for cells in CELLS:
         there = highest if cells == _CELLS else pressure(material, float(depth), cells, max(DEGREES))[0]
         corrected = None if there is None or right is None or highest is None else there + right - highest
-        found[f"cells {cells}"] = pressure(material, float(depth), cells), corrected
+        results[f"cells {cells}"] = pressure(material, float(depth), cells), corrected
     sample: Sample = {"status": "ok", "material": material, "depth": float(depth), "right": right}
-    for name, ((value, seconds), correct) in found.items():
+    for name, ((value, seconds), correct) in results.items():
         missed = None if value is None or correct is None else abs(value - correct)
         sample |= {name: missed, f"{name}_s": seconds}
     return sample

@@ -94,12 +94,12 @@ def cell_error(task: Task, operator: Any) -> float:
     cube = Cuboid(center=(at[2], at[1], at[0] + 0.5), edges=(1.0, 1.0, 1.0))
     index = np.vstack([at, rng.integers(0, n, (_POINTS, 3))])
     points = index[:, ::-1] + [0.0, 0.0, 0.5]
-    found = np.asarray(operator.apply(strain), dtype=float)
+    stress = np.asarray(operator.apply(strain), dtype=float)
     if task.case == "displacement":
         points[:, 2] = 0.0
-        values = found[:, 0, index[:, 1], index[:, 2]]
+        values = stress[:, 0, index[:, 1], index[:, 2]]
     else:
-        values = from_mandel(found[:, index[:, 0], index[:, 1], index[:, 2]])
+        values = from_mandel(stress[:, index[:, 0], index[:, 1], index[:, 2]])
     exact = inclusion_field(
         cube,
         [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
@@ -109,10 +109,10 @@ def cell_error(task: Task, operator: Any) -> float:
         quantity="displacement" if task.case == "displacement" else "stress",
     )
     if task.case == "stress":
-        wanted = np.stack([exact[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))])
+        expected = np.stack([exact[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))])
     else:
-        wanted = exact.T
-    return largest_error(values, wanted)
+        expected = exact.T
+    return largest_error(values, expected)
 
 
 def measure(_: Code, task: Task) -> Sample:
@@ -122,8 +122,8 @@ def measure(_: Code, task: Task) -> Sample:
     operator = cache(lambda: _operator(task))
 
     def judged(_: FloatArray) -> dict[str, Any]:
-        found = operator()
-        return {"held_bytes": found.nbytes, "kernels": found.kernels, "error": cell_error(task, found)}
+        stress = operator()
+        return {"held_bytes": stress.nbytes, "kernels": stress.kernels, "error": cell_error(task, stress)}
 
     return Trial(
         setup=operator,
@@ -138,7 +138,7 @@ def measure(_: Code, task: Task) -> Sample:
 def _per_cell(task: Task, row: Row) -> Row:
     """Ratios to the floors, least over least, and what a cell costs."""
     points = task.n**3 * log2(task.n) if task.n > 1 else 1.0
-    found: Row = {
+    ratios: Row = {
         "case": CASES[task.case],
         "again_ns_per_point_log": 1e9 * row["again_min_s"] / points,
         "setup_ns_per_point_log": 1e9 * row["setup_min_s"] / points,
@@ -146,8 +146,8 @@ def _per_cell(task: Task, row: Row) -> Row:
     }
     for name in ("transforms_1", "transforms_threads"):
         floor = row[f"{name}_min_s"]
-        found |= {f"{name}_s": floor, f"again_per_{name}": row["again_min_s"] / floor}
-    return found
+        ratios |= {f"{name}_s": floor, f"again_per_{name}": row["again_min_s"] / floor}
+    return ratios
 
 
 def scaling(rows: list[Row], bound: float = 1.5) -> list[str]:

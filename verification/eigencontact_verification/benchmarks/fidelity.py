@@ -234,10 +234,12 @@ def measure(code: Code, task: Task) -> Sample:
             f"stress_{depth:g}": largest_error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
             for depth in DEPTHS
         }
-        wanted = reference(case, "displacement", 0.0, task.n)[2]
-        found = build(problem, "displacement")(eigenstrain)[2, 0]
-        errors["u_z"] = largest_error(found, wanted)
-        errors["u_z_shape"] = float(np.abs(found - found.mean() - wanted + wanted.mean()).max() / np.abs(wanted).max())
+        expected = reference(case, "displacement", 0.0, task.n)[2]
+        displacement = build(problem, "displacement")(eigenstrain)[2, 0]
+        errors["u_z"] = largest_error(displacement, expected)
+        errors["u_z_shape"] = float(
+            np.abs(displacement - displacement.mean() - expected + expected.mean()).max() / np.abs(expected).max()
+        )
         return errors
 
     return Trial(call=lambda: apply()(eigenstrain), judge=judge).run(task)

@@ -41,7 +41,7 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
     planned = app.plan(tables)
     result = app.run(planned, errors=True)
     run, judge = result.dataset, app.run(finer(planned)).dataset
-    found = {}
+    shares = {}
     for name in result.summary["field_errors"]:
         values, errors = (run[stored].values[-1] for stored in (name, f"{name}_error"))
         places, others = axes_of(run, name), axes_of(judge, name)
@@ -54,8 +54,8 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
         counts &= reduce(np.logical_and.outer, inside)
         if counts.any():
             ratios = errors[counts] / np.maximum(differences[counts], least)
-            found[name] = (float(np.mean(ratios >= 1.0)), float(np.median(ratios)))
-    return found
+            shares[name] = (float(np.mean(ratios >= 1.0)), float(np.median(ratios)))
+    return shares
 
 
 def measure(_: Code, task: Task) -> Sample:

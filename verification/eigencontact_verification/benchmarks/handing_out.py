@@ -67,14 +67,14 @@ def measure(counts: Sequence[int], workers: int) -> list[Cost]:
         files = [path for path in place.rglob("*") if path.is_file()]
         stored, number = sum(path.stat().st_size for path in files), len(files) + 1  # its mark beside them
     _of_gathering(2, summary)  # imports what is needed
-    found: dict[tuple[str, str], dict[int, float]] = {}
+    by_number: dict[tuple[str, str], dict[int, float]] = {}
     for count in counts:
         costs = {**_of_handing(count, workers), **_of_gathering(count, summary)}
         costs["stored in folders of variants", "MB"] = 1e-6 * stored * count
         costs["files in folders of variants", "1"] = float(number * count)
         for name, value in costs.items():
-            found.setdefault(name, {})[count] = value
-    return [Cost(what=what, unit=unit, values=values) for (what, unit), values in found.items()]
+            by_number.setdefault(name, {})[count] = value
+    return [Cost(what=what, unit=unit, values=values) for (what, unit), values in by_number.items()]
 
 
 def _variants(count: int) -> tuple[list[Axis], list[Variant], float]:
@@ -85,8 +85,8 @@ def _variants(count: int) -> tuple[list[Axis], list[Variant], float]:
 
     axes = axes_of({"steps.normal-load": {"from": 0.1, "to": 1.0, "count": count}})
     scene, began = load_scene("hertz"), perf_counter()
-    made = variants_of(scene, axes, pairs=False, pictures=False)
-    return axes, made, perf_counter() - began
+    variants = variants_of(scene, axes, pairs=False, pictures=False)
+    return axes, variants, perf_counter() - began
 
 
 def _of_handing(count: int, workers: int) -> dict[tuple[str, str], float]:
@@ -96,20 +96,20 @@ def _of_handing(count: int, workers: int) -> dict[tuple[str, str], float]:
     from eigencontact.sweeps.runner import outcomes
 
     _, variants, seconds = _variants(count + _FIRST)
-    trivial, within, back = [replace(one, refused="trivial") for one in variants], 0.0, list[object]()
-    began, held = perf_counter(), 0.0
+    trivial, within, back = [replace(variant, refused="trivial") for variant in variants], 0.0, list[object]()
+    began, paused = perf_counter(), 0.0
     with tempfile.TemporaryDirectory() as folder:
         for done, outcome in enumerate(outcomes(trivial, Path(folder), engine=Cluster(f"local:{workers}")), 1):
             if done == _FIRST:
-                began, within, held = perf_counter(), 0.0, resident_bytes()
+                began, within, paused = perf_counter(), 0.0, resident_bytes()
             within += outcome.seconds
             back.append(outcome)
-        wall, held = perf_counter() - began, resident_bytes() - held
+        wall, paused = perf_counter() - began, resident_bytes() - paused
     return {
         ("variants made by the command", "s"): seconds * count / len(variants),
         ("handed out and brought back", "s"): wall,
         ("the same, time of workers beyond the runs", "s"): wall * workers - within,
-        ("memory of scheduler and command meanwhile, more", "MB"): 1e-6 * held,
+        ("memory of scheduler and command meanwhile, more", "MB"): 1e-6 * paused,
         ("sent to workers, pickled", "MB"): 1e-6 * count * len(pickle.dumps(variants[0])),
     }
 
@@ -122,17 +122,17 @@ def _of_gathering(count: int, summary: str) -> dict[tuple[str, str], float]:
     from eigencontact.sweeps.sweep import _as_netcdf
 
     axes, variants, _ = _variants(count)
-    held = resident_bytes()
-    found: list[Outcome] = [Outcome(one.place, json.loads(summary), {}, "", 0.0) for one in variants]
-    held, back = resident_bytes() - held, len(pickle.dumps(found[0]))
+    memory_before = resident_bytes()
+    outcomes: list[Outcome] = [Outcome(variant.place, json.loads(summary), {}, "", 0.0) for variant in variants]
+    memory_before, back = resident_bytes() - memory_before, len(pickle.dumps(outcomes[0]))
     began = perf_counter()
-    dataset = gathered(axes, variants, found, "cost", pairs=False)
+    dataset = gathered(axes, variants, outcomes, "cost", pairs=False)
     brought = perf_counter() - began
-    table = as_csv(axes, variants, found)
+    table = as_csv(axes, variants, outcomes)
     stored = _as_netcdf(dataset)
     return {
         ("brought back from workers, pickled", "MB"): 1e-6 * count * back,
-        ("held by the command until the end", "MB"): 1e-6 * held,
+        ("held by the command until the end", "MB"): 1e-6 * memory_before,
         ("gathered into one dataset", "s"): brought,
         ("dataset and table written", "s"): perf_counter() - began - brought,
         ("sweep.nc and sweep.csv", "MB"): 1e-6 * (len(stored) + len(table.encode())),
@@ -147,11 +147,13 @@ def written(costs: Sequence[Cost], workers: int) -> str:
     head = ["", *(f"{count} variants" for count in counts), f"one more, from {counts[0]} to {counts[-1]}"]
     head.append("10⁵, by the line")
     rows = [f"| {' | '.join(head)} |", f"|---|{'---:|' * (len(head) - 1)}"]
-    for one in costs:
-        unit = "" if one.unit == "1" else f" {one.unit}"
-        more = f"{one.slope:.3g}" if one.unit == "1" else f"{1e3 * one.slope:.3g} {'ms' if one.unit == 's' else 'kB'}"
-        cells = [*(f"{one.values[count]:.3g}{unit}" for count in counts), more, f"{one.at(_MANY):.3g}{unit}"]
-        rows.append(f"| {one.what} | {' | '.join(cells)} |")
+    for cost in costs:
+        unit = "" if cost.unit == "1" else f" {cost.unit}"
+        more = (
+            f"{cost.slope:.3g}" if cost.unit == "1" else f"{1e3 * cost.slope:.3g} {'ms' if cost.unit == 's' else 'kB'}"
+        )
+        cells = [*(f"{cost.values[count]:.3g}{unit}" for count in counts), more, f"{cost.at(_MANY):.3g}{unit}"]
+        rows.append(f"| {cost.what} | {' | '.join(cells)} |")
     return "\n".join([*rows, "", f"On {workers} workers of one machine. Measured {describe(facts())}."])
 
 
@@ -163,15 +165,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--variants", type=int, nargs=2, default=(2000, 20000), help="two numbers of variants")
     parser.add_argument("--workers", type=int, default=2, help="processes of this machine")
     parser.add_argument("--markdown", type=Path, help="file with the markers of benchmark:handing-out")
-    given = parser.parse_args(arguments)
-    if given.variants[0] == given.variants[1] or min(given.variants) < 1:
-        parser.error(f"--variants must be two different positive numbers (got {given.variants})")
-    if given.markdown is not None:
-        check_section(given.markdown, "handing-out")
-    text = written(measure(given.variants, given.workers), given.workers)
+    options = parser.parse_args(arguments)
+    if options.variants[0] == options.variants[1] or min(options.variants) < 1:
+        parser.error(f"--variants must be two different positive numbers (got {options.variants})")
+    if options.markdown is not None:
+        check_section(options.markdown, "handing-out")
+    text = written(measure(options.variants, options.workers), options.workers)
     print(text)
-    if given.markdown is not None:
-        replace_section(given.markdown, "handing-out", text)
+    if options.markdown is not None:
+        replace_section(options.markdown, "handing-out", text)
 
 
 if __name__ == "__main__":

@@ -36,8 +36,8 @@ def measure(code: Code, task: Task) -> Sample:
 
     def judged(answer: Solution) -> dict[str, Any]:
         pressure, iterations, convolutions = answer
-        found = judge(HertzProblem(n=task.n), pressure)
-        return {"iterations": iterations, "convolutions": convolutions, **asdict(found)}
+        errors = judge(HertzProblem(n=task.n), pressure)
+        return {"iterations": iterations, "convolutions": convolutions, **asdict(errors)}
 
     return Trial(call=solve, floors=floors, judge=judged).run(task)
 

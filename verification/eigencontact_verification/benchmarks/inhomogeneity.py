@@ -139,20 +139,20 @@ def _ratio(task: Task, ratio: float) -> Sample:
     z = cells.centres(2)[:, None, None]
     load[2], load[0], load[1] = -1.0, -0.6 * np.exp(-z / 15.0), -0.6 * np.exp(-z / 15.0)  # about as under a contact
 
-    def judge(found: Any) -> dict[str, Any]:
-        report = found.report
+    def judge(answer: Any) -> dict[str, Any]:
+        report = answer.report
         return {
             "cells": int(np.prod(_BOX)),
             "inside": int(np.count_nonzero(inside)),
             "iterations": report.iterations,
             "residual": report.residual,
             "solver_applications": report.applications,
-            "bare_s": median(timed(lambda: system().operator.apply(found.eigenstrain))[1] for _ in range(3)),
+            "bare_s": median(timed(lambda: system().operator.apply(answer.eigenstrain))[1] for _ in range(3)),
         }
 
     trial = Trial(setup=system, call=lambda: system().solve(load, tolerance=1e-6), judge=judge)
-    found = trial.run(task, warm=0)
-    return found | {"per_application": found["first_s"] / found["solver_applications"] / found["bare_s"]}
+    sample = trial.run(task, warm=0)
+    return sample | {"per_application": sample["first_s"] / sample["solver_applications"] / sample["bare_s"]}
 
 
 def _ball(material: str, degree: int | None) -> Sample:

@@ -54,20 +54,20 @@ def largest(scene: str, changes: list[str], memory: float) -> tuple[int, Any]:
             return None
         return plan if plan.cost.peak <= room else None
 
-    low, found = _FIRST, plan_of(_FIRST)
-    if found is None:
+    low, fitting = _FIRST, plan_of(_FIRST)
+    if fitting is None:
         raise ValueError(f"memory must hold {_FIRST} cells per contact radius (got {memory:.3g} byte); give more")
     high = 2 * low
     while (larger := plan_of(high)) is not None:
-        low, found, high = high, larger, 2 * high
+        low, fitting, high = high, larger, 2 * high
     while high > max(_CLOSE * low, low + 1):
         middle = (low + high) // 2
         between = plan_of(middle)
         if between is None:
             high = middle
         else:
-            low, found = middle, between
-    return low, found
+            low, fitting = middle, between
+    return low, fitting
 
 
 def measure(_: Code, task: Task) -> Sample:
@@ -93,8 +93,8 @@ def measure(_: Code, task: Task) -> Sample:
 
 
 def _remarks(rows: list[Row]) -> list[str]:
-    kept = sum(row["peak_gib"] <= row["n"] for row in rows if row.get("peak_gib"))
-    return [f"within the memory asked for: {kept} of {len(rows)}"]
+    within = sum(row["peak_gib"] <= row["n"] for row in rows if row.get("peak_gib"))
+    return [f"within the memory asked for: {within} of {len(rows)}"]
 
 
 BENCHMARK = Benchmark(

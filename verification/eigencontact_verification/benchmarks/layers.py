@@ -95,9 +95,9 @@ def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatAr
 def _ratios(task: Task, row: Row) -> Row:
     """First and further steps against those of the bare body."""
     first = {name: row[f"{name}_setup_s"] + row[f"{name}_step_s"] for name in ("coated", "kept", "bare")}
-    found = {"first": first["coated"] / first["bare"], "first_kept": first["kept"] / first["bare"]}
-    found |= {"again": row["coated_step_s"] / row["bare_step_s"]}
-    return found | ({"depths": _POINTS} if task.case.startswith("line") else {})
+    ratios = {"first": first["coated"] / first["bare"], "first_kept": first["kept"] / first["bare"]}
+    ratios |= {"again": row["coated_step_s"] / row["bare_step_s"]}
+    return ratios | ({"depths": _POINTS} if task.case.startswith("line") else {})
 
 
 BENCHMARK = Benchmark(

@@ -58,12 +58,12 @@ def measure_all(
     summarise = BENCHMARKS[template.benchmark].summarise
     for n in sorted(sizes):
         running = [code for code in codes if code not in stopped]
-        kept: dict[str, list[Sample]] = {code: [] for code in running}
+        by_code: dict[str, list[Sample]] = {code: [] for code in running}
         spent = dict.fromkeys(running, 0.0)
         for repeat in range(repeats):
             for code in running:
                 left = limit - spent[code]
-                if code in stopped or left * len(kept[code]) < spent[code]:
+                if code in stopped or left * len(by_code[code]) < spent[code]:
                     continue  # another process would take about as long as those before
                 say(f"N = {n}, {code}, process {repeat + 1} of {repeats}")
                 began = time.perf_counter()
@@ -71,12 +71,12 @@ def measure_all(
                 spent[code] += time.perf_counter() - began
                 out.samples.append({"benchmark": template.benchmark, "code": code, "n": n, **sample})
                 if sample["status"] == "ok":
-                    kept[code].append(sample)
+                    by_code[code].append(sample)
                     version = sample.get("version")
                     out.settings[code] = f"{version}: {sample['settings']}" if version else sample["settings"]
                 else:
-                    _stop(out, stopped, code, n, sample, bool(kept[code]))
-        for code, samples in kept.items():
+                    _stop(out, stopped, code, n, sample, bool(by_code[code]))
+        for code, samples in by_code.items():
             if samples:
                 out.rows.append(summarise(replace(template, code=code, n=n), samples))
             if code not in stopped and spent[code] > limit:

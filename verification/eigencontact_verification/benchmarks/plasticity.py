@@ -66,13 +66,13 @@ def measure(_: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
     import eigencontact as ec
 
-    given = _SCENES[task.case]
+    settings = _SCENES[task.case]
     scene = ec.Scene(
-        body1=_STEEL | {"law": {"type": "j2", "hardening": given["hardening"]}},
-        geometry={"type": "sphere", "radius": given["radius"]},
+        body1=_STEEL | {"law": {"type": "j2", "hardening": settings["hardening"]}},
+        geometry={"type": "sphere", "radius": settings["radius"]},
         grid={"cells_per_contact_radius": task.n, "margin": 1.8},
         steps=[
-            {"normal_load": given["load"], "increments": _LOADING},
+            {"normal_load": settings["load"], "increments": _LOADING},
             {"normal_load": "0 N", "increments": 4},
         ],
         numerics={"threads": task.threads},
@@ -84,7 +84,7 @@ def measure(_: Code, task: Task) -> Sample:
         applied = data["inclusion_iterations"].values
         eigenstrain = data["equivalent_eigenstrain_1"][-1]
         axes = [eigenstrain[f"cells_1_{name}"].values for name in "xyz"]
-        alone = _apart(axes, np.ascontiguousarray(eigenstrain.values), task.threads)
+        apart = _apart(axes, np.ascontiguousarray(eigenstrain.values), task.threads)
         step = float(np.mean(clock.steps[:_LOADING]))
         return {
             "cells": int(eigenstrain[0].size),
@@ -92,32 +92,32 @@ def measure(_: Code, task: Task) -> Sample:
             "loading": float(applied[:_LOADING].mean()),
             "unloading": int(applied[_LOADING:].sum()),
             "step_s": step,
-            "against": step / alone["bare_s"],
+            "against": step / apart["bare_s"],
             "depth": float(data["approach"].max()),
             "print": float(data["print_depth"][-1]),
             "largest": float(data["max_pressure"].max()),
             "certificate": float(data["law_residual"].max()),
-            **alone,
+            **apart,
         }
 
     clock = _Clock()
     return Trial(call=lambda: ec.run(scene, watcher=clock), judge=judge).run(task, warm=0)
 
 
-def _apart(*given: Any) -> dict[str, Any]:
+def _apart(*arguments: Any) -> dict[str, Any]:
     """Ask `_alone` in a fresh process, which ends by itself even where this one is ended before."""
     context = get_context("spawn")
     answer, sender = context.Pipe(duplex=False)
-    child = context.Process(target=_sent, args=(sender, *given))
+    child = context.Process(target=_sent, args=(sender, *arguments))
     child.start()
     sender.close()
-    found: dict[str, Any] = answer.recv()
+    answer_data: dict[str, Any] = answer.recv()
     child.join()
-    return found
+    return answer_data
 
 
-def _sent(sender: Connection, *given: Any) -> None:
-    sender.send(_alone(*given))
+def _sent(sender: Connection, *arguments: Any) -> None:
+    sender.send(_alone(*arguments))
 
 
 def _alone(axes: list[Any], values: Any, threads: int) -> dict[str, Any]:

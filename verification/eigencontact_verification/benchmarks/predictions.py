@@ -28,8 +28,8 @@ _PLAIN = [f"output.{name}=false" for name in ("pictures", "vtk", "animation")]
 
 def _bundled() -> tuple[str, ...]:
     """Names of the bundled scenes, found without importing the package: interpreters of peers do not have it."""
-    found = find_spec("eigencontact")
-    roots = [] if found is None else found.submodule_search_locations or []
+    package = find_spec("eigencontact")
+    roots = [] if package is None else package.submodule_search_locations or []
     return tuple(sorted(path.stem for root in roots for path in Path(root, "gallery").glob("*.toml")))
 
 

@@ -30,20 +30,20 @@ _COMMANDS = {
 METHODS = ours(f"imports: {IMPORTS}")
 
 
-def _python(*words: str) -> None:
+def _python(*arguments: str) -> None:
     """Run an interpreter to its end; it may keep what it compiles, as that of any user."""
-    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    subprocess.run([sys.executable, *words], check=True, stdout=subprocess.DEVNULL, env=kept)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL, env=environment)
 
 
 def measure(_: Code, task: Task) -> Sample:
     """Time one command of the command line."""
-    words = _COMMANDS[task.case]
+    command = _COMMANDS[task.case]
     with tempfile.TemporaryDirectory() as folder:
-        where = ("-o", folder, "--overwrite", "--quiet") if words[0] == "run" else ()
+        where = ("-o", folder, "--overwrite", "--quiet") if command[0] == "run" else ()
 
         def call() -> None:
-            _python("-c", "from eigencontact.cli import main; main()", *words, *where)
+            _python("-c", "from eigencontact.cli import main; main()", *command, *where)
 
         def imports() -> list[float]:
             return once(lambda: _python("-c", f"import {IMPORTS}"))

@@ -54,7 +54,7 @@ def fields_of(n: int, step: int, *, friction: bool) -> dict[str, NDArray[np.floa
     x = (np.arange(n) - 0.5 * (n - 1)) * (_WINDOW / n)
     squared = x**2 + x[:, None] ** 2
     pressure = np.sqrt(np.maximum(0.0, 1.0 - squared))
-    found = {
+    fields = {
         "pressure": pressure,
         "gap": np.maximum(0.0, squared - 1.0) ** 1.5,
         "displacement_z": 1.0 / np.sqrt(1.0 + squared),
@@ -64,10 +64,10 @@ def fields_of(n: int, step: int, *, friction: bool) -> dict[str, NDArray[np.floa
         shear = pressure - stick * np.sqrt(np.maximum(0.0, 1.0 - squared / stick**2))
         slip = np.where((squared < 1.0) & (squared > stick**2), squared - stick**2, 0.0)
         zone = np.where(pressure > 0, np.where(slip > 0, 1.0, 2.0), 0.0)
-        found |= {"shear_x": shear, "slip_x": slip, "slip_distance": step * slip}
-        found |= {"dissipated_energy_density": step * slip * shear, "contact_zone": zone}
-        found |= {"displacement_x": 0.3 * found["displacement_z"], "shear_bound": 0.5 * pressure}
-    return found
+        fields |= {"shear_x": shear, "slip_x": slip, "slip_distance": step * slip}
+        fields |= {"dissipated_energy_density": step * slip * shear, "contact_zone": zone}
+        fields |= {"displacement_x": 0.3 * fields["displacement_z"], "shear_bound": 0.5 * pressure}
+    return fields
 
 
 def write(path: Path, steps: list[Mapping[str, NDArray[np.float64]]], layout: Mapping[str, Any]) -> None:
@@ -82,19 +82,19 @@ def write(path: Path, steps: list[Mapping[str, NDArray[np.float64]]], layout: Ma
                 ny, nx = first.shape
                 rows, columns = (min(square, ny), min(square, nx)) if square else (max(1, min(ny, band // nx)), nx)
                 chunks = (1, rows, columns) if band or square else None
-                made = file.create_dataset(name, (len(steps), ny, nx), "f8", chunks=chunks, **layout)
+                variable = file.create_dataset(name, (len(steps), ny, nx), "f8", chunks=chunks, **layout)
                 for at, fields in enumerate(steps):
-                    _fill(made, at, fields[name], rows if chunks else ny, columns)
+                    _fill(variable, at, fields[name], rows if chunks else ny, columns)
         os.fsync(raw.fileno())
 
 
-def _fill(made: Any, at: int, field: NDArray[np.float64], rows: int, columns: int) -> None:
+def _fill(variable: Any, at: int, field: NDArray[np.float64], rows: int, columns: int) -> None:
     ny, nx = field.shape
     for row in range(0, ny, rows):
         for column in range(0, nx, columns):
-            part = field[row : row + rows, column : column + columns]
-            if made.chunks is None or part.any():
-                made[at, row : row + rows, column : column + columns] = part
+            block = field[row : row + rows, column : column + columns]
+            if variable.chunks is None or block.any():
+                variable[at, row : row + rows, column : column + columns] = block
 
 
 def _stored(folder: Path, n: int, steps: list[Mapping[str, NDArray[np.float64]]]) -> list[float]:

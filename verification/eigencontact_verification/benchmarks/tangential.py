@@ -82,16 +82,16 @@ def prepare_eigencontact(problem: SlidingProblem, threads: int) -> Prepared:
 
     def solve() -> Sheared:
         load = TangentialControl(tangential_load_x=problem.tangential_load)
-        found = contact.step(hertz.separation, control, load, pressed)
-        report = found.tangential.report
-        return Sheared(found.normal.pressure, found.tangential.shear, report.iterations, report.convolutions)
+        solution = contact.step(hertz.separation, control, load, pressed)
+        report = solution.tangential.report
+        return Sheared(solution.normal.pressure, solution.tangential.shear, report.iterations, report.convolutions)
 
     def cycle(steps: int) -> int:
         state, count = pressed, 0
         for number in range(1, steps + 1):
             load = 0.9 * most * float(np.sin(2 * np.pi * number / steps))
-            found = contact.step(hertz.separation, control, TangentialControl(tangential_load_x=load), state)
-            state, count = found.sliding, count + found.tangential_convolutions
+            solution = contact.step(hertz.separation, control, TangentialControl(tangential_load_x=load), state)
+            state, count = solution.sliding, count + solution.tangential_convolutions
         return count
 
     return Prepared(solve, cycle)
@@ -158,11 +158,11 @@ def measure(code: ShearCode, task: Task) -> Sample:
         return {"application": lambda: repeated(lambda: application(field, task.threads))}
 
     def judge(answer: Sheared) -> dict[str, Any]:
-        found: dict[str, Any] = {"iterations": answer.iterations, "applications": answer.applications}
+        numbers: dict[str, Any] = {"iterations": answer.iterations, "applications": answer.applications}
         cycle = prepared().cycle
         if cycle is not None and task.n == CYCLE_SIZE:
-            found["cycle_applications"], found["cycle_s"], _ = timed(lambda: cycle(CYCLE_STEPS))
-        return found | asdict(judge_sliding(problem, answer.pressure, answer.shear))
+            numbers["cycle_applications"], numbers["cycle_s"], _ = timed(lambda: cycle(CYCLE_STEPS))
+        return numbers | asdict(judge_sliding(problem, answer.pressure, answer.shear))
 
     return Trial(setup=prepared, call=lambda: prepared().solve(), floors=floors, judge=judge).run(task)
 
@@ -173,12 +173,12 @@ def growth(rows: list[Row]) -> list[str]:
     for case, code in dict.fromkeys((row["case"], row["code"]) for row in rows):
         mine = [row for row in rows if (row["case"], row["code"]) == (case, code)]
         for key, words in (("applications", "applications"), ("again_s", "seconds")):
-            known = [(row["n"], row[key]) for row in mine if row[key]]
-            if len(known) < 3:
+            pairs = [(row["n"], row[key]) for row in mine if row[key]]
+            if len(pairs) < 3:
                 continue
-            n, value = np.log(np.array(known, dtype=float)).T
+            n, value = np.log(np.array(pairs, dtype=float)).T
             power = float(np.polyfit(n, value, 1)[0])
-            said.append(f"{case}, {code}: {words} grow as N^{power:.2f} from N = {known[0][0]} to {known[-1][0]}")
+            said.append(f"{case}, {code}: {words} grow as N^{power:.2f} from N = {pairs[0][0]} to {pairs[-1][0]}")
         said += [
             f"{case}, {code}: a cycle of {CYCLE_STEPS} load steps, |Q| up to 0.9 of friction, at N = {row['n']} takes"
             f" {row['cycle_s']:.2g} s and {row['cycle_applications']} applications"

@@ -111,14 +111,14 @@ def _elements(name: str, _: Task) -> tuple[FloatArray, int]:
     def contains(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         return np.asarray((abs(x) <= 0.5) & (abs(y) <= 0.5) & (abs(z - DEPTH) <= 0.5))
 
-    order, parts = MODELS[name]
+    order, divisions = MODELS[name]
     model = Model(
         young_modulus=1.0,
         poisson_ratio=fidelity.POISSON_RATIO,
         regions=(Region(contains=contains, bounds=(low, high), eigenstrain=STRAIN),),
         reach=REACH,
         symmetry=("even", "even"),
-        fine=1.0 / parts,
+        fine=1.0 / divisions,
         order=order,
     )
     solution = solve(model)

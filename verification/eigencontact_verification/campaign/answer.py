@@ -17,47 +17,47 @@ if TYPE_CHECKING:
 __all__ = ["answers", "totals"]
 
 
-def totals(campaign: Campaign, found: Sequence[Judged]) -> str:
+def totals(campaign: Campaign, points: Sequence[Judged]) -> str:
     """Numbers of points and verdicts in sentences, claims first."""
-    inside = [finding.word for one in found for finding in one.findings if finding.claimed]
+    inside = [finding.word for point in points for finding in point.findings if finding.claimed]
     broken = sum(word in ("disagrees", "failed") for word in inside)
-    verdicts = [finding.word for one in found for finding in one.findings]
+    verdicts = [finding.word for point in points for finding in point.findings]
     counts = ", ".join(f"{verdicts.count(word)} {word}" for word in reversed(WORDS) if verdicts.count(word))
-    own = [f"{one.name} where {one.expect}" for one in campaign.quantities if one.expect]
-    claim = ", ".join([f"where {campaign.expect}" if campaign.expect else "everywhere", *own])
+    claims = [f"{point.name} where {point.expect}" for point in campaign.quantities if point.expect]
+    claim = ", ".join([f"where {campaign.expect}" if campaign.expect else "everywhere", *claims])
     agree = inside.count("agrees")
     if not inside:
-        return f"{len(found)} points, {len(verdicts)} verdicts: {counts}. Agreement is claimed nowhere."
+        return f"{len(points)} points, {len(verdicts)} verdicts: {counts}. Agreement is claimed nowhere."
     last = f"{broken} disagree or failed" if broken else "none disagrees"
     return (
-        f"{len(found)} points, {len(verdicts)} verdicts: {counts}. Agreement is claimed {claim}: "
+        f"{len(points)} points, {len(verdicts)} verdicts: {counts}. Agreement is claimed {claim}: "
         f"{len(inside)} verdicts, of which {agree} agree, {len(inside) - agree - broken} are inconclusive, {last}."
     )
 
 
-def answers(campaign: Campaign, found: Sequence[Judged]) -> list[str]:
+def answers(campaign: Campaign, points: Sequence[Judged]) -> list[str]:
     """For each quantity: from which value of the parameter across, or up to which, every point agrees.
 
     Only points from that value to the end of the axis count, so that an island of agreement is no answer. Empty where
     the parameter across has no order.
     """
-    x, y, others = axes_of_map(campaign, found)
-    rest = [name for name in (y, *others) if name is not None]
+    x, y, others = axes_of_map(campaign, points)
+    parameters = [name for name in (y, *others) if name is not None]
     groups: dict[tuple[str, tuple[Any, ...]], list[tuple[float, str]]] = {}
-    for one in found:
-        at = number_of(one.point.values.get(x))
+    for point in points:
+        at = number_of(point.point.values.get(x))
         if not isinstance(at, int | float):
             return []
-        key = tuple(one.point.values.get(name) for name in rest)
-        for finding in one.findings:
+        key = tuple(point.point.values.get(name) for name in parameters)
+        for finding in point.findings:
             groups.setdefault((finding.quantity, key), []).append((at, finding.word))
     levels = list(dict.fromkeys(key for _, key in groups))
     lines = []
-    for name, key in product(quantities_of(campaign, found), levels):
+    for name, key in product(quantities_of(campaign, points), levels):
         course = sorted(groups.get((name, key), []))
         if len(course) < 2:
             continue
-        where = ", ".join(f"{parameter} = {plain(value)}" for parameter, value in zip(rest, key, strict=True))
+        where = ", ".join(f"{parameter} = {plain(value)}" for parameter, value in zip(parameters, key, strict=True))
         lines.append(f"{name}{f', {where}' if where else ''}: {_span(course, x)}")
     return [f"Within {percent(campaign.tolerance)} (or the tolerance of its own):", *lines] if lines else []
 

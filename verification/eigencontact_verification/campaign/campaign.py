@@ -95,8 +95,8 @@ def read_campaign(path: Path, text: str | None = None) -> Campaign:
     SceneError
         A faulty key, with its rule.
     """
-    given = read_toml(path, text, "campaign")
-    table = checked(given, "campaign", f"campaign {path.stem}", needs=("title", "judge"), form=FORM)
+    tables = read_toml(path, text, "campaign")
+    table = checked(tables, "campaign", f"campaign {path.stem}", needs=("title", "judge"), form=FORM)
     judge = one_of(str(table["judge"]), JUDGES, "judge")
     coarse = checked(table.get("coarse", {}), "coarse", "coarse", form=FORM)
     reference = _reference(table, judge)
@@ -142,10 +142,10 @@ def read_campaign(path: Path, text: str | None = None) -> Campaign:
 CAMPAIGNS: Catalogue[Campaign] = Catalogue("campaign", "campaign", read_campaign)
 
 
-def _tolerance(given: Any, place: str) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 < given < 1.0:
-        raise SceneError(f"{place} must be between 0 and 1 (got {shown(given)}); 0.02 is two per cent of the quantity")
-    return float(given)
+def _tolerance(value: Any, place: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 1.0:
+        raise SceneError(f"{place} must be between 0 and 1 (got {shown(value)}); 0.02 is two per cent of the quantity")
+    return float(value)
 
 
 def _reference(table: Mapping[str, Any], judge: str) -> Mapping[str, Any]:
@@ -192,10 +192,10 @@ def _refined(
     return fine, first
 
 
-def _levels(given: Any, place: str) -> dict[str, list[Any]]:
-    if not isinstance(given, Mapping) or len(given) != 1:
-        raise SceneError(f"{place} must be a table with one constant and its three values (got {shown(given)})")
-    ((name, values),) = given.items()
+def _levels(levels: Any, place: str) -> dict[str, list[Any]]:
+    if not isinstance(levels, Mapping) or len(levels) != 1:
+        raise SceneError(f"{place} must be a table with one constant and its three values (got {shown(levels)})")
+    ((name, values),) = levels.items()
     numbers = values if isinstance(values, list) else []
     if len(numbers) != 3 or not all(isinstance(number, int | float) and number > 0 for number in numbers):
         raise SceneError(f"{place}.{name} must be three positive numbers, coarse to fine (got {shown(values)})")
@@ -220,25 +220,25 @@ def _tables_of_study(
     refined: Mapping[str, Any] | None,
 ) -> dict[str, Any]:  # fmt: skip
     """Tables of the study of the model, or of a refinement of the reference: a constant and its value."""
-    given = {key: table[key] for key in SHARED if key in table} | {"scene": scene}
+    tables = {key: table[key] for key in SHARED if key in table} | {"scene": scene}
     first = {key: coarse[key] for key in ("constants", "vary", "set") if key in coarse}
     if "scenes" in table:
         label = Path(str(scene)).stem
-        given["vary"] = [{"scene": [label], **varied} for varied in as_tables(given.get("vary", {}))]
+        tables["vary"] = [{"scene": [label], **varied} for varied in as_tables(tables.get("vary", {}))]
         if "vary" in first:
             first["vary"] = [{"scene": [label], **varied} for varied in as_tables(first["vary"])]
     if refined is not None:
-        for constants in (given, first):
+        for constants in (tables, first):
             constants["constants"] = {**constants.get("constants", {}), **refined}
         always = {"if": "1", **{key: reference[key] for key in ("set", "without") if key in reference}}
-        given["when"] = [*as_tables(given.get("when", [])), always, *as_tables(reference.get("when", []))]
-    return {**given, "coarse": first}
+        tables["when"] = [*as_tables(tables.get("when", [])), always, *as_tables(reference.get("when", []))]
+    return {**tables, "coarse": first}
 
 
 def _quantities(table: Mapping[str, Any], judge: str, tolerance: float) -> tuple[Quantity, ...]:
     quantities: list[Quantity] = []
-    for n, given in enumerate(as_tables(table["quantity"]) if judge == "scene" else []):
-        keys = checked(given, "quantity", f"quantity {n}", needs=("name", "is"), form=FORM)
+    for n, item in enumerate(as_tables(table["quantity"]) if judge == "scene" else []):
+        keys = checked(item, "quantity", f"quantity {n}", needs=("name", "is"), form=FORM)
         name = str(keys["name"])
         if name in [quantity.name for quantity in quantities]:
             raise SceneError(f"quantity names must be different (got {name!r} twice)")
@@ -262,9 +262,9 @@ def _refuse_unknown_names(campaign: Campaign) -> None:
     for axis in ("x", "y"):
         if axis in campaign.drawn:
             one_of(campaign.drawn[axis], [parameter.name for parameter in study.parameters], f"map.{axis}")
-    known = [quantity.name for quantity in campaign.quantities]
-    for name in campaign.drawn.get("quantities", []) if known else []:
-        one_of(name, known, "map.quantities", rule=f"some of {', '.join(known)}")
+    quantity_names = [quantity.name for quantity in campaign.quantities]
+    for name in campaign.drawn.get("quantities", []) if quantity_names else []:
+        one_of(name, quantity_names, "map.quantities", rule=f"some of {', '.join(quantity_names)}")
     for row in study.rows:
         for quantity in (None, *campaign.quantities):
             campaign.claimed(study.names(row, coarse=False), quantity)

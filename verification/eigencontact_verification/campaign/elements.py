@@ -81,11 +81,11 @@ def judge_by_elements(
 
     See `cases_for` and `executor_for`; `progress` learns of the solutions.
     """
-    asked = [_asked(point, folder / "runs", cases_of) for point in points]
-    cases = [case for one in asked for case in one.cases]
+    questions = [_asked(point, folder / "runs", cases_of) for point in points]
+    cases = [case for question in questions for case in question.cases]
     solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=progress)
     by_key = {outcome.case.key: judge(outcome) for outcome in solved}
-    return [_judged(campaign, one, [by_key[case.key] for case in one.cases]) for one in asked]
+    return [_judged(campaign, question, [by_key[case.key] for case in question.cases]) for question in questions]
 
 
 def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
@@ -94,26 +94,28 @@ def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
         return _Asked(point=point, failed=point.model.failed)
     label = point.model.variant.label
     try:
-        made, gaps = cases_of(runs / label)
+        point_cases, gaps = cases_of(runs / label)
     except (EigencontactError, ValueError, OSError) as problem:
         return _Asked(point=point, failed=" ".join(str(problem).split()))
     reasons = [f"{gap.what}: {gap.reason}" for gap in gaps]
-    failed = "" if made else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
-    cases = [replace(case, name=f"{label}_{case.name}") for case in made]
+    failed = "" if point_cases else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
+    cases = [replace(case, name=f"{label}_{case.name}") for case in point_cases]
     return _Asked(point=point, cases=cases, gaps=reasons, failed=failed, folder=runs / label)
 
 
-def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:
-    tolerance, claimed = campaign.tolerance, campaign.claimed(asked.point.model.names)
-    if asked.failed:
-        nothing = MapFinding(quantity="all", word="failed", reason=asked.failed, tolerance=tolerance, claimed=claimed)
-        return Judged(point=asked.point, findings=(nothing,), gaps=tuple(asked.gaps))
+def _judged(campaign: Campaign, question: _Asked, cases: Sequence[JudgedCase]) -> Judged:
+    tolerance, claimed = campaign.tolerance, campaign.claimed(question.point.model.names)
+    if question.failed:
+        nothing = MapFinding(
+            quantity="all", word="failed", reason=question.failed, tolerance=tolerance, claimed=claimed
+        )
+        return Judged(point=question.point, findings=(nothing,), gaps=tuple(question.gaps))
     groups: dict[str, list[tuple[JudgedCase, Profile]]] = {}
     for case in cases:
         for profile in case.case.profiles:
             name = profile.name if campaign.judge == "contact" else profile.quantity
             groups.setdefault(name, []).append((case, profile))
-    numbers = {one.quantity: one for one in _numbers(asked.folder, cases, tolerance, claimed=claimed)}
+    numbers = {finding.quantity: finding for finding in _numbers(question.folder, cases, tolerance, claimed=claimed)}
     of_steps = {name for name, group in groups.items() if any(profile.along.size > 1 for _, profile in group)}
     findings = tuple(
         _found(name, group, tolerance, claimed=claimed)
@@ -121,12 +123,13 @@ def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> J
         if name in of_steps or name not in numbers
     )
     findings += tuple(
-        replace(one, quantity=f"{name} at the end") if name in of_steps else one for name, one in numbers.items()
+        replace(finding, quantity=f"{name} at the end") if name in of_steps else finding
+        for name, finding in numbers.items()
     )
     solves = [(task, outcome) for case in cases for task, outcome in case.outcomes if task.level is not None]
     finest = _sum(outcome.seconds for task, outcome in solves if task.level == 2 and task.outer == "fixed")
     return Judged(
-        point=asked.point, findings=findings, gaps=tuple(asked.gaps), reference_seconds=finest,
+        point=question.point, findings=findings, gaps=tuple(question.gaps), reference_seconds=finest,
         all_seconds=_sum(outcome.seconds for _, outcome in solves),
         reference_memory=largest(outcome.memory for _, outcome in solves),
     )  # fmt: skip
@@ -134,21 +137,21 @@ def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> J
 
 def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> MapFinding:
     """Worst of all profiles of a name; errors are parts of the largest value of all."""
-    known = [(case, profile) for case, profile in group if profile.name in case.estimates]
-    if len(known) < len(group):
+    judged_profiles = [(case, profile) for case, profile in group if profile.name in case.estimates]
+    if len(judged_profiles) < len(group):
         reasons = {row.reason for case, _ in group for row in case.rows if row.word == "failed"}
         return MapFinding(
             quantity=name, word="failed", reason="; ".join(sorted(reasons)), tolerance=tolerance, claimed=claimed
         )
-    values = [(case.judged[profile.name], case.estimates[profile.name]) for case, profile in known]
+    values = [(case.judged[profile.name], case.estimates[profile.name]) for case, profile in judged_profiles]
     scale = max(float(np.abs(reference.value).max()) for _, reference in values)
     if not scale > 0.0:
         return MapFinding(quantity=name, word="failed", reason="zero everywhere", tolerance=tolerance, claimed=claimed)
     error, uncertainty = 0.0, 0.0
     for judged, reference in values:
-        own: Any = reference.parts.get("judged", 0.0)
+        judged_error: Any = reference.parts.get("judged", 0.0)
         error = _larger(error, float(np.abs(judged - reference.value).max()) / scale)
-        uncertainty = _larger(uncertainty, float((reference.uncertainty - own).max()) / scale)
+        uncertainty = _larger(uncertainty, float((reference.uncertainty - judged_error).max()) / scale)
     word, reason = word_of(error, uncertainty, tolerance)
     return MapFinding(
         quantity=name, word=word, reason=reason, tolerance=tolerance, claimed=claimed, error=error,
@@ -174,11 +177,11 @@ def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, cla
         )  # fmt: skip
 
 
-def _larger(one: float, other: float) -> float:
+def _larger(first: float, other: float) -> float:
     """Larger of two numbers; nan counts as the largest."""
-    return float(np.maximum(one, other))
+    return float(np.maximum(first, other))
 
 
 def _sum(values: Iterable[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return sum(known) if known else None
+    numbers = [value for value in values if value is not None]
+    return sum(numbers) if numbers else None

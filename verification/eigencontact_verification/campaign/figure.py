@@ -27,31 +27,31 @@ _BARS = COLOURS[1]
 _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
 
 
-def axes_of_map(campaign: Campaign, found: Sequence[Judged]) -> tuple[str, str | None, list[str]]:
+def axes_of_map(campaign: Campaign, points: Sequence[Judged]) -> tuple[str, str | None, list[str]]:
     """Parameter across, parameter upwards or None, and those that make a panel for each of their values."""
     names = list(dict.fromkeys(parameter.name for model in campaign.models for parameter in model.study.parameters))
-    varied = [name for name in names if len(levels_in(found, name)) > 1] or names[:1]
+    varied = [name for name in names if len(levels_in(points, name)) > 1] or names[:1]
     x = str(campaign.drawn.get("x", varied[0]))
-    rest = [name for name in varied if name != x]
-    y = campaign.drawn.get("y", rest[0] if rest else None)
-    y = y if y in rest else None  # one value, as in a first look, needs no axis
-    return x, y, [name for name in rest if name != y]
+    remaining = [name for name in varied if name != x]
+    y = campaign.drawn.get("y", remaining[0] if remaining else None)
+    y = y if y in remaining else None  # one value, as in a first look, needs no axis
+    return x, y, [name for name in remaining if name != y]
 
 
-def quantities_of(campaign: Campaign, found: Sequence[Judged]) -> list[str]:
+def quantities_of(campaign: Campaign, points: Sequence[Judged]) -> list[str]:
     """Names of quantities that were judged; those that the file wants drawn."""
-    every = list(dict.fromkeys(one.quantity for point in found for one in point.findings))
-    wanted = campaign.drawn.get("quantities", every)
-    return [name for name in every if name in wanted] or every
+    every = list(dict.fromkeys(finding.quantity for point in points for finding in point.findings))
+    names = campaign.drawn.get("quantities", every)
+    return [name for name in every if name in names] or every
 
 
-def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
+def draw_map(campaign: Campaign, points: Sequence[Judged]) -> Figure:
     """One panel for each quantity, and for each value of further parameters."""
-    x, y, others = axes_of_map(campaign, found)
-    names = quantities_of(campaign, found)
-    groups = list(product(*(levels_in(found, name) for name in others)))
+    x, y, others = axes_of_map(campaign, points)
+    names = quantities_of(campaign, points)
+    groups = list(product(*(levels_in(points, name) for name in others)))
     panels = [(name, group) for group in groups for name in names]
-    across, up = levels_in(found, x), [None] if y is None else levels_in(found, y)
+    across, up = levels_in(points, x), [None] if y is None else levels_in(points, y)
     columns = min(len(panels), 3 if y is None else max(1, 10 // max(3, len(across))))
     rows = -(-len(panels) // columns)
     width, height = (4.2, 3.3) if y is None else (1.5 + 0.84 * len(across), 1.3 + 0.6 * len(up))
@@ -59,7 +59,7 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
     places = list(figure.subplots(rows, columns, squeeze=False).ravel())
     for place, (name, group) in zip(places, panels, strict=False):
         at = dict(zip(others, group, strict=True))
-        chosen = [one for one in found if all(one.point.values.get(key) == value for key, value in at.items())]
+        chosen = [point for point in points if all(point.point.values.get(key) == value for key, value in at.items())]
         panel = ", ".join([name, *(f"{label_in(campaign, key)} {plain(value)}" for key, value in at.items())])
         place.set_title(subscripts(panel))
         if y is None:
@@ -70,7 +70,7 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
         place.set_xlabel(subscripts(str(campaign.drawn.get("x-label", label_in(campaign, x)))))
     for place in places[len(panels) :]:
         place.set_axis_off()
-    _key(figure, found, cells=y is not None)
+    _key(figure, points, cells=y is not None)
     figure.suptitle(subscripts(f"{campaign.title}\n{campaign.words}, judged by {campaign.reference}"), fontsize=9)
     return figure
 
@@ -85,8 +85,8 @@ def levels_in(points: Sequence[Judged], name: str) -> list[Any]:
     return levels_of((judged.point.values for judged in points), name)
 
 
-def _of(one: Judged, name: str) -> MapFinding | None:
-    return next((finding for finding in one.findings if finding.quantity == name), None)
+def _of(point: Judged, name: str) -> MapFinding | None:
+    return next((finding for finding in point.findings if finding.quantity == name), None)
 
 
 def _cells(
@@ -96,9 +96,9 @@ def _cells(
     from matplotlib.patches import Rectangle
 
     claimed = np.full((len(y[1]), len(x[1])), fill_value=False)
-    for one in chosen:
-        column, row = x[1].index(one.point.values[x[0]]), y[1].index(one.point.values[y[0]])
-        finding = _of(one, name)
+    for point in chosen:
+        column, row = x[1].index(point.point.values[x[0]]), y[1].index(point.point.values[y[0]])
+        finding = _of(point, name)
         if finding is None:
             continue
         claimed[row, column] = finding.claimed
@@ -121,38 +121,43 @@ def _cells(
 
 def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequence[Any]) -> None:
     """Error against the parameter with the reference's own error as a band, tolerance and claim."""
-    numbers = all(isinstance(number_of(one), int | float) for one in levels)
+    numbers = all(isinstance(number_of(level), int | float) for level in levels)
     points = []
-    for one in sorted(chosen, key=lambda one: levels.index(one.point.values[x])):
-        finding = _of(one, name)
-        at = number_of(one.point.values[x]) if numbers else levels.index(one.point.values[x])
+    for level in sorted(chosen, key=lambda level: levels.index(level.point.values[x])):
+        finding = _of(level, name)
+        at = number_of(level.point.values[x]) if numbers else levels.index(level.point.values[x])
         if finding is not None and finding.error is not None and finding.uncertainty is not None:
             points.append((at, 100 * finding.error, 100 * finding.uncertainty, finding))
     if points:
-        across, error, own = (np.array([one[k] for one in points], dtype=float) for k in range(3))
+        across, error, reference_error = (np.array([level[k] for level in points], dtype=float) for k in range(3))
         style = "o-" if numbers else "o"
         if len(points) > 1 and numbers:
             axes.fill_between(
-                across, np.maximum(error - own, 0), error + own, color=COLOURS[0], alpha=0.25, linewidth=0
+                across,
+                np.maximum(error - reference_error, 0),
+                error + reference_error,
+                color=COLOURS[0],
+                alpha=0.25,
+                linewidth=0,
             )
         else:
-            axes.errorbar(across, error, yerr=own, fmt="none", color=COLOURS[0], capsize=3)
+            axes.errorbar(across, error, yerr=reference_error, fmt="none", color=COLOURS[0], capsize=3)
         axes.plot(across, error, style, color=COLOURS[0])
-        bars = np.array([100 * one.own if one.own is not None else np.nan for *_, one in points])
+        bars = np.array([100 * level.own if level.own is not None else np.nan for *_, level in points])
         if np.isfinite(bars).any():
             axes.errorbar(across, error, yerr=bars, fmt="none", ecolor=_BARS, capsize=4, linewidth=0.9)
         for at, height, _, finding in points:
             axes.annotate(f"{MARKS[finding.word]} {finding.word}", (at, height), xytext=(0, 5),
                           textcoords="offset points", ha="center", fontsize=6.5)  # fmt: skip
         axes.axhline(100 * points[0][3].tolerance, color="black", linestyle="--", linewidth=0.9)
-        top = max(float((error + np.fmax(own, bars)).max()), 100 * points[0][3].tolerance)
+        top = max(float((error + np.fmax(reference_error, bars)).max()), 100 * points[0][3].tolerance)
         axes.set_ylim(0.0, 1.18 * top)
         if numbers:
             axes.margins(x=0.14)  # room for the words of the outermost points
-    for one in chosen:
-        finding = _of(one, name)
+    for level in chosen:
+        finding = _of(level, name)
         if finding is not None and finding.claimed and len(levels) > 1:
-            at = number_of(one.point.values[x]) if numbers else levels.index(one.point.values[x])
+            at = number_of(level.point.values[x]) if numbers else levels.index(level.point.values[x])
             axes.plot([at], [0.0], marker="^", color="black", markersize=5, clip_on=False, zorder=5)
     if not numbers:
         axes.set_xticks(range(len(levels)), [plain(value) for value in levels], rotation=30, ha="right")
@@ -160,22 +165,22 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
     axes.set_ylabel("error [%]")
 
 
-def _key(figure: Figure, found: Sequence[Judged], *, cells: bool) -> None:
+def _key(figure: Figure, points: Sequence[Judged], *, cells: bool) -> None:
     """Draw the legend of tints, marks and lines."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    some = len({finding.claimed for one in found for finding in one.findings}) > 1
+    some = len({finding.claimed for point in points for finding in point.findings}) > 1
     entries: list[tuple[Any, str]] = []
     if cells:
-        used = {finding.word for one in found for finding in one.findings}
+        used = {finding.word for point in points for finding in point.findings}
         entries = [(Patch(color=tint), f"{MARKS[word]} {word}") for word, tint in _TINTS.items() if word in used]
         entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if some else []
     else:
         band = Patch(color=COLOURS[0], alpha=0.25)
         entries = [(band, "own error of the reference"),
                    (Line2D([], [], color="black", linestyle="--", linewidth=0.9), "tolerance")]  # fmt: skip
-        if any(finding.own is not None for one in found for finding in one.findings):
+        if any(finding.own is not None for point in points for finding in point.findings):
             entries.append((Line2D([], [], color=_BARS, marker="|", linestyle="-"), "error bar of the model"))
         if some:
             entries.append((Line2D([], [], color="black", marker="^", linestyle="none"), "agreement is claimed"))

@@ -41,14 +41,14 @@ class Judged:
     @property
     def word(self) -> str:
         """Worst verdict."""
-        return worst(one.word for one in self.findings)
+        return worst(finding.word for finding in self.findings)
 
     @property
     def error(self) -> float | None:
         """Largest error of all quantities."""
-        return largest(one.error for one in self.findings)
+        return largest(finding.error for finding in self.findings)
 
     @property
     def breaks_claim(self) -> bool:
         """Whether it disagrees, or has no numbers, where agreement is claimed."""
-        return any(one.claimed and one.word in ("disagrees", "failed") for one in self.findings)
+        return any(finding.claimed and finding.word in ("disagrees", "failed") for finding in self.findings)

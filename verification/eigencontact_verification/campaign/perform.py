@@ -32,7 +32,7 @@ def perform(
     cluster: Cluster | None = None,
     memory: float | None = None,
     cases_of: CasesOf | None = None,
-    told: Told | None = None,
+    tell: Told | None = None,
 ) -> MapReport:
     """Run and judge; finished runs and solutions of the folder are read, not computed again.
 
@@ -48,34 +48,34 @@ def perform(
         Memory of a finite-element solution [byte]; 6 GB by default.
     cases_of : callable, optional
         Makes the cases of a folder of results, for a judge of your own; by default those of the file.
-    told : callable, optional
+    tell : callable, optional
         Called for each run and solution as it ends.
     """
     began = time.perf_counter()
     points = points_of(campaign, coarse=coarse)
-    counted = _Counted(told, sum(1 + len(point.reference) for point in points))
+    counted = _Counted(tell, sum(1 + len(point.reference) for point in points))
     counted.labels = {point.model.variant.label: point.label for point in points}
     ran = perform_runs(
-        points, folder / "runs", workers=workers, cluster=cluster, alone=campaign.whole_scenes, told=counted.one
+        points, folder / "runs", workers=workers, cluster=cluster, by_itself=campaign.whole_scenes, tell=counted.one
     )
     if campaign.judge == "scene":
         ratio = campaign.coarse_ratio if coarse else campaign.ratio
-        found = [judge_by_scene(campaign, point, folder / "runs", ratio=ratio) for point in ran]
+        judged_points = [judge_by_scene(campaign, point, folder / "runs", ratio=ratio) for point in ran]
     else:
         from eigencontact_verification.campaign.elements import cases_for, executor_for, judge_by_elements, plugins_of
 
-        found = judge_by_elements(
+        judged_points = judge_by_elements(
             campaign, ran, folder, cases_of=cases_of or cases_for(campaign, coarse=coarse),
             executor=executor_for(plugins_of(ran), workers=workers, cluster=cluster, memory=memory), progress=counted,
         )  # fmt: skip
-    return MapReport(campaign=campaign, found=tuple(found), coarse=coarse, seconds=time.perf_counter() - began)
+    return MapReport(campaign=campaign, points=tuple(judged_points), coarse=coarse, seconds=time.perf_counter() - began)
 
 
 class _Counted:
     """Counts runs and then solutions in one row; a `Progress` of the campaign of solutions."""
 
-    def __init__(self, told: Told | None, total: int) -> None:
-        self._told, self._total, self._done = told, total, 0
+    def __init__(self, tell: Told | None, total: int) -> None:
+        self._told, self._total, self._done = tell, total, 0
         #: Label of each point by the name of its folder, with which the names of its cases begin.
         self.labels: dict[str, str] = {}
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,37 +50,37 @@ class MapReport:
     """Points and verdicts of a campaign."""
 
     campaign: Campaign
-    found: tuple[Judged, ...]
+    points: tuple[Judged, ...]
     coarse: bool = False  #: whether it was a first look
     seconds: float = 0.0  #: wall time [s]
 
     @property
     def exit_code(self) -> int:
         """0 unless something disagrees, or has no numbers, where agreement is claimed; or has none anywhere."""
-        broken = any(one.breaks_claim for one in self.found)
-        return 1 if broken or all(one.word == "failed" for one in self.found) else 0
+        broken = any(point.breaks_claim for point in self.points)
+        return 1 if broken or all(point.word == "failed" for point in self.points) else 0
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
             "campaign": self.campaign.name, "title": self.campaign.title, "judge": self.campaign.judge,
-            "made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts(), "coarse": self.coarse,
+            **time_and_machine(), "coarse": self.coarse,
             "seconds": self.seconds, "tolerance": self.campaign.tolerance, "expect": self.campaign.expect,
-            "summary": totals(self.campaign, self.found), "answers": answers(self.campaign, self.found),
+            "summary": totals(self.campaign, self.points), "answers": answers(self.campaign, self.points),
             "exit_code": self.exit_code,
             "points": [
                 {
-                    "label": one.point.label, "values": dict(one.point.values),
-                    "verdict": one.word, "findings": [asdict(finding) for finding in one.findings],
-                    "model_seconds": one.point.model.seconds, "model_memory_bytes": one.point.model.memory,
-                    "reference_seconds": one.reference_seconds, "reference_seconds_all": one.all_seconds,
-                    "reference_memory_bytes": one.reference_memory,
-                    "not_judged": list(one.gaps),
-                    "warnings": [said["code"] for said in (one.point.model.summary or {}).get("warnings", ())],
+                    "label": point.point.label, "values": dict(point.point.values),
+                    "verdict": point.word, "findings": [asdict(finding) for finding in point.findings],
+                    "model_seconds": point.point.model.seconds, "model_memory_bytes": point.point.model.memory,
+                    "reference_seconds": point.reference_seconds, "reference_seconds_all": point.all_seconds,
+                    "reference_memory_bytes": point.reference_memory,
+                    "not_judged": list(point.gaps),
+                    "warnings": [said["code"] for said in (point.point.model.summary or {}).get("warnings", ())],
                 }
-                for one in self.found
+                for point in self.points
             ],
         }  # fmt: skip
 
@@ -92,27 +91,27 @@ _HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "u_SA", "t
 _TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
 
 
-def _rows(found: Sequence[Judged]) -> list[tuple[str, ...]]:
+def _rows(points: Sequence[Judged]) -> list[tuple[str, ...]]:
     """Head and rows of the verdicts; u_SA has a column where any model has error bars."""
     rows = [
         (
-            one.point.label, "yes" if finding.claimed else "no", finding.quantity,
+            point.point.label, "yes" if finding.claimed else "no", finding.quantity,
             f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
             percent(finding.own), percent(finding.tolerance), finding.reason,
         )
-        for one in found
-        for finding in one.findings
+        for point in points
+        for finding in point.findings
     ]  # fmt: skip
-    barred = any(finding.own is not None for one in found for finding in one.findings)
+    barred = any(finding.own is not None for point in points for finding in point.findings)
     return [row if barred else (*row[:6], *row[7:]) for row in (_HEAD, *rows)]
 
 
-def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
-    for one in found:
-        model = one.point.model
+def _trade_rows(points: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+    for point in points:
+        model = point.point.model
         yield (
-            one.point.label, percent(one.error), _time(model.seconds), _time(one.reference_seconds),
-            _time(one.all_seconds), gigabytes(model.memory), gigabytes(one.reference_memory),
+            point.point.label, percent(point.error), _time(model.seconds), _time(point.reference_seconds),
+            _time(point.all_seconds), gigabytes(model.memory), gigabytes(point.reference_memory),
         )  # fmt: skip
 
 
@@ -122,86 +121,86 @@ def _time(value: float | None) -> str:
 
 def _maps(report: MapReport) -> list[str]:
     """Map of each quantity as a table; none where there are not two parameters."""
-    x, y, others = axes_of_map(report.campaign, report.found)
+    x, y, others = axes_of_map(report.campaign, report.points)
     if y is None or others:
         return []
-    across, up = levels_in(report.found, x), levels_in(report.found, y)
+    across, up = levels_in(report.points, x), levels_in(report.points, y)
     rows_and_columns = f"Rows are {label_in(report.campaign, y)}, columns {label_in(report.campaign, x)}"
-    parts = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
-    for name in quantities_of(report.campaign, report.found):
+    tables = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
+    for name in quantities_of(report.campaign, report.points):
         cells = {}
-        for one in report.found:
-            for finding in one.findings:
+        for point in report.points:
+            for finding in point.findings:
                 if finding.quantity == name:
                     words = f"{MARKS[finding.word]} {finding.numbers}"
-                    key = one.point.values[y], one.point.values[x]
+                    key = point.point.values[y], point.point.values[x]
                     cells[key] = words if finding.claimed else f"({words})"
         rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]
-        parts.append(markdown_table([name, *map(plain, across)], rows))
-    return parts
+        tables.append(markdown_table([name, *map(plain, across)], rows))
+    return tables
 
 
 def _gaps(report: MapReport) -> list[str]:
     """Fields that cannot be judged, each reason once, with the number of points that have it."""
-    told = [gap for one in report.found for gap in dict.fromkeys(one.gaps)]
-    return [f"{gap} ({told.count(gap)} of {len(report.found)} points)" for gap in dict.fromkeys(told)]
+    gaps = [gap for point in report.points for gap in dict.fromkeys(point.gaps)]
+    return [f"{gap} ({gaps.count(gap)} of {len(report.points)} points)" for gap in dict.fromkeys(gaps)]
 
 
 def _told(report: MapReport) -> list[str]:
     campaign = report.campaign
-    words = [totals(campaign, report.found)]
+    words = [totals(campaign, report.points)]
     if campaign.trend:
         words.append(campaign.trend)
-    words += [f"After {source_in_words(one)}." for one in campaign.sources]
+    words += [f"After {source_in_words(source)}." for source in campaign.sources]
     return words
 
 
 def as_section(report: MapReport, *, trade: bool = False) -> str:
     """Markdown between the markers of a page: sentences, ranges of agreement, one table; not the whole report."""
     campaign = report.campaign
-    parts = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
-    parts += _told(report)
-    said = answers(campaign, report.found)
+    blocks = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
+    blocks += _told(report)
+    said = answers(campaign, report.points)
     if said:
-        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
     if trade:
-        parts += [markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+        blocks += [markdown_table(_TRADE, _trade_rows(report.points)), _TRADE_METHOD]
     else:
-        parts += _maps(report) or [_verdicts(report, words=False)]
-    return "\n\n".join([*parts, measured("Computed")]) + "\n"
+        blocks += _maps(report) or [_verdicts(report, words=False)]
+    return "\n\n".join([*blocks, measured("Computed")]) + "\n"
 
 
 def _markdown(report: MapReport) -> str:
-    parts = [f"# {report.campaign.title}", *_told(report), _METHOD, "![map](map.png)"]
-    said = answers(report.campaign, report.found)
+    blocks = [f"# {report.campaign.title}", *_told(report), _METHOD, "![map](map.png)"]
+    said = answers(report.campaign, report.points)
     if said:
-        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
-    parts += ["## Verdicts", _verdicts(report)]
+        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    blocks += ["## Verdicts", _verdicts(report)]
     if gaps := _gaps(report):
-        parts += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
-    parts += ["## What both cost", markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
-    parts.append(measured("Computed"))
-    return "\n\n".join(parts) + "\n"
+        blocks += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
+    blocks += ["## What both cost", markdown_table(_TRADE, _trade_rows(report.points)), _TRADE_METHOD]
+    blocks.append(measured("Computed"))
+    return "\n\n".join(blocks) + "\n"
 
 
 def _verdicts(report: MapReport, *, words: bool = True) -> str:
-    head, *rows = (row if words else row[:-1] for row in _rows(report.found))
+    head, *rows = (row if words else row[:-1] for row in _rows(report.points))
     return markdown_table(head, rows)
 
 
 def _html(report: MapReport, picture: Path) -> str:
-    head, *rows = _rows(report.found)
-    parts = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
-    parts.append(html_picture(picture, f"map of {report.campaign.title}"))
-    said = answers(report.campaign, report.found)
+    head, *rows = _rows(report.points)
+    blocks = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
+    blocks.append(html_picture(picture, f"map of {report.campaign.title}"))
+    said = answers(report.campaign, report.points)
     if said:
-        parts.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
-    parts.append(f"<h2>Verdicts</h2>{html_table(head, rows)}")
+        blocks.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
+    blocks.append(f"<h2>Verdicts</h2>{html_table(head, rows)}")
     if gaps := _gaps(report):
-        parts.append(f"<h2>Not judged</h2>{html_items(gaps)}")
-    parts.append(f"<h2>What both cost</h2>{html_table(_TRADE, _trade_rows(report.found))}")
-    parts.append(f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(measured('Computed'))}</p>")
-    return html_page(report.campaign.title, parts)
+        blocks.append(f"<h2>Not judged</h2>{html_items(gaps)}")
+    blocks.append(f"<h2>What both cost</h2>{html_table(_TRADE, _trade_rows(report.points))}")
+    blocks.append(f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(measured('Computed'))}</p>")
+    return html_page(report.campaign.title, blocks)
 
 
 #: Names of the files of a campaign by format.
@@ -215,9 +214,9 @@ def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files = {form: folder / name for form, name in FILES.items()}
     with paper_style():
-        save(draw_map(report.campaign, report.found), files["map"])
+        save(draw_map(report.campaign, report.points), files["map"])
     page = _html(report, files["map"])
     write_report_files(folder, report.to_dict(), markdown=_markdown(report), html=page, default=plain)
-    write_text(files["csv"], csv_table(report.found))
-    write_text(files["latex"], latex_table(report.campaign, report.found))
+    write_text(files["csv"], csv_table(report.points))
+    write_text(files["latex"], latex_table(report.campaign, report.points))
     return files

@@ -76,19 +76,22 @@ def points_of(campaign: Campaign, *, coarse: bool = False) -> list[Point]:
     SceneError
         Two variants of one label; all variants of a scene refused.
     """
-    found: list[Point] = []
+    points: list[Point] = []
     for model in campaign.coarse_models if coarse else campaign.models:
-        levels = [("model", model.study), *((f"reference-{k}", one) for k, one in enumerate(model.reference))]
-        runs = [[Run(study=study, variant=_placed(one, kind), coarse=coarse)
-                 for one in variants_of_study(study, coarse=coarse)] for kind, study in levels]  # fmt: skip
+        levels = [
+            ("model", model.study),
+            *((f"reference-{k}", reference_study) for k, reference_study in enumerate(model.reference)),
+        ]
+        runs = [[Run(study=study, variant=_placed(reference_study, kind), coarse=coarse)
+                 for reference_study in variants_of_study(study, coarse=coarse)] for kind, study in levels]  # fmt: skip
         labels = [model.study.text(values) for values in (model.study.coarse_rows if coarse else model.study.rows)]
         for label, judged, *reference in zip(labels, *runs, strict=True):
-            found.append(Point(label=label, values=judged.variant.values, model=judged, reference=tuple(reference)))
-    places = [run.variant.label for point in found for run in (point.model, *point.reference)]
-    twice = next((one for one in places if places.count(one) > 1), None)
+            points.append(Point(label=label, values=judged.variant.values, model=judged, reference=tuple(reference)))
+    places = [run.variant.label for point in points for run in (point.model, *point.reference)]
+    twice = next((reference_study for reference_study in places if places.count(reference_study) > 1), None)
     if twice is not None:
         raise SceneError(f"{campaign.name}: label must be different for each variant (got {twice!r} twice)")
-    return found
+    return points
 
 
 def _labels(point: Point) -> list[str]:
@@ -108,8 +111,8 @@ def perform_runs(
     *,
     workers: int = 1,
     cluster: Cluster | None = None,
-    alone: bool = False,
-    told: Callable[[str], None] | None = None,
+    by_itself: bool = False,
+    tell: Callable[[str], None] | None = None,
 ) -> list[Point]:
     """Points with the outcome of their runs; finished runs are read again, not run again.
 
@@ -119,9 +122,9 @@ def perform_runs(
         Has a folder of each run.
     workers, cluster : int, Cluster
         Number of processes at a time, or the cluster that performs the runs instead.
-    alone : bool
+    by_itself : bool
         Whether each run has a process of its own, one at a time, so that memory and time are its own.
-    told : callable, optional
+    tell : callable, optional
         Called for each run as it ends.
     """
     from eigencontact.engines.engine import Processes
@@ -132,14 +135,17 @@ def perform_runs(
     labels = [label for point in points for label in _labels(point)]
     variants = [replace(run.variant, place=(n,)) for n, run in enumerate(runs)]
     done = dict[int, Run]()
-    if alone and cluster is None:
-        several = [outcomes([one], folder, engine=Processes(1)) for one in variants]
+    if by_itself and cluster is None:
+        several = [outcomes([variant], folder, engine=Processes(1)) for variant in variants]
     else:
         several = [outcomes(variants, folder, workers=workers, engine=cluster)]
     for outcome in chain.from_iterable(several):
         n = outcome.place[0]
         done[n] = replace(runs[n], failed=outcome.failed, summary=outcome.summary)
-        if told is not None:
-            told(labels[n])
-    rest = iter(done[n] for n in range(len(runs)))
-    return [replace(point, model=next(rest), reference=tuple(next(rest) for _ in point.reference)) for point in points]
+        if tell is not None:
+            tell(labels[n])
+    outcomes_in_order = iter(done[n] for n in range(len(runs)))
+    return [
+        replace(point, model=next(outcomes_in_order), reference=tuple(next(outcomes_in_order) for _ in point.reference))
+        for point in points
+    ]

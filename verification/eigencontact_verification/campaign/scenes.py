@@ -57,33 +57,33 @@ def _failed(quantity: Quantity, reason: str) -> MapFinding:
 
 def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
     """Values of a quantity of a run, (n, 1)."""
-    found = evaluate(quantity.formula, context, f"quantity {quantity.name!r}")
-    return np.asarray(found, dtype=float).reshape(-1, 1)
+    values = evaluate(quantity.formula, context, f"quantity {quantity.name!r}")
+    return np.asarray(values, dtype=float).reshape(-1, 1)
 
 
 def _found(quantity: Quantity, contexts: list[Context], ratio: float, bars: Errors) -> MapFinding:
     model, coarse, medium, fine = values = [_values(quantity, context) for context in contexts]
-    sizes = [len(one) for one in values]
+    sizes = [len(value) for value in values]
     if len(set(sizes)) > 1:
         raise SceneError(
             f"quantity {quantity.name!r} must have equally many values in all models (got {sizes}); use interp at "
             "fixed positions"
         )
-    if not all(np.all(np.isfinite(one)) for one in values):
+    if not all(np.all(np.isfinite(value)) for value in values):
         return _failed(quantity, "a value is not finite")
-    found = estimate(coarse, medium, fine, ratio=ratio, formal_order=quantity.order)
-    scale = _scale(quantity, found.value, contexts[-1])
-    error = float(np.abs(model - found.value).max()) / scale
-    uncertainty = float(found.uncertainty.max()) / scale
+    estimated = estimate(coarse, medium, fine, ratio=ratio, formal_order=quantity.order)
+    scale = _scale(quantity, estimated.value, contexts[-1])
+    error = float(np.abs(model - estimated.value).max()) / scale
+    uncertainty = float(estimated.uncertainty.max()) / scale
     bar = error_of(quantity.formula, contexts[0], bars)
-    own = None if bar is None else float(bar.max()) / scale
-    word, reason = verdict_on(error, uncertainty, quantity.tolerance, own)
+    run_error = None if bar is None else float(bar.max()) / scale
+    word, reason = verdict_on(error, uncertainty, quantity.tolerance, run_error)
     single = len(model) == 1
     return MapFinding(
         quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
         uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
-        reference=float(found.value[0, 0]) if single else None, scale=scale,
-        own=own,
+        reference=float(estimated.value[0, 0]) if single else None, scale=scale,
+        own=run_error,
     )  # fmt: skip
 
 
@@ -92,8 +92,8 @@ def _scale(quantity: Quantity, value: NDArray[np.float64], context: Context) -> 
     if not quantity.scale:
         scale = float(np.abs(value).max())
     else:
-        given = evaluate(quantity.scale, context, f"quantity {quantity.name!r}: scale")
-        scale = float(np.max(np.abs(np.asarray(given))))
+        values_of_scale = evaluate(quantity.scale, context, f"quantity {quantity.name!r}: scale")
+        scale = float(np.max(np.abs(np.asarray(values_of_scale))))
     if not scale > 0.0:
         raise SceneError(f"quantity {quantity.name!r}: scale must be positive (got {scale:g}); give a formula for it")
     return scale

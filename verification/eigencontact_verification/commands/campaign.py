@@ -120,7 +120,7 @@ def _computed(
         raise SceneError(f"--markdown: {problem}") from None
     open_folder(folder, FILES.values())
     with counted(item.name) as tell:
-        report = perform(item, folder, told=tell, **options)
+        report = perform(item, folder, tell=tell, **options)
     files = write_map(report, folder)
     if markdown is not None:
         replace_section(markdown, item.name, as_section(report, trade=trade), family="campaign")
@@ -136,23 +136,23 @@ def _report(report: MapReport) -> None:
     from eigencontact_verification.campaign.figure import quantities_of
     from eigencontact_verification.reporting.verdict import MARKS
 
-    campaign, found = report.campaign, report.found
+    campaign, points = report.campaign, report.points
     typer.echo(campaign.title)
-    names = quantities_of(campaign, found)
+    names = quantities_of(campaign, points)
     table = Table("point", "claimed", *names, box=None, pad_edge=False)
-    for one in found:
-        cells = {finding.quantity: f"{MARKS[finding.word]} {finding.numbers}" for finding in one.findings}
-        count = sum(finding.claimed for finding in one.findings)
-        claimed = "no" if not count else "yes" if count == len(one.findings) else "in part"
-        style = "bold red" if one.breaks_claim else None
-        table.add_row(one.point.label, claimed, *(cells.get(name, "") for name in names), style=style)
+    for point in points:
+        cells = {finding.quantity: f"{MARKS[finding.word]} {finding.numbers}" for finding in point.findings}
+        count = sum(finding.claimed for finding in point.findings)
+        claimed = "no" if not count else "yes" if count == len(point.findings) else "in part"
+        style = "bold red" if point.breaks_claim else None
+        table.add_row(point.point.label, claimed, *(cells.get(name, "") for name in names), style=style)
     console = Console(highlight=False)
     width = console.width if console.is_terminal else 40 + 24 * (len(names) + 1)
     print_table(table, Console(highlight=False, width=width))
-    for one in found:
-        for finding in one.findings:
+    for point in points:
+        for finding in point.findings:
             if finding.word == "failed":
-                typer.echo(f"{one.point.label}, {finding.quantity}: {finding.reason}", err=True)
-    for line in answers(campaign, found):
+                typer.echo(f"{point.point.label}, {finding.quantity}: {finding.reason}", err=True)
+    for line in answers(campaign, points):
         typer.echo(line)
-    typer.echo(totals(campaign, found))
+    typer.echo(totals(campaign, points))

@@ -42,7 +42,7 @@ def check(
     from eigencontact.errors import EigencontactError
 
     try:
-        found = {
+        verdicts_by_key = {
             entry.full_key: list(_verdicts(entry, parameters or [], finite_elements=finite_elements))
             for entry in _entries(plugins)
         }
@@ -50,10 +50,12 @@ def check(
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(2) from None
     if as_json:
-        typer.echo(json.dumps(found, indent=2))
+        typer.echo(json.dumps(verdicts_by_key, indent=2))
     else:
-        _print(found)
-    raise typer.Exit(1 if any(one["failed"] for verdicts in found.values() for one in verdicts) else 0)
+        _print(verdicts_by_key)
+    raise typer.Exit(
+        1 if any(verdict["failed"] for verdicts in verdicts_by_key.values() for verdict in verdicts) else 0
+    )
 
 
 def _entries(plugins: list[str]) -> list[Entry]:
@@ -65,13 +67,13 @@ def _entries(plugins: list[str]) -> list[Entry]:
     before = {entry.component for entry in installed_plugins()}
     add_plugin_files(files)
     registry = installed_plugins()
-    found = [entry for entry in registry if entry.component not in before]
+    entries = [entry for entry in registry if entry.component not in before]
     for key in plugins:
         named = [] if key in files else registry.named(key)
         if not named and key not in files:
             raise PluginError(registry.unknown(key))
-        found += named
-    return found
+        entries += named
+    return entries
 
 
 def _verdicts(entry: Entry, parameters: list[str], *, finite_elements: bool) -> Iterator[dict[str, str]]:
@@ -79,14 +81,14 @@ def _verdicts(entry: Entry, parameters: list[str], *, finite_elements: bool) -> 
     from eigencontact_verification.conformance.report import ConformanceError
 
     component = _example(entry, parameters)
-    for one in checks_for(component, finite_elements=finite_elements):
+    for conformance_check in checks_for(component, finite_elements=finite_elements):
         try:
-            one(component)
+            conformance_check(component)
             failed = ""
         except ConformanceError as problem:
             failed = " ".join(str(problem).split())
-        promise = (one.__doc__ or "").strip().split("\n")[0]
-        yield {"check": one.__name__, "promise": promise, "failed": failed}
+        promise = (conformance_check.__doc__ or "").strip().split("\n")[0]
+        yield {"check": conformance_check.__name__, "promise": promise, "failed": failed}
 
 
 def _example(entry: Entry, parameters: list[str]) -> Any:
@@ -100,28 +102,30 @@ def _example(entry: Entry, parameters: list[str]) -> Any:
     declared = getattr(entry.component, "example", None)
     if not isinstance(declared, Mapping) and entry.kind == "inclusion-shape" and not parameters:
         declared = example_of(entry.component)
-    given = apply_changes(declared if isinstance(declared, Mapping) else {}, parameters, option="--with")
+    parameters_of_example = apply_changes(
+        declared if isinstance(declared, Mapping) else {}, parameters, option="--with"
+    )
     needed = [
         item.name for item in fields(entry.component) if item.default is MISSING and item.default_factory is MISSING
     ]
-    if needed and not given:
+    if needed and not parameters_of_example:
         raise ValueError(
             f"{entry.kind} {entry.key!r} must have parameters for the check (got none); give --with "
             f"{needed[0]}=VALUE, or give its class an attribute example, a mapping with {', '.join(needed)}"
         )
-    return make(entry.full_key, kind=entry.kind, **given)
+    return make(entry.full_key, kind=entry.kind, **parameters_of_example)
 
 
-def _print(found: dict[str, list[dict[str, str]]]) -> None:
+def _print(verdicts_by_key: dict[str, list[dict[str, str]]]) -> None:
     """Print one line a promise, cut to the width of the terminal; failures in full."""
     columns = shutil.get_terminal_size().columns
-    for name, verdicts in found.items():
-        width = max(len(one["check"]) for one in verdicts)
+    for name, verdicts in verdicts_by_key.items():
+        width = max(len(verdict["check"]) for verdict in verdicts)
         typer.echo(name)
-        for one in verdicts:
-            promise = textwrap.shorten(one["promise"], max(40, columns - width - 11), placeholder=" …")
-            typer.echo(f"  {'FAILS' if one['failed'] else 'kept '}  {one['check']:<{width}}  {promise}")
-            if one["failed"]:
-                typer.echo(f"         {one['failed'].partition(': ')[2]}")
-        broken = sum(1 for one in verdicts if one["failed"])
+        for verdict in verdicts:
+            promise = textwrap.shorten(verdict["promise"], max(40, columns - width - 11), placeholder=" …")
+            typer.echo(f"  {'FAILS' if verdict['failed'] else 'kept '}  {verdict['check']:<{width}}  {promise}")
+            if verdict["failed"]:
+                typer.echo(f"         {verdict['failed'].partition(': ')[2]}")
+        broken = sum(1 for verdict in verdicts if verdict["failed"])
         typer.echo(f"  {len(verdicts) - broken} of {len(verdicts)} promises kept")

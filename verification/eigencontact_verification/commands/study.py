@@ -158,7 +158,7 @@ def _run(item: Study, output: Path, *, coarse: bool, workers: int, cluster: Clus
         raise typer.Exit(1)
 
 
-def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
+def _report(item: Study, outcomes: Sequence[Finished | Failed]) -> None:
     from rich.table import Table
 
     from eigencontact.core.text_table import print_table
@@ -167,16 +167,16 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     from eigencontact_verification.studies.run import source_in_words
     from eigencontact_verification.studies.study import Finished
 
-    done = [one for one in found if isinstance(one, Finished)]
-    columns = dict.fromkeys(name for one in done for name in one.row)
+    done = [outcome for outcome in outcomes if isinstance(outcome, Finished)]
+    columns = dict.fromkeys(name for outcome in done for name in outcome.row)
     typer.echo(item.title)
     table = Table("variant", *columns, box=None, pad_edge=False)
-    for one in done:
-        cells = {name: f"{value:.4g}" for name, value in one.row.items()}
-        cells |= {name: f"{cells[name]} ± {error:.2g}" for name, error in item.row_errors(one).items()}
-        table.add_row(one.label, *(cells.get(name, "") for name in columns))
+    for outcome in done:
+        cells = {name: f"{value:.4g}" for name, value in outcome.row.items()}
+        cells |= {name: f"{cells[name]} ± {error:.2g}" for name, error in item.row_errors(outcome).items()}
+        table.add_row(outcome.label, *(cells.get(name, "") for name in columns))
     print_table(table)
-    for line in warnings_in_words({one.label: one.warnings for one in done}, len(found)):
+    for line in warnings_in_words({outcome.label: outcome.warnings for outcome in done}, len(outcomes)):
         typer.echo(line)
     for verdict in verdicts(item, done):
         typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.found})")

@@ -38,12 +38,12 @@ def report_thesis(
     def tell(name: str) -> None:
         typer.echo(f"study {name}", err=True)
 
-    found = list(judged(
+    claims = list(judged(
         entries, output, coarse=coarse, errors=errors, workers=workers, cluster=cluster,
         tell=tell,
     ))  # fmt: skip
     content: dict[str, Any] = {
-        "quick": coarse, "counts": _counts(entries, found), "claims": [vars(one) for one in found],
+        "quick": coarse, "counts": _counts(entries, claims), "claims": [vars(claim) for claim in claims],
     }  # fmt: skip
     write_json(output / "thesis.json", content)
     if pictures is not None:
@@ -53,31 +53,31 @@ def report_thesis(
     if as_json:
         typer.echo(json.dumps(content, ensure_ascii=False, indent=1))
         return
-    _print(entries, found, content["counts"])
+    _print(entries, claims, content["counts"])
     typer.echo(f"written: {output / 'thesis.json'}")
 
 
-def _counts(entries: Sequence[Entry], found: Sequence[Judged]) -> dict[str, dict[str, int]]:
+def _counts(entries: Sequence[Entry], claims: Sequence[Judged]) -> dict[str, dict[str, int]]:
     from eigencontact_verification.thesis.judge import VERDICTS
 
-    states, verdicts = Counter(one.state for one in entries), Counter(one.verdict for one in found)
+    states, verdicts = Counter(item.state for item in entries), Counter(item.verdict for item in claims)
     return {
         "figures and tables": {name: states[name] for name in ("computed", "open", "no result")},
         "claims": {name: verdicts[name] for name in VERDICTS},
     }
 
 
-def _print(entries: Sequence[Entry], found: Sequence[Judged], counts: dict[str, dict[str, int]]) -> None:
+def _print(entries: Sequence[Entry], claims: Sequence[Judged], counts: dict[str, dict[str, int]]) -> None:
     for name, numbers in counts.items():
-        parts = ", ".join(f"{count} {word}" for word, count in numbers.items())
-        typer.echo(f"{sum(numbers.values())} {name}: {parts}")
+        counts_in_words = ", ".join(f"{count} {word}" for word, count in numbers.items())
+        typer.echo(f"{sum(numbers.values())} {name}: {counts_in_words}")
     for entry in entries:
         by = entry.study or entry.scene or entry.test
         typer.echo(f"\n{entry.name}: {entry.shows} ({entry.kind}, section {entry.place}{', ' + by if by else ''})")
         if entry.lacks:
             typer.echo(f"  not computed, it lacks: {entry.lacks}")
-        for one in (one for one in found if one.name == entry.name):
-            both = "; ".join(f"{who} {what}" for who, what in (("here", one.found), ("text", one.text)) if what)
-            typer.echo(f"  {one.verdict}: {one.says}{f' ({both})' if both else ''}")
-            if one.why:
-                typer.echo(f"    {one.why}")
+        for claim in (claim for claim in claims if claim.name == entry.name):
+            both = "; ".join(f"{who} {what}" for who, what in (("here", claim.found), ("text", claim.text)) if what)
+            typer.echo(f"  {claim.verdict}: {claim.says}{f' ({both})' if both else ''}")
+            if claim.why:
+                typer.echo(f"    {claim.why}")

@@ -93,18 +93,18 @@ def tradeoff(
             print_table(report.plan_table(predictions), console)
         return
 
-    def told(words: str) -> None:
+    def tell(text: str) -> None:
         if not (quiet or as_json or markdown):
-            typer.echo(words, err=True)
+            typer.echo(text, err=True)
 
     folder = output or Path(f"{planned.name}-tradeoff")
     try:
         open_folder(folder, ("tradeoff.json", "tradeoff.md", "tradeoff.png"))
-        found = study(
-            planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told,
+        result = study(
+            planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, tell=tell,
             with_bars=errors or planned.scene.output.errors,
         )  # fmt: skip
-        files = _write(found, folder)
+        files = _write(result, folder)
     except (EigencontactError, ValueError, OSError) as problem:
         leave(str(problem), problem.exit_code if isinstance(problem, ResultsError) else 1)
     except KeyboardInterrupt:
@@ -112,34 +112,34 @@ def tradeoff(
     if as_json or markdown:
         typer.echo(files["json" if as_json else "markdown"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
-        print_table(report.study_table(found, console.width), console)
-        for line in report.remarks(found):
+        print_table(report.study_table(result, console.width), console)
+        for line in report.remarks(result):
             typer.echo(line)
         typer.echo(f"\nin {folder.resolve()}: {', '.join(file.name for file in files.values())}")
-    raise typer.Exit(0 if any(row.error is not None for row in found.rows) else 1)
+    raise typer.Exit(0 if any(row.error is not None for row in result.rows) else 1)
 
 
 def _check(planned: Any, only: list[str]) -> None:
     from eigencontact.errors import nearest
     from eigencontact_verification.tradeoff.variant import keys_of
 
-    known = keys_of(planned)
+    keys = keys_of(planned)
     for key in only:
-        if key not in known:
+        if key not in keys:
             raise ValueError(
-                f"--only must be one of {', '.join(known)} (got {key!r}){nearest(key, known)}; "
+                f"--only must be one of {', '.join(keys)} (got {key!r}){nearest(key, keys)}; "
                 "the scene determines these settings"
             )
 
 
-def _write(found: Study, folder: Path) -> dict[str, Path]:
+def _write(result: Study, folder: Path) -> dict[str, Path]:
     """Table, data and picture of a study."""
     from eigencontact_verification.reporting.files import write_report_files
     from eigencontact_verification.reporting.machine import facts
     from eigencontact_verification.tradeoff.figure import draw
     from eigencontact_verification.tradeoff.report import as_data, as_markdown
 
-    files = write_report_files(folder, as_data(found, facts()), markdown=as_markdown(found), stem="tradeoff")
+    files = write_report_files(folder, as_data(result, facts()), markdown=as_markdown(result), stem="tradeoff")
     files["picture"] = folder / "tradeoff.png"
-    draw(found, files["picture"])
+    draw(result, files["picture"])
     return files

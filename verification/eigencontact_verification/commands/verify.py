@@ -238,13 +238,13 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
 
     before = {entry.component for entry in installed_plugins()}
     add_plugin_files(files)
-    own = [entry for entry in installed_plugins() if entry.component not in before]
-    shapes = [entry.key for entry in own if entry.kind == "inclusion-shape"]
-    laws = [entry.key for entry in own if entry.kind in ("constitutive-law", "hardening-law", "damage-law")]
+    added = [entry for entry in installed_plugins() if entry.component not in before]
+    shapes = [entry.key for entry in added if entry.kind == "inclusion-shape"]
+    laws = [entry.key for entry in added if entry.kind in ("constitutive-law", "hardening-law", "damage-law")]
     if not (shapes or laws):
+        kinds = ", ".join(entry.kind for entry in added) or "nothing new"
         raise ValueError(
-            f"--plugin must register a shape or a law (got {', '.join(entry.kind for entry in own) or 'nothing new'}); "
-            "`eigencontact check` checks other kinds"
+            f"--plugin must register a shape or a law (got {kinds}); `eigencontact check` checks other kinds"
         )
     return shapes, laws
 
@@ -253,22 +253,22 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
     """Cases of the keys asked for, in the order of the list, each key once."""
     from eigencontact.errors import nearest
 
-    known = cases.kernels()
+    keys = cases.kernels()
     for name in names:
-        if name not in known:
+        if name not in keys:
             if reason := cases.why_not(name):
                 raise ValueError(reason)
             raise ValueError(
-                f"kernel must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; "
+                f"kernel must be one of {', '.join(keys)} (got {name!r}){nearest(name, keys)}; "
                 "`eigencontact plugins` lists what is installed"
             )
-    found = [case for key in known if not names or key in names for case in cases.cases_of(key)]
-    if quick and not any(case.quick for case in found):
+    chosen = [case for key in keys if not names or key in names for case in cases.cases_of(key)]
+    if quick and not any(case.quick for case in chosen):
         raise ValueError(
             f"--quick must be used with a kernel that has a quick case, for example a shape of revolution (got "
-            f"{', '.join(names)}); without --quick: {_cost(found)}"
+            f"{', '.join(names)}); without --quick: {_cost(chosen)}"
         )
-    return tuple(case for case in found if case.quick or not quick)
+    return tuple(case for case in chosen if case.quick or not quick)
 
 
 def _cost(cases: Sequence[Case]) -> str:
@@ -284,15 +284,15 @@ def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
     from eigencontact.errors import nearest
     from eigencontact.results.ownership import refuse_foreign_file
 
-    known, copies = [case.key for case in chosen], {}
+    keys, copies = [case.key for case in chosen], {}
     for text in figures:
         case, equals, file = text.rpartition("=")
         if not (equals and case and file.endswith(".png")):
             raise ValueError(f"--figure must be CASE=FILE.png (got {text}); the report lists the cases")
-        if case not in known:
+        if case not in keys:
             raise ValueError(
-                f"--figure must name a case of this cross-check (got {case!r}){nearest(case, known)}; "
-                f"there are {len(known)}, such as {known[0]}"
+                f"--figure must name a case of this cross-check (got {case!r}){nearest(case, keys)}; "
+                f"there are {len(keys)}, such as {keys[0]}"
             )
         refuse_foreign_file(Path(file))
         copies[case] = Path(file)
@@ -334,7 +334,7 @@ def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[G
     from eigencontact_verification.crosscheck.case import Gap
 
     some = bool(names or laws)
-    told = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
-    told += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
+    gaps = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
+    gaps += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
     left = [key for key in cases.kernels() if some and key not in names]
-    return told + tuple(Gap(subject=key, what="everything", reason="not requested in this run") for key in left)
+    return gaps + tuple(Gap(subject=key, what="everything", reason="not requested in this run") for key in left)

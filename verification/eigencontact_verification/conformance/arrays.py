@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import HasMirrorPotential
 from eigencontact_verification.conformance.orders import Order, name, of_total
-from eigencontact_verification.conformance.report import check, ensure, ensure_pure, place_of
+from eigencontact_verification.conformance.report import check, ensure, ensure_array, ensure_pure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, potential, region, sample
 
 FloatArray = NDArray[np.float64]
@@ -44,19 +44,18 @@ def check_potential_arrays(shape: Any) -> None:
         flat = potential(shape, which, some, places)
         for form in ((), (1,), (12,), (3, 2, 2), (0,)):
             count = int(np.prod(form))
-            part = np.resize(places, (12, 3))[:count].reshape((*form, 3))
-            answer = potential(shape, which, some, part)
-            ensure(
-                answer.shape == (len(some), *form) and answer.dtype == np.float64,
+            points = np.resize(places, (12, 3))[:count].reshape((*form, 3))
+            answer = potential(shape, which, some, points)
+            ensure_array(
+                answer,
+                (len(some), *form),
                 f"{which} of {len(some)} orders at points of shape {form}",
-                f"float64 of shape {(len(some), *form)}",
-                f"{answer.dtype} of shape {answer.shape}",
                 "allocate np.empty((len(orders), *x.shape))",
             )
             expected = np.resize(places, (12, 3))[:count]
-            alone = potential(shape, which, some, expected).reshape(answer.shape)
+            in_a_row = potential(shape, which, some, expected).reshape(answer.shape)
             ensure(
-                np.allclose(answer, alone, rtol=1e-9, atol=1e-12 * float(np.nanmax(np.abs(flat))), equal_nan=True),
+                np.allclose(answer, in_a_row, rtol=1e-9, atol=1e-12 * float(np.nanmax(np.abs(flat))), equal_nan=True),
                 f"{which} at points of shape {form}",
                 "what it is at the same points in a row",
                 "something else",
@@ -98,15 +97,15 @@ def check_potentials_finite(shape: Any) -> None:
     probes = 1e-6 * box.size * evenly(24)
     for which, orders in _asked(shape):
         # chi belongs to the image: what it is asked at depth Z concerns the place Z above the surface
-        asked, real = (below * [1, 1, -1], below) if which == "chi" else (lattice, lattice)
+        points_of_call, real = (below * [1, 1, -1], below) if which == "chi" else (lattice, lattice)
         state = inside(shape, real[:, None, :] + probes)
         quiet = np.all(state == state[:, :1], axis=1)
-        for order, row in zip(orders, potential(shape, which, orders, asked), strict=True):
+        for order, row in zip(orders, potential(shape, which, orders, points_of_call), strict=True):
             everywhere = (which, sum(order)) in {("phi", 1), ("psi", 3)}
             bad = ~np.isfinite(row) & (everywhere | quiet)
             ensure(
                 not np.any(bad),
-                f"{name(which, order)} at {place_of(asked[bad])}",
+                f"{name(which, order)} at {place_of(points_of_call[bad])}",
                 "finite",
                 f"{row[bad][:1]}",
                 "use forms without 0/0 on axes and edge extensions, log(rho^2/(R-x)) for log(R+x) where x < 0; "

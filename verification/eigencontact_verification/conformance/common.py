@@ -26,13 +26,13 @@ _LENGTHS = ("radius", "radii", "length", "edges", "semi_axes", "height", "width"
 def check_registered(component: Any) -> None:
     """The class is installed under its key, so that scenes can name it."""
     registry = installed_plugins()
-    found = [entry.component for entry in registry.named(component.key) if entry.kind == component.kind]
+    components = [entry.component for entry in registry.named(component.key) if entry.kind == component.kind]
     broken = "".join(f"; {item}" for item in registry.broken)
     ensure(
-        found == [type(component)],
+        components == [type(component)],
         f"the installed {component.kind} {component.key!r}",
         f"{type(component).__module__}.{type(component).__qualname__}",
-        ", ".join(f"{cls.__module__}.{cls.__qualname__}" for cls in found) or "nothing",
+        ", ".join(f"{cls.__module__}.{cls.__qualname__}" for cls in components) or "nothing",
         "install its package (pip install -e .), with an entry point in the group 'eigencontact' and a hookimpl "
         f"that returns the class{broken}",
     )
@@ -99,7 +99,7 @@ def check_files_are_marked(component: Any) -> None:
         value = getattr(component, item.name)
         if isinstance(value, str | Path) and value and Path(value).is_file():
             ensure(
-                FileMark() in _marks(hints[item.name]),
+                FileMark() in annotations_of(hints[item.name]),
                 item.name,
                 "annotated as a file",
                 repr(hints[item.name]),
@@ -107,9 +107,12 @@ def check_files_are_marked(component: Any) -> None:
             )
 
 
-def _marks(hint: Any) -> list[Any]:
+def annotations_of(hint: Any) -> list[Any]:
     """Everything that annotates a type or a part of it."""
-    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
+    return [
+        *getattr(hint, "__metadata__", ()),
+        *(mark for argument in get_args(hint) for mark in annotations_of(argument)),
+    ]
 
 
 @check
@@ -166,8 +169,8 @@ def _spoilt(value: Any, bad: float) -> Iterator[Any]:
         copy.flat[0] = bad
         yield copy
     elif isinstance(value, (tuple, list)):
-        for index, part in enumerate(value[:4]):
-            for spoilt in _spoilt(part, bad):
+        for index, item in enumerate(value[:4]):
+            for spoilt in _spoilt(item, bad):
                 yield type(value)([*value[:index], spoilt, *value[index + 1 :]])
 
 
@@ -176,12 +179,12 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, (tuple, list)):
-        return [_plain(part) for part in value]
+        return [_plain(value_of_list) for value_of_list in value]
     if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
+        return {key: _plain(value_of_list) for key, value_of_list in value.items()}
     if is_dataclass(value):
-        parts = {item.name.replace("_", "-"): getattr(value, item.name) for item in fields(value)}
-        table = {key: _plain(part) for key, part in parts.items() if part is not None}
+        columns = {item.name.replace("_", "-"): getattr(value, item.name) for item in fields(value)}
+        table = {key: _plain(value_of_list) for key, value_of_list in columns.items() if value_of_list is not None}
         return {"type": value.key, **table} if isinstance(value, Component) else table
     return str(value) if isinstance(value, Path) else value
 

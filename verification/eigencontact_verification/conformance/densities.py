@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.conformance.orders import of_total
 from eigencontact_verification.conformance.quadrature import quadrature_rules
-from eigencontact_verification.conformance.report import agree, check, ensure, ensure_pure
+from eigencontact_verification.conformance.report import agree, check, ensure, ensure_array, ensure_pure
 from eigencontact_verification.conformance.sampling import principal_axes, region, sample, within
 
 FloatArray = NDArray[np.float64]
@@ -30,7 +30,7 @@ def count_of(degree: int) -> int:
 
 def values_of(shape: Any, degree: int, places: FloatArray) -> FloatArray:
     """Densities at points ``(..., 3)``."""
-    return np.asarray(shape.densities(degree, *(np.array(part) for part in np.moveaxis(places, -1, 0))))
+    return np.asarray(shape.densities(degree, *(np.array(coordinate) for coordinate in np.moveaxis(places, -1, 0))))
 
 
 def density_sizes(shape: Any, degree: int) -> FloatArray:
@@ -58,12 +58,12 @@ def check_densities(shape: Any) -> None:
     for degree in range(DEGREE + 1):
         count = count_of(degree)
         values = values_of(shape, degree, points)
-        ensure(
-            values.shape == (count, len(points)) and values.dtype == np.float64,
+        ensure_array(
+            values,
+            (count, len(points)),
             f"densities up to degree {degree} at {len(points)} points",
-            f"float64 of shape {(count, len(points))}: (N+1)(N+2)(N+3)/6 densities",
-            f"{values.dtype} of shape {values.shape}",
             "return one row for each density",
+            rule="float64 of shape {shape}: (N+1)(N+2)(N+3)/6 densities",
         )
         names = [f"density {row} of degree up to {degree}" for row in range(count)]
         size = np.max(np.abs(values), axis=1, keepdims=True)
@@ -98,9 +98,9 @@ def check_densities_arrays(shape: Any) -> None:
     for form in ((), (1,), (12,), (3, 2, 2), (0,)):
         size = int(np.prod(form))
         answer = values_of(shape, DEGREE, np.resize(points, (12, 3))[:size].reshape((*form, 3)))
-        alone = np.resize(expected, (count, 12))[:, :size].reshape((count, *form))
+        in_a_row = np.resize(expected, (count, 12))[:, :size].reshape((count, *form))
         ensure(
-            answer.shape == (count, *form) and np.allclose(answer, alone, rtol=1e-9, atol=1e-12),
+            answer.shape == (count, *form) and np.allclose(answer, in_a_row, rtol=1e-9, atol=1e-12),
             f"densities at points of shape {form}",
             f"of shape {(count, *form)}, the values of the same points in a row",
             f"of shape {answer.shape}",
@@ -117,7 +117,7 @@ def check_density_rule(shape: Any) -> None:
     grams, moments = [], []
     box = region(shape)
     for times in (1, 2):
-        points, weights = (np.asarray(part) for part in shape.density_rule((*(times * count for count in counts),)))
+        points, weights = (np.asarray(array) for array in shape.density_rule((*(times * count for count in counts),)))
         ensure(
             points.ndim == 2 and points.shape[1:] == (3,) and weights.shape == points.shape[:1],
             "points and weights of density_rule",

@@ -36,7 +36,7 @@ def check_eigenstrain_arrays(field: Any) -> None:
         }
         for case, arguments in cases.items():
             answer = np.asarray(field.eigenstrain(*arguments, 1.0))
-            expected = (6, *np.broadcast_shapes(*(np.shape(part) for part in arguments)))
+            expected = (6, *np.broadcast_shapes(*(np.shape(argument) for argument in arguments)))
             ensure(
                 answer.shape == expected and answer.dtype == np.float64 and np.all(np.isfinite(answer)),
                 f"eigenstrain at points of shape {case}",

@@ -103,9 +103,9 @@ def check_damage_pure(criterion: Any) -> None:
 def check_points_apart(criterion: Any) -> None:
     """A point alone has the value that it has among others."""
     stress = _stress(8, 5)
-    alone = np.concatenate([_values(criterion, stress[..., k : k + 1]) for k in range(5)])
+    single = np.concatenate([_values(criterion, stress[..., k : k + 1]) for k in range(5)])
     _same(
-        _values(criterion, stress), alone, 1e-6, "damage of five points", "that of each alone",
+        _values(criterion, stress), single, 1e-6, "damage of five points", "that of each alone",
         "vectorise over the last axis; no largest or mean over points",
     )  # fmt: skip
 
@@ -156,8 +156,8 @@ def check_tension(criterion: Any) -> None:
 def check_small_stress(criterion: Any) -> None:
     """No stress, no damage; and a hundredth of a cycle does not damage more than all of it."""
     stress = _stress(6, 4)
-    none, small, value = (_values(criterion, factor * stress) for factor in (0.0, 0.01, 1.0))
-    ensure(np.all(np.abs(none) <= _EXACT * np.abs(value)), "damage without stress", "0", f"{none.max():.3g}", "see 0/0")
+    zero, small, value = (_values(criterion, factor * stress) for factor in (0.0, 0.01, 1.0))
+    ensure(np.all(np.abs(zero) <= _EXACT * np.abs(value)), "damage without stress", "0", f"{zero.max():.3g}", "see 0/0")
     ensure(
         np.all(small <= value), "damage of a hundredth of a cycle", f"below that of the cycle, {value.min():.3g}",
         f"{small.max():.3g}", "the damage parameter grows with stress",

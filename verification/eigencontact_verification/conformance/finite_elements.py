@@ -76,7 +76,7 @@ def _rows(component: Any) -> list[Row]:
     symmetries = symmetries_of(shape)
     rows: list[Row] = []
     for eigenstrain in ("uniform", "zz") if symmetries["revolved"] else ("uniform",):
-        case = inclusion_case({"key": component.key}, eigenstrain, 0.3, name="check", made=shape, **symmetries)
+        case = inclusion_case({"key": component.key}, eigenstrain, 0.3, name="check", component=shape, **symmetries)
         outcomes = tuple((task, perform(task)) for task in tasks_of(case))
         rows += judge(Solved(case=case, outcomes=outcomes)).rows
     return rows

@@ -44,5 +44,5 @@ def check_separation_arrays(geometry: Any) -> None:
 @check
 def check_separation_pure(geometry: Any) -> None:
     """Same answer twice; inputs stay as they were, and may be read-only."""
-    x, y = (part.copy() for part in _places(geometry))
+    x, y = (coordinate.copy() for coordinate in _places(geometry))
     ensure_pure("separation", lambda: geometry.separation(x, y), (x, y))

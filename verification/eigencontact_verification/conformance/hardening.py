@@ -34,9 +34,11 @@ def check_curve_arrays(law: Any) -> None:
     """Value and slope of every strain: float64 of the shape of the strains, finite, also of none."""
     name, curve = _curve(law)
     for count in (0, 1, len(_STRAINS)):
-        found = curve(_STRAINS[:count])
-        ensure(isinstance(found, tuple) and len(found) == 2, name, "a pair: value, slope", type(found).__name__, "")
-        for what, values in zip(("value", "slope"), found, strict=True):
+        answers = curve(_STRAINS[:count])
+        ensure(
+            isinstance(answers, tuple) and len(answers) == 2, name, "a pair: value, slope", type(answers).__name__, ""
+        )
+        for what, values in zip(("value", "slope"), answers, strict=True):
             good = isinstance(values, np.ndarray) and values.shape == (count,) and values.dtype == np.float64
             got = f"{getattr(values, 'dtype', type(values))} of shape {np.shape(values)}"
             advice = "np.full_like(p, ...) makes a constant"
@@ -85,13 +87,13 @@ def check_curve_pure(law: Any) -> None:
     name, curve = _curve(law)
     strains = _STRAINS.copy()
     strains.flags.writeable = False
-    first = [np.array(part) for part in curve(strains)]
+    first = [np.array(array) for array in curve(strains)]
     curve(2.0 * strains)
     for what, once, again in zip(("value", "slope"), first, curve(strains), strict=True):
         ensure(np.array_equal(once, again), f"{what} of {name} asked twice", "the same", "different", "keep no memory")
     for point in range(0, len(strains), 7):
-        alone = curve(strains[point : point + 1])
-        for what, many, one in zip(("value", "slope"), first, alone, strict=True):
-            same = np.allclose(many[point], one[0], rtol=1e-12, atol=0.0)
+        single = curve(strains[point : point + 1])
+        for what, many, value in zip(("value", "slope"), first, single, strict=True):
+            same = np.allclose(many[point], value[0], rtol=1e-12, atol=0.0)
             advice = "no `if` on arrays, no maximum over all"
-            ensure(same, f"{what} of {name} of one strain", "that among many", one[0], advice)
+            ensure(same, f"{what} of {name} of one strain", "that among many", value[0], advice)

@@ -117,12 +117,12 @@ def check_parity(shape: Any) -> None:
     """A region that equals its mirror image about a plane through its centre has potentials even or odd about it."""
     box = region(shape)
     probes = box.half * evenly(2048)
-    held = inside(shape, box.center + probes)
+    contained = inside(shape, box.center + probes)
     places = _all_points(shape)[0][::2]
     offset = places - box.center
     for axis in range(3):
         flip = np.where(np.arange(3) == axis, -1.0, 1.0)
-        if not np.array_equal(inside(shape, box.center + flip * probes), held):
+        if not np.array_equal(inside(shape, box.center + flip * probes), contained):
             continue
         mirrored = box.center + flip * offset
         for which, totals in (("phi", (1, 2, 3, 4)), ("psi", (3, 4, 5))):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import HasFarField, PointSources
 from eigencontact_verification.conformance.arrays import mirror_orders
 from eigencontact_verification.conformance.orders import Order, name, of_total, point_derivatives
-from eigencontact_verification.conformance.quadrature import Rule, quadrature_rules
+from eigencontact_verification.conformance.quadrature import Rule, depth_rule, quadrature_rules
 from eigencontact_verification.conformance.report import agree, check, ensure
 from eigencontact_verification.conformance.sampling import (
     evenly,
@@ -118,7 +118,7 @@ def check_decay(shape: Any) -> None:
                 potential(shape, which, orders, fine.centroid + factor * box.radius * rays) for factor in (50, 100)
             )
             expected = power - total
-            sizes = [np.sqrt(np.sum(part**2)) for part in (near, far)]
+            sizes = [np.sqrt(np.sum(tensor**2)) for tensor in (near, far)]
             with np.errstate(divide="ignore", invalid="ignore"):
                 rate = float(np.log2(np.divide(sizes[1], sizes[0])))
             ensure(
@@ -224,15 +224,9 @@ def check_chi(shape: Any) -> None:
 
 
 def _chi_integrals(shape: Any, orders: list[Order], places: FloatArray, count: int) -> FloatArray:
-    """Orders of chi as integrals of Phi along the depth, t - Z = size * s / (1 - s), Gauss's rule in s."""
-    size = region(shape).size
-    abscissae, gauss = np.polynomial.legendre.leggauss(count)
-    share = (abscissae + 1) / 2
-    reach = size * share / (1 - share)
-    weights = gauss / 2 * size / (1 - share) ** 2
-    above = np.repeat(places[:, None, :], count, axis=1)
-    above[..., 2] = -(places[:, 2:] + reach)
-    line = above.reshape(-1, 3)
+    """Orders of chi as integrals of Phi along the depth."""
+    reach, weights, points = depth_rule(region(shape).size, places, count)
+    line = points.reshape(-1, 3)
     sources = shape.far_field() if isinstance(shape, HasFarField) else None
     away = np.zeros(len(line), bool)
     if sources is not None:

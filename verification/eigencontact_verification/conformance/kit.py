@@ -186,8 +186,8 @@ def parametrize_with_checks(
     cases = []
     for number, component in enumerate(components):
         for check in checks_for(component, finite_elements=finite_elements, installed=installed):
-            known = waive.get(check.__name__)
-            marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
+            waived = waive.get(check.__name__)
+            marks = [pytest.mark.xfail(reason=waived, strict=True)] if waived else []
             if check in _SLOW.get(component.kind, ()):
                 marks += slow_marks
             cases.append(pytest.param(component, check, id=f"{component.key}{number}-{check.__name__}", marks=marks))

@@ -54,24 +54,24 @@ def check_parts_of_law(law: Any) -> None:
         return
     for question, answer in history(law):
         step = question.step
-        parts = law.laws_at(step.x, step.y, step.z)
+        laws = law.laws_at(step.x, step.y, step.z)
         ensure(
-            np.array_equal(np.sum([where for _, where in parts], axis=0), np.ones(question.count)),
+            np.array_equal(np.sum([where for _, where in laws], axis=0), np.ones(question.count)),
             "laws_at", "one law for every point", "none, or several", "",
         )  # fmt: skip
-        for part, where in parts:
+        for sublaw, where in laws:
             place = replace(step, x=step.x[where], y=step.y[where], z=step.z[where])
-            before = {name: question.before[name][:, where] for name in part.variables}
-            local = answered(part, Question(question.strain[:, where], before, place))
+            before = {name: question.before[name][:, where] for name in sublaw.variables}
+            local = answered(sublaw, Question(question.strain[:, where], before, place))
             size = float(np.abs(answer.stress).max(initial=0.0))
             ensure(
                 np.allclose(answer.stress[:, where], local.stress, rtol=0.0, atol=_ROUNDING * size),
-                f"stress of the part {part.key!r}", "that of the law itself", "something else",
+                f"stress of the part {sublaw.key!r}", "that of the law itself", "something else",
                 "let update ask the laws of laws_at",
             )  # fmt: skip
             for name, values in local.variables.items():
                 same = np.array_equal(answer.variables[name][:, where], values)
-                ensure(same, f"variable {name!r} of the part {part.key!r}", "that of the law itself", "another", "")
+                ensure(same, f"variable {name!r} of the part {sublaw.key!r}", "that of the law itself", "another", "")
 
 
 @check
@@ -91,27 +91,27 @@ def check_cell_answer(law: Any) -> None:
     ready: Any = law if isinstance(law, HasCellAnswer) and finite(law) else None
     if ready is None:
         return
-    own = 0.3 * some_strains(seed=11)
+    prestrain = 0.3 * some_strains(seed=11)
     for question, _ in history(law):
         foreign = _AROUND.young_modulus * some_strains(seed=12)
-        for array in (foreign, own, *question.before.values()):
+        for array in (foreign, prestrain, *question.before.values()):
             array.flags.writeable = False
-        found, after = ready.cell_answer(foreign, own, _AROUND, question.before, question.step)
+        strain, after = ready.cell_answer(foreign, prestrain, _AROUND, question.before, question.step)
         ensure(
-            isinstance(found, np.ndarray) and found.shape == foreign.shape and bool(np.isfinite(found).all()),
-            "cell_answer", f"finite, of shape {foreign.shape}", getattr(found, "shape", type(found).__name__), "",
+            isinstance(strain, np.ndarray) and strain.shape == foreign.shape and bool(np.isfinite(strain).all()),
+            "cell_answer", f"finite, of shape {foreign.shape}", getattr(strain, "shape", type(strain).__name__), "",
         )  # fmt: skip
-        stress = foreign - _taken(found)
-        answer = answered(law, Question(_strain(stress) + found - own, question.before, question.step))
-        stiffness = np.abs(answer.tangent).max(axis=(0, 1))
-        size = np.linalg.norm(foreign, axis=0) + stiffness * np.linalg.norm(own, axis=0)
-        error = float((np.abs(answer.stress - stress) / size).max())
+        stress = foreign - _taken(strain)
+        law_answer = answered(law, Question(_strain(stress) + strain - prestrain, question.before, question.step))
+        stiffness = np.abs(law_answer.tangent).max(axis=(0, 1))
+        size = np.linalg.norm(foreign, axis=0) + stiffness * np.linalg.norm(prestrain, axis=0)
+        error = float((np.abs(law_answer.stress - stress) / size).max())
         ensure(
             error <= _ITERATED, "stress of a cell by cell_answer", "that of update for its strain",
             f"off by {error:.1e}", "the eigenstrain holds the prestrain; see Surroundings for what it takes away",
         )  # fmt: skip
         ensure(set(after) == set(law.variables), "variables of cell_answer", "those declared", set(after), "")
-        for name, values in answer.variables.items():
+        for name, values in law_answer.variables.items():
             near = np.allclose(after[name], values, rtol=0.0, atol=_ITERATED * float(np.abs(values).max()))
             ensure(near, f"variable {name!r} of cell_answer", "that of update", "something else", "")
 
@@ -129,14 +129,14 @@ def check_means(law: Any) -> None:
         ensure(0 < radius < np.inf, f"radius of {name!r}", "positive and finite [m]", radius, "")
     differs = False
     for question, answer in history(law):
-        own = {name: np.array(answer.variables[name]) for name in averaged}
-        same = answered(law, Question(question.strain, question.before, replace(question.step, means=own)))
-        twice = {name: 2.0 * values for name, values in own.items()}
+        means = {name: np.array(answer.variables[name]) for name in averaged}
+        same = answered(law, Question(question.strain, question.before, replace(question.step, means=means)))
+        twice = {name: 2.0 * values for name, values in means.items()}
         other = answered(law, Question(question.strain, question.before, replace(question.step, means=twice)))
-        for what, without, told in pairs(answer, same):
+        for what, without, expected in pairs(answer, same):
             size = float(np.abs(without).max(initial=0.0))
             ensure(
-                what == "tangent" or np.allclose(without, told, rtol=0.0, atol=_ITERATED * size),
+                what == "tangent" or np.allclose(without, expected, rtol=0.0, atol=_ITERATED * size),
                 f"{what} where means are the points' own", "that without means", "something else",
                 "take step.means[name] where it is there, the value after the increment elsewhere",
             )  # fmt: skip

@@ -73,17 +73,17 @@ def check_response_shapes(law: Any) -> None:
 
 
 def _complete(law: Any, question: Question, case: str) -> None:
-    found, count = law.update(question.strain, question.before, question.step), question.count
-    ensure(isinstance(found, Response), "the answer", "a Response", type(found).__name__, "see eigencontact.plugin")
-    _formed(found.stress, [(6, count)], f"stress of {case}")
-    _formed(found.tangent, [(6, 6, count), (6, 6)], f"tangent of {case}")
+    answer, count = law.update(question.strain, question.before, question.step), question.count
+    ensure(isinstance(answer, Response), "the answer", "a Response", type(answer).__name__, "see eigencontact.plugin")
+    _formed(answer.stress, [(6, count)], f"stress of {case}")
+    _formed(answer.tangent, [(6, 6, count), (6, 6)], f"tangent of {case}")
     ensure(
-        set(found.variables) == set(law.variables), f"variables after, of {case}",
-        f"those declared, {set(law.variables)}", set(found.variables),
+        set(answer.variables) == set(law.variables), f"variables after, of {case}",
+        f"those declared, {set(law.variables)}", set(answer.variables),
         "declare each in the class attribute variables, and return each",
     )  # fmt: skip
     for name, item in law.variables.items():
-        _formed(found.variables[name], [(item.components, count)], f"variable {name!r} of {case}")
+        _formed(answer.variables[name], [(item.components, count)], f"variable {name!r} of {case}")
 
 
 def _formed(values: Any, shapes: list[tuple[int, ...]], what: str) -> None:
@@ -98,13 +98,14 @@ def check_rest(law: Any) -> None:
     """At rest, without strain, there is no stress, the tangent is finite, and what is remembered stays zero."""
     for duration in (1.0, 0.0):
         question = Question(np.zeros((6, 8)), rest(law, 8), step_at(8, time=1.0, duration=duration))
-        found = answered(law, question)
+        answer = answered(law, question)
         ensure(
-            np.all(found.stress == 0.0), f"stress without strain at rest, duration {duration:g}", "zero",
-            np.abs(found.stress).max(), "stress counts from a stress-free state; NaN: take limits where a norm is zero",
+            np.all(answer.stress == 0.0), f"stress without strain at rest, duration {duration:g}", "zero",
+            np.abs(answer.stress).max(),
+            "stress counts from a stress-free state; NaN: take limits where a norm is zero",
         )  # fmt: skip
-        ensure(np.all(np.isfinite(found.tangent)), "tangent without strain at rest", "finite", "not", "take the limit")
-        for name, values in found.variables.items():
+        ensure(np.all(np.isfinite(answer.tangent)), "tangent without strain at rest", "finite", "not", "take the limit")
+        for name, values in answer.variables.items():
             ensure(
                 np.all(values == 0.0), f"variable {name!r} without strain at rest", "zero, as it was",
                 np.abs(values).max(), "store what has been added since the state at rest",
@@ -117,13 +118,13 @@ def check_update_pure(law: Any) -> None:
     (other, _), *_, (question, _) = history(law)
     step = question.step
     arrays = (question.strain, *question.before.values(), step.x, step.y, step.z)
-    kept = [array.copy() for array in arrays]
+    copies_of_arrays = [array.copy() for array in arrays]
     first = law.update(question.strain, question.before, step)
-    copies = [np.array(part) for part in parts(first)]
-    unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, kept, strict=True))
+    copies = [np.array(tensor) for tensor in parts(first)]
+    unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, copies_of_arrays, strict=True))
     ensure(unchanged, "the arrays of the question", "unchanged", "changed", "write to copies only")
     law.update(other.strain, other.before, other.step)
-    handed = [np.array(part) for part in parts(first)]
+    handed = [np.array(tensor) for tensor in parts(first)]
     for array in arrays:
         array.flags.writeable = False
     for again in (handed, parts(law.update(question.strain, question.before, step))):
@@ -139,11 +140,11 @@ def check_points_alone(law: Any) -> None:
     for question, _ in history(law):
         whole = answered(law, question)
         for point in range(0, question.count, 5):
-            alone = answered(law, _one(question, point))
-            for what, many, one in pairs(whole, alone):
+            single = answered(law, _one(question, point))
+            for what, many, value in pairs(whole, single):
                 size = float(np.abs(many).max(initial=0.0))
                 ensure(
-                    np.allclose(many[..., point : point + 1], one, rtol=0.0, atol=_ROUNDING * size),
+                    np.allclose(many[..., point : point + 1], value, rtol=0.0, atol=_ROUNDING * size),
                     f"{what} of point {point} among {question.count}", "what it is of that point alone",
                     "something else", "treat every point alike: no `if` on arrays, no maximum over all points",
                 )  # fmt: skip
@@ -151,6 +152,6 @@ def check_points_alone(law: Any) -> None:
 
 def _one(question: Question, point: int) -> Question:
     """One point of a question."""
-    part, step = slice(point, point + 1), question.step
-    place = LawStep(x=step.x[part], y=step.y[part], z=step.z[part], time=step.time, duration=step.duration)
-    return Question(question.strain[:, part], {n: v[:, part] for n, v in question.before.items()}, place)
+    columns, step = slice(point, point + 1), question.step
+    place = LawStep(x=step.x[columns], y=step.y[columns], z=step.z[columns], time=step.time, duration=step.duration)
+    return Question(question.strain[:, columns], {n: v[:, columns] for n, v in question.before.items()}, place)

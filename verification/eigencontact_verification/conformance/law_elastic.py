@@ -50,7 +50,7 @@ def check_factors(law: Any) -> None:
     if not isinstance(linear, LinearLaw):
         return
     for around in _AROUND:
-        soft, stiff = (np.asarray(part, dtype=float) for part in linear.factors(around))
+        soft, stiff = (np.asarray(factor, dtype=float) for factor in linear.factors(around))
         case = f"factors({around:.0e})"
         ensure(
             soft.shape in ((6, 6), (step_at().x.size, 6, 6)) and soft.shape == stiff.shape, f"shapes of {case}",

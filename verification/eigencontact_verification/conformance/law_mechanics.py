@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.quantities import DirectionMark
 from eigencontact.plugin import LinearLaw, Rotation, as_tuple, mandel_rotation, rotation_matrix
+from eigencontact_verification.conformance.common import annotations_of
 from eigencontact_verification.conformance.law_questions import (
     Question,
     along,
@@ -42,7 +43,7 @@ _TURN = rotation_matrix("turn", (0.7, -0.4, 1.9))
 def check_tangent(law: Any) -> None:
     """The tangent is the derivative of the stress by the strain, at rest and within an increment with a history."""
     for number, (question, answer) in enumerate(history(law), 1):
-        (wide, _), (near, bend) = (_differences(law, question, answer.stress, part) for part in (1.0, 0.5))
+        (wide, _), (near, bend) = (_differences(law, question, answer.stress, fraction) for fraction in (1.0, 0.5))
         size = np.abs(answer.tangent).max(axis=(0, 1)) + np.abs(near).max(axis=(0, 1)) + np.finfo(float).tiny
         smooth = (np.abs(wide - near).max(axis=(0, 1)) <= _NEAR * size) & (bend.max(axis=(0, 1)) <= _BEND * size)
         ensure(
@@ -58,9 +59,9 @@ def check_tangent(law: Any) -> None:
         )  # fmt: skip
 
 
-def _differences(law: Any, question: Question, stress: FloatArray, part: float) -> tuple[FloatArray, FloatArray]:
+def _differences(law: Any, question: Question, stress: FloatArray, fraction: float) -> tuple[FloatArray, FloatArray]:
     """Central differences ``(6, 6, n)``, and how far forward ones are from backward ones, by part of the step."""
-    step = part * _STEP * np.linalg.norm(question.strain, axis=0)
+    step = fraction * _STEP * np.linalg.norm(question.strain, axis=0)
     out, bend = np.empty((6, 6, question.count)), np.empty((6, 6, question.count))
     for column in range(6):
         change = np.zeros_like(question.strain)
@@ -91,15 +92,15 @@ def check_tangent_symmetry(law: Any) -> None:
 @law_check
 def check_objectivity(law: Any) -> None:
     """Turn the strain, what is remembered and the directions of the material, and the stress is turned."""
-    turned, found = _turned(law)
+    turned, has_directions = _turned(law)
     ensure(
-        found or law.isotropic, "the law", "isotropic, or with directions that can be turned", "neither",
+        has_directions or law.isotropic, "the law", "isotropic, or with directions that can be turned", "neither",
         "say isotropic: ClassVar[bool] = True, or annotate fields with Direction or Rotation; a law that is bound to "
         "the axes of the scene waives this check",
     )  # fmt: skip
     Q = mandel_rotation(_TURN)
     if not finite(law):
-        stiff, expected = (there(one, step_at()).factors(8e10)[1] for one in (turned, law))
+        stiff, expected = (there(elastic_law, step_at()).factors(8e10)[1] for elastic_law in (turned, law))
         _alike("stiff", stiff, Q @ expected @ Q.T, 1.0)
         return
     before: Mapping[str, FloatArray] | None = None
@@ -122,25 +123,20 @@ def _turned(law: Any) -> tuple[Any, bool]:
         value, hint = getattr(law, item.name), hints[item.name]
         if hint in (Rotation, Rotation | None):
             changes[item.name] = as_tuple(_TURN @ rotation_matrix(law.key, value))
-        elif value is not None and DirectionMark() in _marks(hint):
+        elif value is not None and DirectionMark() in annotations_of(hint):
             changes[item.name] = as_tuple((_TURN @ np.asarray(value, dtype=float).T).T)
         else:
-            part, found = _turned_parts(value)
-            changes |= {item.name: part} if found else {}
+            component, has_directions = _turned_parts(value)
+            changes |= {item.name: component} if has_directions else {}
     return (replace(law, **changes), True) if changes else (law, False)
 
 
 def _turned_parts(value: Any) -> tuple[Any, bool]:
     """Components that a law holds, one or several, turned, and whether there is one to turn."""
     if isinstance(value, tuple):
-        parts = [_turned_parts(part) for part in value]
-        return tuple(part for part, _ in parts), any(found for _, found in parts)
+        pairs = [_turned_parts(component) for component in value]
+        return tuple(component for component, _ in pairs), any(has_directions for _, has_directions in pairs)
     return _turned(value) if is_dataclass(value) and not isinstance(value, type) else (value, False)
-
-
-def _marks(hint: Any) -> list[Any]:
-    """Everything that annotates a type or a part of it."""
-    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
 
 
 def _turned_variables(law: Any, variables: Mapping[str, FloatArray], Q: FloatArray) -> dict[str, FloatArray]:
@@ -161,18 +157,18 @@ def check_energy(law: Any) -> None:
     """A closed path of strain from rest costs work or none, and never gives any; of a linear law it costs none."""
     linear = isinstance(there(law, step_at()), LinearLaw)
     count = _FEW if linear else _INCREMENTS
-    one, other = some_strains(), some_strains(seed=5)
-    other *= np.linalg.norm(one, axis=0) / np.linalg.norm(other, axis=0)
+    first, other = some_strains(), some_strains(seed=5)
+    other *= np.linalg.norm(first, axis=0) / np.linalg.norm(other, axis=0)
     angle = 2.0 * np.pi * np.arange(2 * count + 1)[:, None, None] / count
     ways = {"to and fro": 0.0, "round a loop": 1.0, "round a loop the other way": -1.0}
-    path = np.concatenate([(1.0 - np.cos(angle)) * one + a * np.sin(angle) * other for a in ways.values()], axis=-1)
+    path = np.concatenate([(1.0 - np.cos(angle)) * first + a * np.sin(angle) * other for a in ways.values()], axis=-1)
     path[count] = path[-1] = 0.0
     stress = np.stack([np.zeros(path[0].shape), *(answer.stress for answer in along(law, path[1:]))])
     work_of_parts = 0.5 * (stress[1:] + stress[:-1]) * np.diff(path, axis=0)
-    for what, parts in zip(ways, np.split(work_of_parts, len(ways), axis=-1), strict=True):
-        size = np.abs(parts).sum(axis=(0, 1)) + np.finfo(float).tiny
+    for what, path_work in zip(ways, np.split(work_of_parts, len(ways), axis=-1), strict=True):
+        size = np.abs(path_work).sum(axis=(0, 1)) + np.finfo(float).tiny
         for turns in (1, 2):
-            work = parts[: turns * count].sum(axis=(0, 1)) / size
+            work = path_work[: turns * count].sum(axis=(0, 1)) / size
             ensure(
                 work.min() >= -(_ROUNDING if linear else _LEFT),
                 f"work of strain {what}, {turns} times", "zero or positive", f"{work.min():.2e} of all work on the way",

@@ -81,8 +81,8 @@ def some_strains(count: int = _POINTS, seed: int = 0) -> FloatArray:
     out *= 10.0 ** rng.uniform(*_STRAINS, count) / np.linalg.norm(out, axis=0)
     pure = np.zeros((6, 4))
     pure[[0, 1, 2, 3, 0, 2], [0, 0, 0, 1, 2, 3]] = 0.9173e-3 * np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
-    kept = min(count, 4)
-    out[:, :kept] = pure[:, :kept]
+    count_of_cases = min(count, 4)
+    out[:, :count_of_cases] = pure[:, :count_of_cases]
     return out
 
 
@@ -116,10 +116,10 @@ def finite(law: Any) -> bool:
 
 def answered(law: Any, question: Question) -> Response:
     """Answer of a law, with a tangent for each point, ``(6, 6, n)``."""
-    found = law.update(question.strain, question.before, question.step)
-    tangent = np.asarray(found.tangent, dtype=float)
+    answer = law.update(question.strain, question.before, question.step)
+    tangent = np.asarray(answer.tangent, dtype=float)
     tangent = np.broadcast_to(tangent if tangent.ndim == 3 else tangent[..., None], (6, 6, question.count))
-    return Response(stress=np.asarray(found.stress, dtype=float), tangent=tangent, variables=found.variables)
+    return Response(stress=np.asarray(answer.stress, dtype=float), tangent=tangent, variables=answer.variables)
 
 
 def history(law: Any, count: int = _POINTS) -> Iterator[tuple[Question, Response]]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import COMPONENTS, SQRT2, HasResponseAtDepths, Material
-from eigencontact_verification.conformance.report import check, ensure, ensure_pure
+from eigencontact_verification.conformance.report import check, ensure, ensure_array, ensure_pure
 from eigencontact_verification.conformance.sampling import remembered
 
 FloatArray = NDArray[np.float64]
@@ -39,18 +39,20 @@ def check_materials(medium: Any) -> None:
         ("material_at(0)", 0.0, "below", medium.surface_material),
         ("material_at far below", 1e12 * _sizes(medium)[1], "below", medium.deep_material),
     ):
-        found = medium.material_at(depth, side=side)
-        ensure(isinstance(found, Material), what, "a Material", repr(found), "return eigencontact.plugin.Material")
+        material = medium.material_at(depth, side=side)
         ensure(
-            np.allclose(_constants(found), _constants(expected), rtol=1e-6, atol=1e-9), what, repr(expected),
-            repr(found), "compare with surface_material and deep_material",
+            isinstance(material, Material), what, "a Material", repr(material), "return eigencontact.plugin.Material"
+        )
+        ensure(
+            np.allclose(_constants(material), _constants(expected), rtol=1e-6, atol=1e-9), what, repr(expected),
+            repr(material), "compare with surface_material and deep_material",
         )  # fmt: skip
     for depth in depths:
         for side, inside in (("above", depth * (1 - 1e-6)), ("below", depth * (1 + 1e-6))):
-            found, near = medium.material_at(float(depth), side=side), medium.material_at(float(inside))
+            material, near = medium.material_at(float(depth), side=side), medium.material_at(float(inside))
             ensure(
-                np.allclose(_constants(found), _constants(near), rtol=1e-4, atol=1e-6),
-                f"material_at({depth:.6g}, side={side!r})", f"that of the depth {inside:.9g}, {near!r}", repr(found),
+                np.allclose(_constants(material), _constants(near), rtol=1e-4, atol=1e-6),
+                f"material_at({depth:.6g}, side={side!r})", f"that of the depth {inside:.9g}, {near!r}", repr(material),
                 "'above' is nearer to the surface, 'below' is deeper",
             )  # fmt: skip
 
@@ -65,18 +67,17 @@ def check_response_arrays(medium: Any) -> None:
         for quantity, components in (("displacement", ("z",)), ("displacement", _AXES), ("stress", ("xz", "zz", "yy"))):
             for traction in _TRACTIONS:
                 got = np.asarray(medium.response(quantity, components, traction, kx, ky, 0.3 / k))
-                ensure(
-                    got.shape == (len(components), *shape) and got.dtype == np.complex128,
-                    f"response of {quantity} to {traction}", f"complex128 of shape {(len(components), *shape)}",
-                    f"{got.dtype} of shape {got.shape}", "kx and ky broadcast against each other",
+                ensure_array(
+                    got, (len(components), *shape), f"response of {quantity} to {traction}",
+                    "kx and ky broadcast against each other", rule="complex128 of shape {shape}", dtype=np.complex128,
                 )  # fmt: skip
                 ensure(np.all(np.isfinite(got)), f"response of {quantity} to {traction}", "finite", "not", "see k = 0")
-    none = np.zeros(1)
+    zero = np.zeros(1)
     for traction, name in (("p", "zz"), ("q_x", "xz"), ("q_y", "yz")):
-        u = medium.response("displacement", _AXES, traction, none, none, 0.3 / k)
+        u = medium.response("displacement", _AXES, traction, zero, zero, 0.3 / k)
         uniform = np.zeros((6, 1))
         uniform[_ROW[name]] = -1.0 if name == "zz" else -SQRT2
-        stress = medium.response("stress", COMPONENTS, traction, none, none, 0.3 / k)
+        stress = medium.response("stress", COMPONENTS, traction, zero, zero, 0.3 / k)
         ensure(
             np.array_equal(u, np.zeros((3, 1))), f"displacement at kx = ky = 0 under {traction}", "zero", u.ravel(),
             "the mean displacement of a periodic half-space has no bound: it is defined as zero",
@@ -112,18 +113,18 @@ def check_response_at_depths(medium: Any) -> None:
     kx, ky = k * np.cos(_ANGLES), k * np.sin(_ANGLES)
     for traction, quantity, side in product(_TRACTIONS, ("displacement", "stress"), ("above", "below")):
         names = _AXES if quantity == "displacement" else COMPONENTS
-        found = np.asarray(many.response_at_depths(quantity, names, traction, kx, ky, depths, side=side))
+        response = np.asarray(many.response_at_depths(quantity, names, traction, kx, ky, depths, side=side))
         expected = np.stack(
             [medium.response(quantity, names, traction, kx, ky, float(z), side=side) for z in depths], axis=1
         )
         what = f"{quantity} at {depths.size} depths under {traction}, {side} interfaces"
         ensure(
-            found.shape == expected.shape, f"shape of {what}", str(expected.shape), found.shape,
+            response.shape == expected.shape, f"shape of {what}", str(expected.shape), response.shape,
             "return (components, depths, ...)",
         )  # fmt: skip
         scale = np.abs(expected).max(axis=(0, 1))
         scale[scale == 0.0] = 1.0
-        _near(what, found / scale, expected / scale, 1e-10, "the depths come in any order, some twice")
+        _near(what, response / scale, expected / scale, 1e-10, "the depths come in any order, some twice")
 
 
 @check
@@ -146,10 +147,10 @@ def check_balance_below_the_surface(medium: Any) -> None:
             s, ds = _along_z(medium, "stress", COMPONENTS, traction, (kx, ky), z, step)
             s[3:], ds[3:] = s[3:] / SQRT2, ds[3:] / SQRT2
             scale = k * np.abs(s).max(axis=0)
-            for x, y, dz, words in (("xx", "xy", "xz", "x"), ("xy", "yy", "yz", "y"), ("xz", "yz", "zz", "z")):
-                rest = 1j * (kx * s[_ROW[x]] + ky * s[_ROW[y]]) + ds[_ROW[dz]]
+            for x, y, dz, direction in (("xx", "xy", "xz", "x"), ("xy", "yy", "yz", "y"), ("xz", "yz", "zz", "z")):
+                force = 1j * (kx * s[_ROW[x]] + ky * s[_ROW[y]]) + ds[_ROW[dz]]
                 _near(
-                    f"force along {words} at z = {z:.4g}, k = {k:.4g} under {traction}", rest / scale, 0.0, 1e-6,
+                    f"force along {direction} at z = {z:.4g}, k = {k:.4g} under {traction}", force / scale, 0.0, 1e-6,
                     "the stress of this depth does not balance",
                 )  # fmt: skip
 
@@ -162,13 +163,13 @@ def check_hooke(medium: Any) -> None:
         for traction in _TRACTIONS:
             u, du = _along_z(medium, "displacement", _AXES, traction, (kx, ky), z, step)
             stress = medium.response("stress", COMPONENTS, traction, kx, ky, z)
-            found = np.array(
+            strain = np.array(
                 [1j * kx * u[0], 1j * ky * u[1], du[2], (du[1] + 1j * ky * u[2]) / SQRT2,
                  (du[0] + 1j * kx * u[2]) / SQRT2, 1j * (ky * u[0] + kx * u[1]) / SQRT2]
             )  # fmt: skip
             expected = _strain(stress, medium.material_at(z))
             scale = np.abs(expected).max(axis=0) + k * np.abs(u).max(axis=0)
-            for name, got, law in zip(COMPONENTS, found, expected, strict=True):
+            for name, got, law in zip(COMPONENTS, strain, expected, strict=True):
                 _near(
                     f"strain {name} at z = {z:.4g}, k = {k:.4g} under {traction}", (got - law) / scale, 0.0, 1e-6,
                     "displacement, stress and material_at do not belong together",
@@ -294,10 +295,10 @@ def _against_half_space(medium: Any, k: float, material: Material, name: str, to
         "q_y": (-2 * nu * m * n, 2 * (1 - nu) * n * n + 2 * m * m, -1j * (1 - 2 * nu) * n),
     }
     for traction in _TRACTIONS:
-        found = 2 * G * k * medium.response("displacement", _AXES, traction, k * m, k * n, 0.0)
+        scaled = 2 * G * k * medium.response("displacement", _AXES, traction, k * m, k * n, 0.0)
         for row, axis in enumerate(_AXES):
             _near(
-                f"2 G k u_{axis} at k = {k:.3g} under {traction}", found[row], expected[traction][row], tolerance,
+                f"2 G k u_{axis} at k = {k:.3g} under {traction}", scaled[row], expected[traction][row], tolerance,
                 f"G and ν are those of {name}: the limits of response and the property must agree",
             )  # fmt: skip
 
@@ -306,9 +307,9 @@ def _near(what: str, got: ComplexArray, expected: ComplexArray | float, toleranc
     error = np.abs(got - expected)
     error = np.where(np.isnan(error), np.inf, error)
     worst = int(np.argmax(error))
-    wanted = np.broadcast_to(np.asarray(expected), error.shape).flat[worst]
+    expected_value = np.broadcast_to(np.asarray(expected), error.shape).flat[worst]
     ensure(
-        error.flat[worst] <= tolerance, what, f"{complex(wanted):.8g}",
+        error.flat[worst] <= tolerance, what, f"{complex(expected_value):.8g}",
         f"{complex(np.asarray(got).flat[worst]):.8g}, allowed error {tolerance:.0e}", advice,
     )  # fmt: skip
 
@@ -361,9 +362,9 @@ def _places(medium: Any) -> Iterator[tuple[float, float, float]]:
     """Wavenumbers, depths well inside the layers and below them, and steps that stay there."""
     small, large = _sizes(medium)
     bounds = [0.0, *(float(depth) for depth in medium.interfaces)]
-    parts = list(pairwise(bounds))
-    parts = parts if len(parts) <= 4 else [*parts[:2], parts[len(parts) // 2], parts[-1]]
-    for top, bottom in parts:
+    intervals = list(pairwise(bounds))
+    intervals = intervals if len(intervals) <= 4 else [*intervals[:2], intervals[len(intervals) // 2], intervals[-1]]
+    for top, bottom in intervals:
         for k in (0.3 / large, 1.0 / bottom, 2.0 / (bottom - top)):
             if k * top < 12.0:
                 yield k, top + 0.37 * (bottom - top), 0.003 * min(1 / k, bottom - top)

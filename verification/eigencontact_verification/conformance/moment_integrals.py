@@ -19,7 +19,7 @@ _TOLERANCE = 1e-9
 @check
 def check_moment_integrals(shape: Any) -> None:
     """moment_integrals are the sums of moment_sums times each test over the points, of the region and of its image."""
-    places = np.concatenate([part.places for part in sample(shape)])
+    places = np.concatenate([group.places for group in sample(shape)])
     sizes, rng = density_sizes(shape, DEGREE), np.random.default_rng(5)
     tests = rng.normal(size=(_TESTS, len(places)))
     for image in (False, True):

@@ -11,6 +11,7 @@ from eigencontact_verification.conformance.arrays import mirror_orders
 from eigencontact_verification.conformance.densities import DEGREE, density_sizes, values_of
 from eigencontact_verification.conformance.moments import phi_of
 from eigencontact_verification.conformance.orders import AXES, Order, add, name, of_total
+from eigencontact_verification.conformance.quadrature import depth_rule
 from eigencontact_verification.conformance.report import agree, check
 from eigencontact_verification.conformance.sampling import region, sample, within
 
@@ -21,8 +22,8 @@ _ROWS = 4
 
 def _places(shape: Any, *, image: bool) -> FloatArray:
     """Points inside and outside; z >= 0 for the image."""
-    parts = sample(shape)
-    places: FloatArray = np.concatenate([part.places for part in parts])
+    groups = sample(shape)
+    places: FloatArray = np.concatenate([group.places for group in groups])
     signs = np.where(places < 0, [-1.0, -1.0, 1.0], 1.0)
     return np.asarray(np.abs(places) * signs) if image else places
 
@@ -64,16 +65,16 @@ def _psi(shape: Any, orders: list[Order], places: FloatArray) -> FloatArray:
     higher = values_of(shape, DEGREE + 1, points) / density_sizes(shape, DEGREE + 1)[:, None]
     lower = values_of(shape, DEGREE, points) / density_sizes(shape, DEGREE)[:, None]
     products = [np.linalg.lstsq(higher.T, (offset * lower).T, rcond=None)[0].T for offset in (points - origin).T]
-    asked: list[Order] = [order for total in range(1, max(map(sum, orders))) for order in of_total(total)]
-    phi = dict(zip(asked, phi_of(shape, DEGREE + 1, asked, places).swapaxes(0, 1), strict=True))
-    own = dict(zip(asked, phi_of(shape, DEGREE, asked, places).swapaxes(0, 1), strict=True))
+    needed: list[Order] = [order for total in range(1, max(map(sum, orders))) for order in of_total(total)]
+    phi = dict(zip(needed, phi_of(shape, DEGREE + 1, needed, places).swapaxes(0, 1), strict=True))
+    potentials = dict(zip(needed, phi_of(shape, DEGREE, needed, places).swapaxes(0, 1), strict=True))
     out = []
     for order in orders:
         axis = int(np.argmax(np.array(order) > 0))
-        rest = add(order, AXES[axis], -1)
-        value = (places - origin)[:, axis] * own[rest] - products[axis] @ phi[rest]
-        if rest[axis]:
-            value += rest[axis] * own[add(rest, AXES[axis], -1)]
+        reduced = add(order, AXES[axis], -1)
+        value = (places - origin)[:, axis] * potentials[reduced] - products[axis] @ phi[reduced]
+        if reduced[axis]:
+            value += reduced[axis] * potentials[add(reduced, AXES[axis], -1)]
         out.append(value)
     return np.stack(out, axis=1)
 
@@ -140,7 +141,7 @@ def check_sums_of_chi(shape: Any) -> None:
         orders = mirror_orders(total)
         weights = _weights(shape, DEGREE, len(orders))
         coarse, values = (_chi_integrals(shape, orders, places, count) for count in (100, 150))
-        expected, rough = (np.einsum("kno,nop->kp", weights, part) for part in (values, coarse))
+        expected, rough = (np.einsum("kno,nop->kp", weights, integrals) for integrals in (values, coarse))
         scale = np.max(np.abs(values), axis=(0, 1)) * np.sqrt(weights[0].size)
         agree(
             [f"sum {row} of chi of order {total}" for row in range(_ROWS)],
@@ -164,14 +165,8 @@ def check_sums_of_chi(shape: Any) -> None:
 
 
 def _chi_integrals(shape: Any, orders: list[Order], places: FloatArray, count: int) -> FloatArray:
-    """Orders of chi as integrals along the depth, t - Z = size * s/(1 - s): ``(n, orders, points)``."""
-    size = region(shape).size
-    abscissae, gauss = np.polynomial.legendre.leggauss(count)
-    share = (abscissae + 1) / 2
-    reach = size * share / (1 - share)
-    weights = gauss / 2 * size / (1 - share) ** 2
-    along = np.repeat(places[:, None, :], count, axis=1)
-    along[..., 2] = -(places[:, 2:] + reach)
-    phi = phi_of(shape, DEGREE, [(i, j, 0) for i, j, _ in orders], along)
+    """Orders of chi as integrals along the depth, ``(n, orders, points)``."""
+    reach, weights, points = depth_rule(region(shape).size, places, count)
+    phi = phi_of(shape, DEGREE, [(i, j, 0) for i, j, _ in orders], points)
     factors = np.array([-weights if k else weights * reach for _, _, k in orders])
     return np.asarray(np.einsum("nopc,oc->nop", phi, factors))

@@ -25,7 +25,7 @@ _HIGHEST = 5
 
 def phi_of(shape: Any, degree: int, orders: list[Order], places: FloatArray) -> FloatArray:
     """Derivatives of the potentials of the densities at points ``(..., 3)``, per root mean square of each density."""
-    points = (np.array(part) for part in np.moveaxis(places, -1, 0))
+    points = (np.array(coordinate) for coordinate in np.moveaxis(places, -1, 0))
     values = np.asarray(shape.phi_moments(degree, orders, *points))
     sizes = density_sizes(shape, degree)
     return values / sizes.reshape(-1, *[1] * (values.ndim - 1))
@@ -154,9 +154,9 @@ def check_moment_laplacian(shape: Any) -> None:
 @check
 def check_moment_derivatives(shape: Any) -> None:
     """Every derivative of order 1 to 5 is the derivative of each of order one less that leads to it."""
-    parts = sample(shape)
-    places = np.concatenate([part.places for part in parts])
-    reach = np.concatenate([part.clearance for part in parts]) / 4
+    groups = sample(shape)
+    places = np.concatenate([group.places for group in groups])
+    reach = np.concatenate([group.clearance for group in groups]) / 4
     for total in range(_HIGHEST):
         orders = of_total(total)
         below = np.max(np.abs(phi_of(shape, DEGREE, orders, places)), axis=(0, 1))

@@ -37,11 +37,11 @@ def point_derivatives(power: int, orders: Sequence[Order], offset: FloatArray) -
     From R² f,i = p x_i f, true of every power, differentiated by the product rule: each order follows from lower ones.
     """
     squared = np.sum(offset**2, axis=0)
-    known: dict[Order, FloatArray] = {(0, 0, 0): squared ** (power / 2)}
+    derivatives: dict[Order, FloatArray] = {(0, 0, 0): squared ** (power / 2)}
 
     def value(order: Order) -> FloatArray:
-        if order in known:
-            return known[order]
+        if order in derivatives:
+            return derivatives[order]
         axis = next(i for i in range(3) if order[i])
         base = add(order, AXES[axis], -1)
         total = power * offset[axis] * value(base)
@@ -52,7 +52,7 @@ def point_derivatives(power: int, orders: Sequence[Order], offset: FloatArray) -
                 total = total - 2 * base[i] * offset[i] * value(add(order, AXES[i], -1))
             if base[i] > 1:
                 total = total - base[i] * (base[i] - 1) * value(add(order, AXES[i], -2))
-        known[order] = total / squared
-        return known[order]
+        derivatives[order] = total / squared
+        return derivatives[order]
 
     return np.array([value(order) for order in orders])

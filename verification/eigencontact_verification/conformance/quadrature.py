@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.conformance.sampling import inside, principal_axes, region, remembered
 
-__all__ = ["Rule", "quadrature_rules", "ray_rules"]
+__all__ = ["Rule", "depth_rule", "quadrature_rules", "ray_rules"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -69,9 +69,9 @@ def _rays(shape: Any, place: FloatArray, count: int) -> Rule:
     _, axes, spread = principal_axes(shape)
     rays = rays.reshape(-1, 3) * np.sqrt(spread) @ axes.T
     steps = np.linspace(0.0, 2 * box.radius / np.sqrt(spread.min()), 257)
-    held = inside(shape, place + steps[:, None, None] * rays)
-    step, ray = np.nonzero(held[1:] != held[:-1])
-    leaves = held[step, ray]
+    contained = inside(shape, place + steps[:, None, None] * rays)
+    step, ray = np.nonzero(contained[1:] != contained[:-1])
+    leaves = contained[step, ray]
     low, high = steps[step], steps[step + 1]
     for _ in range(46):
         middle = (low + high) / 2
@@ -90,19 +90,21 @@ def _rule(shape: Any, across: int, along: int, looks: int) -> Rule:
     box = region(shape)
     third = int(np.argmax(box.half))
     first, second = (axis for axis in range(3) if axis != third)
-    seen = [low + (high - low) * (np.arange(looks) + 0.5) / looks for low, high in zip(box.low, box.high, strict=True)]
+    looks_along = [
+        low + (high - low) * (np.arange(looks) + 0.5) / looks for low, high in zip(box.low, box.high, strict=True)
+    ]
     ends = [(float(low), float(high)) for low, high in zip(box.low, box.high, strict=True)]
 
     def swept(points: FloatArray, axis: int) -> FloatArray:
         """Lines along an axis through points ``(..., 3)``: ``(..., looks, 3)``."""
         lines = np.repeat(points[..., None, :], looks, axis=-2)
-        lines[..., axis] = seen[axis]
+        lines[..., axis] = looks_along[axis]
         return lines
 
     def stretches(points: FloatArray) -> IntArray:
         """How many stretches of the region lie on lines along the third axis."""
-        held = inside(shape, swept(points, third))
-        return np.asarray(held[..., 0] + np.sum(held[..., 1:] & ~held[..., :-1], axis=-1))
+        contained = inside(shape, swept(points, third))
+        return np.asarray(contained[..., 0] + np.sum(contained[..., 1:] & ~contained[..., :-1], axis=-1))
 
     def branches(points: FloatArray) -> IntArray:
         """A number for the sequence of `stretches` along the second axis, repetitions left out; 0 if all are 0."""
@@ -175,3 +177,26 @@ def _pieces(
     cut = (low + high) / 2
     opens = np.flatnonzero(after[:-1] != 0)
     return which[opens], cut[opens], cut[opens + 1]
+
+
+def depth_rule(size: float, places: FloatArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss's rule for integrals from the images of places upwards, by the distance ``size * s / (1 - s)``.
+
+    Parameters
+    ----------
+    size : float
+        Length of the region [m].
+    places : (n, 3) float64
+    count : int
+
+    Returns
+    -------
+    distances, weights : (count,) float64
+    points : (n, count, 3) float64
+    """
+    abscissae, gauss = np.polynomial.legendre.leggauss(count)
+    share = (abscissae + 1) / 2
+    distances = size * share / (1 - share)
+    points = np.repeat(places[:, None, :], count, axis=1)
+    points[..., 2] = -(places[:, 2:] + distances)
+    return distances, gauss / 2 * size / (1 - share) ** 2, points

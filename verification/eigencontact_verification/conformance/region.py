@@ -20,8 +20,8 @@ _SAMPLED = 0.05
 @check
 def check_bounds(shape: Any) -> None:
     """Bounds are two corners, low below high, and no point outside them is inside the shape."""
-    given = np.asarray(shape.bounds, dtype=float)
-    ordered = given.shape == (2, 3) and np.all(np.isfinite(given)) and np.all(given[0] < given[1])
+    corners = np.asarray(shape.bounds, dtype=float)
+    ordered = corners.shape == (2, 3) and np.all(np.isfinite(corners)) and np.all(corners[0] < corners[1])
     ensure(
         ordered,
         "bounds",
@@ -103,7 +103,7 @@ def check_contains_arrays(shape: Any) -> None:
     whole = np.zeros(0, bool)
     for case, arguments in cases.items():
         answer = np.asarray(shape.contains(*arguments))
-        expected = np.broadcast_shapes(*(np.shape(part) for part in arguments))
+        expected = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
         ensure(
             answer.shape == expected and answer.dtype == bool,
             f"contains of {case}",
@@ -145,8 +145,8 @@ def check_volume_fractions(shape: Any) -> None:
         (box.low + 0.3 * (box.high - box.low), 0.4 * edges, (1, 2, 2)),
     ):
         (x, y, z), (dx, dy, dz) = low.tolist(), size.tolist()
-        given = shape.volume_fractions((x, y, z), (dx, dy, dz), cells)
-        if given is None:
+        stated = shape.volume_fractions((x, y, z), (dx, dy, dz), cells)
+        if stated is None:
             continue
         fractions = volume_fractions(shape, Voxels(low, size, cells))
         sampled = volume_fractions(samples, Voxels(low, size, cells))

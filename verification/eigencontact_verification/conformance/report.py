@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import PluginError
 
-__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_pure", "fail", "place_of"]
+__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_array", "ensure_pure", "fail", "place_of"]
 
 FloatArray = NDArray[np.float64]
 Check = Callable[[Any], None]
@@ -53,6 +53,20 @@ def ensure(condition: object, what: str, rule: str, got: object, advice: str) ->
     """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
     if not condition:
         fail(what, rule, got, advice)
+
+
+def ensure_array(
+    values: NDArray[Any],
+    shape: tuple[int, ...],
+    what: str,
+    advice: str,
+    *,
+    rule: str = "float64 of shape {shape}",
+    dtype: type = np.float64,
+) -> None:
+    """Raise `ConformanceError` unless values have a shape and a type."""
+    good = values.shape == shape and values.dtype == dtype
+    ensure(good, what, rule.format(shape=shape), f"{values.dtype} of shape {values.shape}", advice)
 
 
 def fail(what: str, rule: str, got: object, advice: str) -> NoReturn:

@@ -44,8 +44,8 @@ def remembered(function: Callable[[Any], T]) -> Callable[[Any], T]:
 
     @wraps(function)
     def ask(component: Any) -> T:
-        for known, answer in answers:
-            if known is component:
+        for arguments_before, answer in answers:
+            if arguments_before is component:
                 return answer
         answers.append((component, function(component)))
         del answers[:-16]
@@ -88,9 +88,9 @@ def region(shape: Any) -> Region:
     low, high = np.asarray(shape.bounds, dtype=float)
     center, size = (low + high) / 2, float(np.max(high - low))
     place = place_field(type(shape))
-    own = np.asarray(getattr(shape, place) if place else (), dtype=object)
-    if own.shape == (3,) and np.all(np.abs(own - center) < 1e-9 * size):
-        center = own.astype(float)  # to the last bit, where 0/0 lurks
+    place_of_shape = np.asarray(getattr(shape, place) if place else (), dtype=object)
+    if place_of_shape.shape == (3,) and np.all(np.abs(place_of_shape - center) < 1e-9 * size):
+        center = place_of_shape.astype(float)  # to the last bit, where 0/0 lurks
     return Region(low, high, center, (high - low) / 2, size)
 
 
@@ -102,7 +102,7 @@ def inside(shape: Any, places: FloatArray) -> NDArray[np.bool_]:
 
 def potential(shape: Any, which: str, orders: Sequence[Order], places: FloatArray) -> FloatArray:
     """Derivatives of ``"phi"``, ``"psi"`` or ``"chi"`` at points ``(..., 3)``."""
-    x, y, z = (np.array(part) for part in np.moveaxis(np.asarray(places), -1, 0))
+    x, y, z = (np.array(coordinate) for coordinate in np.moveaxis(np.asarray(places), -1, 0))
     return np.asarray(shape.chi(orders, x, y, z) if which == "chi" else derivatives(shape, which, orders, x, y, z))
 
 
@@ -113,16 +113,16 @@ def row_scales(size: float, orders: Sequence[Order], values: FloatArray) -> Floa
     `orders` begin with the lowest that the framework asks for: those do not vanish together.
     """
     totals = np.array([sum(order) for order in orders])
-    known: dict[int, FloatArray] = {}
+    scales: dict[int, FloatArray] = {}
     for total in range(int(totals.min()), int(totals.max()) + 1):
         largest = np.max(np.abs(values[totals == total]), axis=0)
-        known[total] = np.maximum(largest, known[total - 1] / size) if known else largest
-    return np.array([known[total] for total in totals])
+        scales[total] = np.maximum(largest, scales[total - 1] / size) if scales else largest
+    return np.array([scales[total] for total in totals])
 
 
 def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> FloatArray:
     """Size of derivatives of this total order at points ``(n, 3)``; see `row_scales`."""
-    orders = [order for part in range(1 if which == "phi" else 3, total + 1) for order in of_total(part)]
+    orders = [order for degree in range(1 if which == "phi" else 3, total + 1) for order in of_total(degree)]
     return np.asarray(row_scales(region(shape).size, orders, potential(shape, which, orders, places))[-1])
 
 
@@ -153,9 +153,9 @@ def sample(shape: Any) -> tuple[Points, Points]:
     """A few points well inside, and a few around the shape and above the surface, away from the boundary."""
     box = region(shape)
     near = box.center + box.half * evenly(4096)
-    found = near[inside(shape, near)][:256]
+    interior = near[inside(shape, near)][:256]
     ensure(
-        len(found),
+        len(interior),
         "contains",
         "true somewhere between the corners of bounds",
         "false at 4096 points spread there",
@@ -163,9 +163,9 @@ def sample(shape: Any) -> tuple[Points, Points]:
     )
     around = box.center + (box.half + box.size / 2) * evenly(256)
     above = np.concatenate([around[:, :2], -np.abs(around[:, 2:])], axis=1)  # where the image of the body is asked
-    without = [_clearest(shape, part[~inside(shape, part)], box.size) for part in (around, above)]
-    return _clearest(shape, found, box.size), Points(
-        np.concatenate([part.places for part in without]), np.concatenate([part.clearance for part in without])
+    without = [_clearest(shape, points[~inside(shape, points)], box.size) for points in (around, above)]
+    return _clearest(shape, interior, box.size), Points(
+        np.concatenate([points.places for points in without]), np.concatenate([points.clearance for points in without])
     )
 
 
@@ -209,7 +209,7 @@ def on_boundary(shape: Any) -> tuple[FloatArray, FloatArray]:
     low, high = np.zeros(len(start)), np.ones(len(start))
     for _ in range(52):
         middle = (low + high) / 2
-        held = inside(shape, start + middle[:, None] * direction)
-        low, high = np.where(held, middle, low), np.where(held, high, middle)
+        contained = inside(shape, start + middle[:, None] * direction)
+        low, high = np.where(contained, middle, low), np.where(contained, high, middle)
     crossing = start + ((low + high) / 2)[:, None] * direction
     return crossing, direction / np.linalg.norm(direction, axis=1, keepdims=True)

@@ -59,9 +59,9 @@ def check_equilibrium(shape: Any) -> None:
 
     The image enters with the powers of z and with chi, which no check of Phi and Psi alone sees.
     """
-    parts = sample(shape)
-    places = np.concatenate([part.places for part in parts])
-    clearance = np.concatenate([part.clearance for part in parts])
+    groups = sample(shape)
+    places = np.concatenate([group.places for group in groups])
+    clearance = np.concatenate([group.clearance for group in groups])
     below = places[:, 2] > 0
     places, reach = places[below], np.minimum(clearance, 2 * places[:, 2])[below] / 4
 

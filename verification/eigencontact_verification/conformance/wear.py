@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import WearState
-from eigencontact_verification.conformance.report import check, ensure, ensure_pure
+from eigencontact_verification.conformance.report import check, ensure, ensure_array, ensure_pure
 
 FloatArray = NDArray[np.float64]
 
@@ -65,10 +65,7 @@ def check_worn_depth(law: Any) -> None:
     """One number for each cell, whatever the grid: finite, and zero or positive."""
     for state in _states():
         depth, shape = np.asarray(law.depth(state)), state.pressure.shape
-        ensure(
-            depth.shape == shape and depth.dtype == np.float64, _case(state), f"float64 of shape {shape}",
-            f"{depth.dtype} of shape {depth.shape}", "compute with the arrays (ny, nx), x (1, nx) and y (ny, 1)",
-        )  # fmt: skip
+        ensure_array(depth, shape, _case(state), "compute with the arrays (ny, nx), x (1, nx) and y (ny, 1)")
         ensure(
             np.all(np.isfinite(depth)) and np.all(depth >= 0), _case(state), "finite, and zero or positive",
             f"{depth.min():.3g} to {depth.max():.3g}", "look at no pressure, no slip and much of both",

@@ -288,11 +288,11 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0, 0])
     total = applied + np.einsum("cun,u->cn", caused, eigenstrain)
     remainder = -answer @ (stress @ total + (strain @ (eigenstrain - prestrain))[:, None])
-    parts = [
+    columns = [
         make("sphere", kind="inclusion-shape", center=tuple(point), radius=problem.radius * weight ** (1 / 3))
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
-    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=parts, left=remainder.T)
+    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=columns, left=remainder.T)
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:

@@ -125,18 +125,18 @@ class InclusionCase(Case):
 
     Parameters
     ----------
-    made : inclusion shape, optional
+    component : inclusion shape, optional
         The region itself, where it is at hand and need not be installed; by default it is made from the parameters.
     """
 
-    made: Any = None
+    component: Any = None
 
     code: ClassVar[tuple[str, ...]] = _CODE
 
     @property
     def shape(self) -> Any:
         """The region."""
-        return shape_of(self.parameters["shape"]) if self.made is None else self.made
+        return shape_of(self.parameters["shape"]) if self.component is None else self.component
 
     @property
     def eigenstrain(self) -> FloatArray:
@@ -272,7 +272,7 @@ def inclusion_case(
     refine: float = 1.0,
     outer_elements: int | None = None,
     divisions: tuple[int, int, int] | None = None,
-    made: Any = None,
+    component: Any = None,
 ) -> InclusionCase:
     """Case of one shape.
 
@@ -304,11 +304,11 @@ def inclusion_case(
         Elements of the undivided mesh from the source outwards; by default 2, or 3 to a far boundary.
     divisions : (int, int, int), optional
         Parts of every element of the undivided mesh at the three levels; by default by the distance of the boundary.
-    made : inclusion shape, optional
+    component : inclusion shape, optional
         The shape itself, where it need not be installed; `shape` then only names it.
     """
-    region, made = made, shape_of(shape) if made is None else made
-    low, high = (np.asarray(corner, dtype=float) for corner in made.bounds)
+    region = shape_of(shape) if component is None else component
+    low, high = (np.asarray(corner, dtype=float) for corner in region.bounds)
     size, thinnest = float(np.max(high - low)), float(np.min(high - low))
     middle = (low + high) / 2
     if anchor is None:
@@ -318,7 +318,7 @@ def inclusion_case(
     if not revolved:
         kinds = planes_of(EIGENSTRAINS[eigenstrain])
         planes = (kinds[0] if mirrored[0] else "none", kinds[1] if mirrored[1] else "none")
-    cut = not exact_cells and not (hasattr(made, "phi") and hasattr(made, "psi"))
+    cut = not exact_cells and not (hasattr(region, "phi") and hasattr(region, "psi"))
     in_plane = set(EIGENSTRAINS[eigenstrain]) & {"xx", "yy", "xy"} and eigenstrain != "uniform"
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))
     far = reach * (1.0 if revolved else refine) > 30 * thinnest
@@ -330,7 +330,7 @@ def inclusion_case(
         "components": EIGENSTRAINS[eigenstrain],
         "poisson_ratio": poisson_ratio,
         "elements": "axisymmetric" if revolved else "solid",
-        "fitted": revolved and not _fills_its_section(made),
+        "fitted": revolved and not _fills_its_section(region),
         "symmetry": list(planes),
         "reach": reach,
         "fine": fine,
@@ -344,7 +344,7 @@ def inclusion_case(
         ("even", "even") if revolved else planes,
         paths=("x",) if revolved else ("x", "y", "diagonal"),
         # mirrored in the surface, which is no boundary of a source that touches it: points above its middle are kept
-        source=(lambda x, y, z: made.contains(x, y, np.abs(z))) if low[2] <= 0.05 * size else None,
+        source=(lambda x, y, z: region.contains(x, y, np.abs(z))) if low[2] <= 0.05 * size else None,
         margin=0.25 * thinnest,
         both_sides=not revolved and "none" in planes,
     )
@@ -352,13 +352,13 @@ def inclusion_case(
     if revolved:
         anchor = (anchor[0], 0.0, anchor[2])
     # hexahedra that a curved boundary cuts say little of the stress beside it, and less of that inside
-    resolved = revolved or _is_a_box(made)
+    resolved = revolved or _is_a_box(region)
     margin = min(0.12 * size, 0.35 * thinnest) if resolved else 0.25 * size
     if revolved:
         margin = 0.08 * thinnest
     inner = inner_lines(
-        made.contains,
-        made.bounds,
+        region.contains,
+        region.bounds,
         anchor,
         margin=max(margin, 1.5 * size / cells if cut else 0.0),
         inside=resolved,
@@ -370,7 +370,7 @@ def inclusion_case(
         subject=str(shape["key"]),
         name=f"{name}-{eigenstrain}-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
-        made=region,
+        component=component,
         quick=quick,
         profiles=in_units((*lines, *inner), length=length, displacement=f"ε* {length}", stress="E ε*"),
         ratio=(refine_by[2] / refine_by[0]) ** 0.5,

@@ -122,7 +122,7 @@ def law_cases(key: str) -> tuple[PlasticCase, ...]:
     a = np.pi * pressure * _RADIUS / (2.0 * modulus)
     load = float(2.0 / 3.0 * np.pi * a**2 * pressure)
     body = {"young_modulus": young, "poisson_ratio": nu, "radius": _RADIUS, "load": load}
-    numbers = [name for name, it in law.variables.items() if it.components == 1 and it.unit == "1"]
+    numbers = [name for name, variable in law.variables.items() if variable.components == 1 and variable.unit == "1"]
     cases = []
     for name, path in (("loaded", (0.4, 0.7, 1.0, 0.0)), ("cycled", (0.5, 1.0, 0.0, 0.5, 1.0, 0.0))):
         case = plastic_case(

@@ -152,24 +152,24 @@ def _at_depth(medium: Any, pressure: str, x: FloatArray, z: float, quantity: Qua
     from scipy.special import j0, j1
 
     end = min(_LONGEST, _DECAY / z) if z > 0 else _LONGEST
-    parts = int(np.ceil(end * (1.0 + float(np.max(x))) / _TURN))
+    intervals = int(np.ceil(end * (1.0 + float(np.max(x))) / _TURN))
     nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
-    width = end / parts
-    k = (width * (np.arange(parts)[:, None] + (nodes + 1) / 2)).ravel()
-    weight = np.tile(weights * width / 2, parts) * k * transform(pressure, k)
+    width = end / intervals
+    k = (width * (np.arange(intervals)[:, None] + (nodes + 1) / 2)).ravel()
+    weight = np.tile(weights * width / 2, intervals) * k * transform(pressure, k)
     names = ("x", "z") if quantity == "displacement" else ("xx", "yy", "zz", "xz")
     wave = medium.response(quantity, names, "p", k, np.zeros_like(k), z)
-    zero, one = j0(np.outer(x, k)), j1(np.outer(x, k))
+    J0, J1 = j0(np.outer(x, k)), j1(np.outer(x, k))
     if quantity == "displacement":
-        along, down = -one @ (weight * wave[0].imag), zero @ (weight * wave[1].real)
+        along, down = -J1 @ (weight * wave[0].imag), J0 @ (weight * wave[1].real)
         return np.stack([along, np.zeros_like(along), down], axis=1)
-    across = np.where(x[:, None] > 0, one / np.where(x[:, None] > 0, np.outer(x, k), 1.0), 0.5)
+    across = np.where(x[:, None] > 0, J1 / np.where(x[:, None] > 0, np.outer(x, k), 1.0), 0.5)
     s, t, n = (weight * values.real for values in wave[:3])
     out = np.zeros((len(x), 3, 3))
-    out[:, 0, 0] = zero @ s + across @ (t - s)
-    out[:, 1, 1] = zero @ t + across @ (s - t)
-    out[:, 2, 2] = zero @ n
-    out[:, 0, 2] = out[:, 2, 0] = -one @ (weight * wave[3].imag) / np.sqrt(2.0)
+    out[:, 0, 0] = J0 @ s + across @ (t - s)
+    out[:, 1, 1] = J0 @ t + across @ (s - t)
+    out[:, 2, 2] = J0 @ n
+    out[:, 0, 2] = out[:, 2, 0] = -J1 @ (weight * wave[3].imag) / np.sqrt(2.0)
     return out
 
 

@@ -309,9 +309,9 @@ def _profiles(path: Sequence[float], edges: Sequence[float]) -> tuple[Profile, .
     z = z[np.all(np.abs(z[:, None] - np.asarray([-1.0, *edges])) > _MARGIN, axis=1)]
     inner, number = np.linspace(0.0, 0.45, 10), np.arange(1.0, len(path) + 1.0)
 
-    def line(name: str, quantity: Any, x: FloatArray, depth: FloatArray, along: FloatArray, **rest: Any) -> Profile:
+    def line(name: str, quantity: Any, x: FloatArray, depth: FloatArray, along: FloatArray, **options: Any) -> Profile:
         points = np.stack([x, 0 * x, depth], axis=1)
-        return Profile(name=name, quantity=quantity, points=points, along=along, formal_order=2.0, **rest)
+        return Profile(name=name, quantity=quantity, points=points, along=along, formal_order=2.0, **options)
 
     shift, stress, below = "a²/R", "p0", "depth [a]"
     away = "distance from the axis [a]"

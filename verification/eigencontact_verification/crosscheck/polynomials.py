@@ -60,8 +60,8 @@ class VaryingRegion(AxisymmetricRegion):
         """See `AxisymmetricRegion.strain_at`."""
         radius = self.bounds[1][0]
         depth = (self.bounds[0][1] + self.bounds[1][1]) / 2
-        parts = [polynomial_strain(term, r / radius, (z - depth) / radius) for term in self.terms]
-        return np.asarray(sum(parts))
+        strains = [polynomial_strain(term, r / radius, (z - depth) / radius) for term in self.terms]
+        return np.asarray(sum(strains))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,9 +142,9 @@ class PolynomialCase(InclusionCase):
         tensors = self.tensor_at(places)
         values = to_mandel([tensors[:, i, j] for i, j in INDICES])
         densities = shape.densities(self.degree, *places.T)
-        found, *_ = np.linalg.lstsq(densities.T, values.T, rcond=None)
-        assert np.abs(found.T @ densities - values).max() < 1e-12, "the densities do not span the polynomial"
-        return np.asarray(found.T)
+        coefficients, *_ = np.linalg.lstsq(densities.T, values.T, rcond=None)
+        assert np.abs(coefficients.T @ densities - values).max() < 1e-12, "the densities do not span the polynomial"
+        return np.asarray(coefficients.T)
 
     @property
     def words(self) -> str:
@@ -187,7 +187,7 @@ def polynomial_case(
             "terms": [list(term) for term in terms],
             "components": {component: COMPONENTS[component] for _, component, _, _ in terms},
         },
-        made=base.made,
+        component=base.component,
         quick=quick,
         profiles=base.profiles,
         ratio=base.ratio,

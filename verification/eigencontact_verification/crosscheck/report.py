@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -110,11 +109,10 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the curves, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
-            "made": datetime.now(UTC).isoformat(timespec="seconds"),
-            "machine": facts(),
+            **time_and_machine(),
             "quick": self.quick,
             "limit": self.limit,
             "seconds": self.seconds,
@@ -264,7 +262,7 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
 
 def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     gaps = [(gap.subject, gap.what, gap.reason) for gap in report.gaps]
-    parts = [
+    blocks = [
         f"<p>{html.escape(totals(report))}</p>",
         f"<p>{html.escape(report.method.format(limit=percent(report.limit)))}</p><h2>Coverage</h2>",
         html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
@@ -272,21 +270,21 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
         html_table(("subject", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
     ]
     if report.notes:
-        parts.append(f"<h2>Notes</h2>{html_items(report.notes)}")
-    parts.append("<h2>Cases</h2>\n")
+        blocks.append(f"<h2>Notes</h2>{html_items(report.notes)}")
+    blocks.append("<h2>Cases</h2>\n")
     for judged in report.cases:
         opened = "" if judged.word == "agrees" else " open"
         title = f"{html.escape(judged.case.key)}: <span class='{judged.word}'>{MARKS[judged.word]} {judged.word}</span>"
-        parts.append(f"<details{opened}><summary>{title}</summary>")
+        blocks.append(f"<details{opened}><summary>{title}</summary>")
         if judged.case.key in pictures:
-            parts.append(html_picture(folder / pictures[judged.case.key], f"profiles of {judged.case.key}"))
+            blocks.append(html_picture(folder / pictures[judged.case.key], f"profiles of {judged.case.key}"))
         drawn = report.pictures.get(judged.case.key, ())
-        parts += [html_picture(file, f"{file.stem} of {judged.case.key}") for file in drawn]
-        parts.append(html_table(*_table_of_rows(judged)))
+        blocks += [html_picture(file, f"{file.stem} of {judged.case.key}") for file in drawn]
+        blocks.append(html_table(*_table_of_rows(judged)))
         if judged.outcomes:
-            parts.append(html_table(_TASK_HEAD, _task_cells(judged)))
-        parts.append("</details>\n")
-    return html_page("Finite-element cross-check", parts)
+            blocks.append(html_table(_TASK_HEAD, _task_cells(judged)))
+        blocks.append("</details>\n")
+    return html_page("Finite-element cross-check", blocks)
 
 
 def _stem(key: str) -> str:

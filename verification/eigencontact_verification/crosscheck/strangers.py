@@ -80,14 +80,14 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
     counts: dict[str, int] = {}  # 0: a number, n: that many numbers
     for item in fields(component):
         hint = hints.get(item.name)
-        parts = get_args(hint) if get_origin(hint) is tuple else ()
+        types = get_args(hint) if get_origin(hint) is tuple else ()
         has_default = item.default is not MISSING or item.default_factory is not MISSING
         if item.name == place or has_default:
             continue
         if hint is float:
             counts[item.name] = 0
-        elif parts and all(kind is float for kind in parts):
-            counts[item.name] = len(parts)
+        elif types and all(kind is float for kind in types):
+            counts[item.name] = len(types)
         else:
             return
     numbers = sum(max(1, count) for count in counts.values())
@@ -97,8 +97,8 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
         for order in permutations(_LENGTHS[: max(numbers, 3)], numbers):
             values, parameters = iter(order), {}
             for name, count in counts.items():
-                taken = tuple(scale * next(values) for _ in range(max(1, count)))
-                parameters[name] = taken if count else taken[0]
+                lengths = tuple(scale * next(values) for _ in range(max(1, count)))
+                parameters[name] = lengths if count else lengths[0]
             if place is not None:
                 parameters[place] = (0.0, 0.0, 10.0 * scale)
             yield parameters
@@ -129,8 +129,8 @@ def point_inside(shape: Any) -> tuple[float, float, float] | None:
     clearance = np.zeros(len(chosen))
     for radius in size * np.linspace(0.02, 0.5, 25):
         probes = chosen[:, None, :] + radius * steps
-        held = np.all(np.asarray(shape.contains(*np.moveaxis(probes, -1, 0))), axis=1)
-        clearance[held & (clearance >= radius - 0.0201 * size)] = radius
+        inside = np.all(np.asarray(shape.contains(*np.moveaxis(probes, -1, 0))), axis=1)
+        clearance[inside & (clearance >= radius - 0.0201 * size)] = radius
     x, y, z = chosen[int(np.argmax(clearance))].tolist()
     return x, y, z
 

@@ -98,9 +98,9 @@ def crosscheck(
 
 def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
     """Write mesh and field of the first case of each kernel that draws some; say what was written, or why not."""
-    seen = set()
+    drawn = set()
     for case in (judged_case.case for judged_case in judged):
-        if case.subject in seen:
+        if case.subject in drawn:
             continue
         try:
             files = case.pictures(_folder(case, folder))
@@ -108,7 +108,7 @@ def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
             yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
             continue
         if files:
-            seen.add(case.subject)
+            drawn.add(case.subject)
             names = ", ".join(file.name for file in files)
             yield f"{case.key}: mesh and field in {folder.name}/{_folder(case, folder).name}: {names}"
 

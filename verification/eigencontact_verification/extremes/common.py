@@ -60,15 +60,15 @@ def run(scene: Mapping[str, Any]) -> Any:
     return ec.run(dict(scene))
 
 
-def apart(found: ArrayLike, expected: ArrayLike) -> float:
+def apart(values: ArrayLike, expected: ArrayLike) -> float:
     """Largest difference as a part of the largest expected value."""
     right = np.asarray(expected, dtype=float)
-    return float(np.abs(np.asarray(found, dtype=float) - right).max() / np.abs(right).max())
+    return float(np.abs(np.asarray(values, dtype=float) - right).max() / np.abs(right).max())
 
 
-def off(found: Any, expected: Any) -> float:
+def off(value: Any, expected: Any) -> float:
     """Difference of two numbers as a part of the second."""
-    return abs(float(found) / float(expected) - 1.0)
+    return abs(float(value) / float(expected) - 1.0)
 
 
 def hot_ball(depth: float, points: ArrayLike, nu: float, quantity: str) -> tuple[FloatArray, FloatArray]:
@@ -84,9 +84,9 @@ def hot_ball(depth: float, points: ArrayLike, nu: float, quantity: str) -> tuple
     points = np.asarray(points, dtype=float)
     shape = ec.make("sphere", center=(0.0, 0.0, depth), radius=1.0)
     constants: Any = {"young_modulus": 2.0 * (1.0 + nu), "poisson_ratio": nu, "quantity": quantity}
-    found = ec.inclusion_field(shape, 1e-3 * np.eye(3), points, **constants)
+    field = ec.inclusion_field(shape, 1e-3 * np.eye(3), points, **constants)
     closed = dilatational_ball_displacement if quantity == "displacement" else dilatational_ball_stress
-    return np.asarray(found), np.asarray(closed(points, (0.0, 0.0, depth), 1.0, 1e-3, nu))
+    return np.asarray(field), np.asarray(closed(points, (0.0, 0.0, depth), 1.0, 1e-3, nu))
 
 
 def dense_error(
@@ -113,8 +113,8 @@ def dense_error(
         "numerics": {"tolerance": 1e-9, "allow-contact-at-edge": True, "allow-coarse": True},
         "output": {"pictures": False},
     }
-    found = run(scene).dataset["pressure"].values[-1]
+    pressure = run(scene).dataset["pressure"].values[-1]
     x, y = ((np.arange(n) - 0.5 * (n - 1)) * d for n, d in ((nx, dx), (ny, dy)))
     separation = (x**2 / (2 * rx) + (y**2 / (2 * ry))[:, None]).ravel() - approach
     matrix = compliance_matrix((ny, nx), (dy, dx), MODULUS)
-    return apart(found.ravel(), solve_contact(matrix, separation)[0])
+    return apart(pressure.ravel(), solve_contact(matrix, separation)[0])

@@ -46,11 +46,11 @@ def family(
     """
     pairs = values.items() if isinstance(values, Mapping) else ((value, value) for value in values)
     corners = []
-    for words, given in pairs:
+    for label, given in pairs:
         several = given if isinstance(given, tuple) else (given,)
         corners.append(
             Corner(
-                name=name.format(*(words if isinstance(words, tuple) else (words,))),
+                name=name.format(*(label if isinstance(label, tuple) else (label,))),
                 error=partial(error, *several),
                 bound=bound(*several) if callable(bound) else bound,
                 reason=reason,

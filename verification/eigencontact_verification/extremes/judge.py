@@ -37,23 +37,23 @@ class FeatureVerdict:
     @property
     def word(self) -> str:
         """``"fails"`` where any corner does."""
-        return "fails" if any(found.word == "fails" for found in self.corners) else "holds"
+        return "fails" if any(corner.word == "fails" for corner in self.corners) else "holds"
 
     @property
     def worst(self) -> CornerVerdict | None:
         """Corner whose error is the largest part of its bound; None where no corner answered."""
-        answered = [found for found in self.corners if found.error is not None and not found.corner.refused]
+        answered = [corner for corner in self.corners if corner.error is not None and not corner.corner.refused]
         return max(answered, key=_share, default=None)
 
     @property
     def seconds(self) -> float:
         """Wall time."""
-        return sum(found.seconds for found in self.corners)
+        return sum(corner.seconds for corner in self.corners)
 
 
-def _share(found: CornerVerdict) -> float:
-    error = float("inf") if found.error is None or not isfinite(found.error) else found.error
-    return error / found.corner.bound
+def _share(corner: CornerVerdict) -> float:
+    error = float("inf") if corner.error is None or not isfinite(corner.error) else corner.error
+    return error / corner.corner.bound
 
 
 def judge(corner: Corner) -> CornerVerdict:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +37,9 @@ class Report:
     @property
     def faults(self) -> tuple[tuple[str, CornerVerdict], ...]:
         """Corners that fail, with the key of their feature."""
-        return tuple((one.feature.key, c) for one in self.features for c in one.corners if c.word == "fails")
+        return tuple(
+            (feature.feature.key, c) for feature in self.features for c in feature.corners if c.word == "fails"
+        )
 
     @property
     def exit_code(self) -> int:
@@ -58,59 +59,64 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.reporting.machine import facts
+        from eigencontact_verification.reporting.machine import time_and_machine
 
         return {
-            "made": datetime.now(UTC).isoformat(timespec="seconds"),
-            "machine": facts(),
+            **time_and_machine(),
             "quick": self.quick,
             "summary": self.summary,
             "exit_code": self.exit_code,
             "features": [
                 {
-                    "key": one.feature.key,
-                    "title": one.feature.title,
-                    "reference": one.feature.reference,
-                    "verdict": one.word,
-                    "seconds": one.seconds,
-                    "corners": [_corner_data(found) for found in one.corners],
+                    "key": feature.feature.key,
+                    "title": feature.feature.title,
+                    "reference": feature.feature.reference,
+                    "verdict": feature.word,
+                    "seconds": feature.seconds,
+                    "corners": [_corner_data(corner) for corner in feature.corners],
                 }
-                for one in self.features
+                for feature in self.features
             ],
         }
 
 
-def _corner_data(found: CornerVerdict) -> dict[str, Any]:
-    corner = found.corner
+def _corner_data(verdict: CornerVerdict) -> dict[str, Any]:
+    corner = verdict.corner
     return {
         "corner": corner.name,
-        "error": found.error,
+        "error": verdict.error,
         "bound": None if corner.refused else corner.bound,
         "reason": corner.reason,
         "must_refuse_with": corner.refused or None,
-        "verdict": found.word,
-        "message": found.message,
-        "seconds": found.seconds,
+        "verdict": verdict.word,
+        "message": verdict.message,
+        "seconds": verdict.seconds,
     }
 
 
 def _rows(report: Report) -> Iterator[tuple[str, ...]]:
     """One row a feature."""
-    for one in report.features:
-        worst = one.worst
-        told = ("–", "–", "–")
+    for feature in report.features:
+        worst = feature.worst
+        worst_cells = ("–", "–", "–")
         if worst is not None and worst.error is not None:
-            told = (f"{worst.error:.1e}", f"{worst.corner.bound:.1e}", worst.corner.name)
-        refused = sum(found.word == "refused" for found in one.corners)
-        yield one.feature.key, str(len(one.corners)), *told, str(refused), one.word
+            worst_cells = (f"{worst.error:.1e}", f"{worst.corner.bound:.1e}", worst.corner.name)
+        refused = sum(corner.word == "refused" for corner in feature.corners)
+        yield feature.feature.key, str(len(feature.corners)), *worst_cells, str(refused), feature.word
 
 
-def _corner_rows(one: FeatureVerdict) -> Iterator[tuple[str, ...]]:
-    for found in one.corners:
-        error = "–" if found.error is None or found.corner.refused else f"{found.error:.1e}"
-        bound = "–" if found.corner.refused else f"{found.corner.bound:.1e}"
-        why = found.message if found.word == "refused" else found.corner.reason
-        yield found.corner.name, error, bound, why, f"fails: {found.message}" if found.word == "fails" else found.word
+def _corner_rows(feature: FeatureVerdict) -> Iterator[tuple[str, ...]]:
+    for corner in feature.corners:
+        error = "–" if corner.error is None or corner.corner.refused else f"{corner.error:.1e}"
+        bound = "–" if corner.corner.refused else f"{corner.corner.bound:.1e}"
+        why = corner.message if corner.word == "refused" else corner.corner.reason
+        yield (
+            corner.corner.name,
+            error,
+            bound,
+            why,
+            f"fails: {corner.message}" if corner.word == "fails" else corner.word,
+        )
 
 
 def table(report: Report) -> Table:
@@ -125,31 +131,33 @@ def table(report: Report) -> Table:
 
 def as_markdown(report: Report) -> str:
     """The whole report as one page."""
-    parts = ["# Extremes", report.summary, METHOD]
-    parts.append("Written by `eigencontact extremes --markdown FILE`; errors are parts of the largest value.")
-    parts.append(markdown_table(_HEAD, _rows(report)))
-    for one in report.features:
-        parts += [
-            f"## {one.feature.key}",
-            f"{one.feature.title}. Compared with: {one.feature.reference}.",
-            markdown_table(_CORNER_HEAD, _corner_rows(one)),
+    blocks = ["# Extremes", report.summary, METHOD]
+    blocks.append("Written by `eigencontact extremes --markdown FILE`; errors are parts of the largest value.")
+    blocks.append(markdown_table(_HEAD, _rows(report)))
+    for feature in report.features:
+        blocks += [
+            f"## {feature.feature.key}",
+            f"{feature.feature.title}. Compared with: {feature.feature.reference}.",
+            markdown_table(_CORNER_HEAD, _corner_rows(feature)),
         ]
-    parts.append(measured())
-    return "\n\n".join(parts) + "\n"
+    blocks.append(measured())
+    return "\n\n".join(blocks) + "\n"
 
 
 def as_html(report: Report) -> str:
     """The whole report as one page that needs no other file; features at fault are open."""
-    parts = [
+    blocks = [
         f"<p>{html.escape(report.summary)}</p><p>{html.escape(METHOD)}</p>",
         html_table(_HEAD, _rows(report)),
     ]
-    for one in report.features:
-        opened = " open" if one.word == "fails" else ""
-        parts.append(f"<details{opened}><summary>{html.escape(f'{one.feature.key}: {one.feature.title}')}</summary>")
-        parts.append(f"<p>Compared with: {html.escape(one.feature.reference)}.</p>")
-        parts.append(html_table(_CORNER_HEAD, _corner_rows(one)) + "</details>\n")
-    return html_page("Extremes", parts)
+    for feature in report.features:
+        opened = " open" if feature.word == "fails" else ""
+        blocks.append(
+            f"<details{opened}><summary>{html.escape(f'{feature.feature.key}: {feature.feature.title}')}</summary>"
+        )
+        blocks.append(f"<p>Compared with: {html.escape(feature.feature.reference)}.</p>")
+        blocks.append(html_table(_CORNER_HEAD, _corner_rows(feature)) + "</details>\n")
+    return html_page("Extremes", blocks)
 
 
 def write_report(report: Report, folder: Path) -> dict[str, Path]:

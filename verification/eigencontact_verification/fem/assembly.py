@@ -77,8 +77,7 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
             young[hit] = region.young_modulus
         if region.poisson_ratio is not None:
             nu[hit] = region.poisson_ratio
-    lam, mu = lame(young, nu)  # type: ignore[arg-type]
-    return np.asarray(lam), np.asarray(mu), strain
+    return *lame(young, nu), strain
 
 
 def hooke(lam: FloatArray, mu: FloatArray, strain: FloatArray) -> FloatArray:
@@ -222,11 +221,11 @@ class _Slab:
     whole: FloatArray  # reference products (3, 3, n, n)
     cells: FloatArray  # of the sub-cells (cells^3, 3, 3, n, n)
 
-    def products(self, modulus: FloatArray, parts: FloatArray, a: int, b: int) -> FloatArray:
+    def products(self, modulus: FloatArray, sub_cells: FloatArray, a: int, b: int) -> FloatArray:
         """Integrals ``modulus dphi_i/dx_a dphi_j/dx_b``, (elements, n, n)."""
         out = np.multiply.outer(modulus[self.some] * self.scale[:, a, b], self.whole[a, b])
         if self.inner.size:
-            inside = np.tensordot(parts[self.cut], self.cells[:, a, b], axes=1)
+            inside = np.tensordot(sub_cells[self.cut], self.cells[:, a, b], axes=1)
             out[self.inner] = self.scale[self.inner, a, b, None, None] * inside
         return np.asarray(out)
 

@@ -37,6 +37,7 @@ from eigencontact_verification.fem.axisymmetric_model import (
     AxisymmetricRegion,
     Disc,
 )
+from eigencontact_verification.fem.model import lame, von_mises
 
 __all__ = [
     "AxisymmetricLayer",
@@ -61,16 +62,16 @@ _STORED = (3, 3)
 _CHUNK = 1 << 15
 
 
-def _strains(basis: CellBasis, part: slice) -> FloatArray:
+def _strains(basis: CellBasis, elements: slice) -> FloatArray:
     """Strains e_rr, e_tt, e_zz, 2 e_rz of the shape functions, (4, elements, functions, points)."""
-    value = np.array([np.asarray(shape)[0, part] for (shape,) in basis.basis])
-    grad = np.array([shape.grad[:, :, part] for (shape,) in basis.basis])
-    r = np.asarray(basis.global_coordinates())[0, part]
+    value = np.array([np.asarray(shape)[0, elements] for (shape,) in basis.basis])
+    grad = np.array([shape.grad[:, :, elements] for (shape,) in basis.basis])
+    r = np.asarray(basis.global_coordinates())[0, elements]
     strains = np.stack((grad[:, 0, 0], value / r, grad[:, 1, 1], grad[:, 0, 1] + grad[:, 1, 0]))
     return np.swapaxes(strains, 1, 2)
 
 
-def _assemble(basis: CellBasis, lame: FloatArray, mu: FloatArray, initial: FloatArray) -> tuple[csc_matrix, FloatArray]:
+def _assemble(basis: CellBasis, lam: FloatArray, mu: FloatArray, initial: FloatArray) -> tuple[csc_matrix, FloatArray]:
     """Stiffness matrix, and load vector of an initial stress s_rr, s_tt, s_zz, s_rz, (4, elements, points)."""
     dofs = np.asarray(basis.element_dofs).T
     count = dofs.shape[1]
@@ -78,15 +79,15 @@ def _assemble(basis: CellBasis, lame: FloatArray, mu: FloatArray, initial: Float
     load = np.zeros(basis.N)
     weight = basis.dx * np.asarray(basis.global_coordinates())[0]
     step = max(1, _CHUNK // weight.shape[1])
-    for part in (slice(k, k + step) for k in range(0, len(dofs), step)):
-        strains = _strains(basis, part)
-        w, first, second = (x[part, None] for x in (weight, lame, mu))
+    for elements in (slice(k, k + step) for k in range(0, len(dofs), step)):
+        strains = _strains(basis, elements)
+        w, first, second = (x[elements, None] for x in (weight, lam, mu))
         stresses = 2 * second * strains
         stresses[3] /= 2
         stresses[:3] += first * strains[:3].sum(axis=0)
-        matrices[part] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
-        force = sum(initial[k, part, None] * strains[k] for k in range(4))
-        np.add.at(load, dofs[part], (w * force).sum(axis=2))
+        matrices[elements] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
+        force = sum(initial[k, elements, None] * strains[k] for k in range(4))
+        np.add.at(load, dofs[elements], (w * force).sum(axis=2))
     rows, columns = (np.broadcast_to(x, matrices.shape).ravel() for x in (dofs[:, :, None], dofs[:, None]))
     return csc_matrix((matrices.ravel(), (rows, columns)), shape=(basis.N, basis.N)), load
 
@@ -107,16 +108,11 @@ def _square_rule(points: int, cells: int = 1) -> tuple[FloatArray, FloatArray]:
     return np.stack(np.meshgrid(places, places)).reshape(2, -1), np.outer(weights, weights).ravel()
 
 
-def _lame(material: FloatArray) -> tuple[FloatArray, FloatArray]:
-    mu = material[0] / (2 * (1 + material[1]))
-    return np.asarray(2 * mu * material[1] / (1 - 2 * material[1])), np.asarray(mu)
-
-
 def _stress(material: FloatArray, strain: FloatArray) -> FloatArray:
     """Stress s_rr, s_tt, s_zz, s_rz of strains e_rr, e_tt, e_zz, e_rz, (4, ...)."""
-    lame, mu = _lame(material)
+    lam, mu = lame(material[0], material[1])
     stress = 2 * mu * strain
-    stress[:3] += lame * strain[:3].sum(axis=0)
+    stress[:3] += lam * strain[:3].sum(axis=0)
     return np.asarray(stress)
 
 
@@ -170,23 +166,34 @@ def _held(
         radial[dofs[0]] = True
     axis, side, base = radial & (r == 0), r == model.reach, z == model.reach
     if everywhere:
-        held = axis | side | base | (z == 0)
+        prescribed = axis | side | base | (z == 0)
     else:
-        held = axis | side | base if model.outer == "fixed" else axis | (side & base & ~radial)
-    return np.flatnonzero(held), radial
+        prescribed = axis | side | base if model.outer == "fixed" else axis | (side & base & ~radial)
+    return np.flatnonzero(prescribed), radial
 
 
 def _outer_traction(model: AxisymmetricModel, basis: CellBasis) -> FloatArray:
     """Load vector of the traction on side and base of a free model that balances the discs."""
-    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == model.reach) | (x[1] == model.reach), boundaries_only=True)
-    rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-    r, z = np.asarray(rim.global_coordinates())
-    on_side = np.asarray(rim.normals)[0] > 0.5
     if model.far_field:
-        s_rr, s_zz, s_rz = point_force_stress(model.load, model.poisson_ratio, r, z)
-        t_r, t_z = np.where(on_side, s_rr, s_rz), np.where(on_side, s_rz, s_zz)
-    else:
-        t_r, t_z = np.zeros_like(r), np.where(on_side, 0.0, -model.load / (np.pi * model.reach**2))
+        return point_force_traction(basis, model.reach, model.load, model.poisson_ratio)
+    rim = _rim(basis, model.reach)
+    on_side = np.asarray(rim.normals)[0] > 0.5
+    t_z = np.where(on_side, 0.0, -model.load / (np.pi * model.reach**2))
+    return np.asarray(LinearForm(_traction).assemble(rim, t_r=np.zeros_like(t_z), t_z=t_z))
+
+
+def _rim(basis: CellBasis, reach: float) -> FacetBasis:
+    """Side and base of the mesh."""
+    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == reach) | (x[1] == reach), boundaries_only=True)
+    return FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+
+
+def point_force_traction(basis: CellBasis, reach: float, load: float, poisson_ratio: float) -> FloatArray:
+    """Load vector of the traction on side and base under a point force on the surface."""
+    rim = _rim(basis, reach)
+    on_side = np.asarray(rim.normals)[0] > 0.5
+    s_rr, s_zz, s_rz = point_force_stress(load, poisson_ratio, *np.asarray(rim.global_coordinates()))
+    t_r, t_z = np.where(on_side, s_rr, s_rz), np.where(on_side, s_rz, s_zz)
     return np.asarray(LinearForm(_traction).assemble(rim, t_r=t_r, t_z=t_z))
 
 
@@ -226,16 +233,16 @@ def solve_axisymmetric(
     matrix: Any = 0.0
     load: Any = 0.0
     for basis, material in _bases(model, grid):
-        lame, mu = _lame(material)
-        own = _stress(material, material[2:] - remote[:, None, None])
-        parts = _assemble(basis, lame, mu, own + uniform)
+        lam, mu = lame(material[0], material[1])
+        initial_stress = _stress(material, material[2:] - remote[:, None, None])
+        parts = _assemble(basis, lam, mu, initial_stress + uniform)
         matrix, load = matrix + parts[0], load + parts[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
     for disc in model.discs:
         load = load + surface_load(disc, basis)
-    held, radial = _held(model, basis, everywhere=prescribed is not None)
+    prescribed_unknowns, radial = _held(model, basis, everywhere=prescribed is not None)
     far = np.zeros(basis.N)  # what the resultant load would do to a half-space, on the outer boundary
     if model.far_field and prescribed is None:
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
@@ -245,18 +252,18 @@ def solve_axisymmetric(
         far[outer] = np.where(radial[outer], u_r, u_z)
     u = np.zeros(basis.N)
     if prescribed is not None:
-        values = np.asarray(prescribed(*basis.doflocs[:, held]))
-        u[held] = np.where(radial[held], values[0], values[1])
+        values = np.asarray(prescribed(*basis.doflocs[:, prescribed_unknowns]))
+        u[prescribed_unknowns] = np.where(radial[prescribed_unknowns], values[0], values[1])
     elif model.outer == "fixed":
-        u[held] = far[held]
+        u[prescribed_unknowns] = far[prescribed_unknowns]
     pull = np.zeros(basis.N)
     if model.load and model.outer == "free" and prescribed is None:
         pull = _outer_traction(model, basis)
-    free = np.setdiff1d(np.arange(basis.N), held)
+    free = np.setdiff1d(np.arange(basis.N), prescribed_unknowns)
     inner = matrix[free]
-    rest = (load + pull)[free] - inner @ u
+    residual = (load + pull)[free] - inner @ u
     factors = splu(inner[:, free], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    u[free] = factors.solve(rest)
+    u[free] = factors.solve(residual)
     if model.far_field and pull.any():  # the outer traction does the same work on both displacements
         u[~radial] -= pull @ (u - far) / pull[~radial].sum()
     return AxisymmetricSolution(
@@ -353,18 +360,17 @@ class AxisymmetricSolution:
         nodes[:, [0, 2]] = mesh.doflocs.T
         moved = np.zeros_like(nodes)
         scalar = mesh.dofs.element_dofs
-        for axis, part in ((0, 0), (2, 1)):
-            moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[part::2]]
+        for axis, component in ((0, 0), (2, 1)):
+            moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[component::2]]
         middle = np.stack((self.grid.centres[0], 0 * self.grid.centres[0], self.grid.centres[1]), axis=1)
         stress = self.stress(middle)
-        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         meshio.Mesh(
             nodes,
             [("quad9", scalar.T)],
             point_data={"displacement": moved},
             cell_data={
                 "stress": [stress.reshape(-1, 9)],
-                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "von_mises": [von_mises(stress)],
                 "region": [self.grid.marks],
             },
         ).write(path)

@@ -106,22 +106,22 @@ class CellField:
         k = np.clip(np.searchsorted(self.r, r) - 1, 0, self.r.size - 2)
         s = np.clip((r - self.r[k]) / (self.r[k + 1] - self.r[k]), 0.0, 1.0)
         strain = (1 - s) * self.eigenstrain[:, row, k] + s * self.eigenstrain[:, row, k + 1]
-        kept = (1 - s) * self.kept[row, k] + s * self.kept[row, k + 1]
-        return np.where(inside, strain, 0.0), np.where(inside, kept, 1.0)
+        stiffness = (1 - s) * self.kept[row, k] + s * self.kept[row, k + 1]
+        return np.where(inside, strain, 0.0), np.where(inside, stiffness, 1.0)
 
     @classmethod
     def averaged(
         cls, x: FloatArray, y: FloatArray, z: FloatArray, eigenstrain: FloatArray, kept: FloatArray | None
     ) -> CellField:
         """Mean over the angle of cells with edges x, y from the axis on and z, eigenstrain (3, 3, nz, ny, nx)."""
-        parts = int(np.clip(_SAMPLES // max(x.size, y.size), _LEAST, _MOST))
-        share = (np.arange(parts) + 0.5) / parts
+        samples = int(np.clip(_SAMPLES // max(x.size, y.size), _LEAST, _MOST))
+        share = (np.arange(samples) + 0.5) / samples
         px, py = ((e[:-1, None] + np.diff(e)[:, None] * share).ravel() for e in (x, y))
-        columns = (np.repeat(np.arange(y.size - 1), parts)[:, None] * (x.size - 1)
-                   + np.repeat(np.arange(x.size - 1), parts)).ravel()  # fmt: skip
+        columns = (np.repeat(np.arange(y.size - 1), samples)[:, None] * (x.size - 1)
+                   + np.repeat(np.arange(x.size - 1), samples)).ravel()  # fmt: skip
         distance = np.hypot(px, py[:, None])
         width = min(np.diff(x).min(), np.diff(y).min()) / _RINGS
-        area = (np.repeat(np.diff(y), parts)[:, None] * np.repeat(np.diff(x), parts)).ravel() / parts**2
+        area = (np.repeat(np.diff(y), samples)[:, None] * np.repeat(np.diff(x), samples)).ravel() / samples**2
         ring = (distance / width).astype(int).ravel()
         cosine, sine = (px / distance).ravel(), (py[:, None] / distance).ravel()
         shape = (int(ring.max()) + 1, (x.size - 1) * (y.size - 1))
@@ -138,16 +138,16 @@ class CellField:
             flat = values.reshape(len(values), -1)
             return np.asarray((matrix @ flat.T / whole[:, None]).T)
 
-        e, one = eigenstrain, np.ones_like(cosine)
+        e, unit = eigenstrain, np.ones_like(cosine)
         xx, yy, xy = e[0, 0], e[1, 1], e[0, 1]
         cc, ss, cs = cosine**2, sine**2, cosine * sine
         tensor = np.stack((
             mean(xx, cc) + mean(yy, ss) + 2 * mean(xy, cs),
             mean(xx, ss) + mean(yy, cc) - 2 * mean(xy, cs),
-            mean(e[2, 2], one),
+            mean(e[2, 2], unit),
             mean(e[0, 2], cosine) + mean(e[1, 2], sine),
         ))  # fmt: skip
-        lost = mean(1 - kept, one) if kept is not None else np.zeros(tensor.shape[1:])
+        lost = mean(1 - kept, unit) if kept is not None else np.zeros(tensor.shape[1:])
         middles = np.append((edges[:-1] + edges[1:]) / 2, edges[-1] + width / 2)
         last = np.flatnonzero(np.any(tensor != 0, axis=(0, 1)) | np.any(lost != 0, axis=0))
         stop = int(last[-1]) + 1 if last.size else 1

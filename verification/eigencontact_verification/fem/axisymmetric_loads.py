@@ -90,8 +90,8 @@ def _cells_load(cells: CellPressure, basis: CellBasis) -> FloatArray:
     edge = float(np.abs(np.diff(ends, axis=0))[0, low < cells.radius].min())
     count = int(np.clip(np.ceil(_PER_EDGE * cells.widest / edge), _LEAST, _MOST))
     near = _AXIS * max(edge, cells.widest)
-    parts = (cells.points(count, beyond=near), cells.points(_AT_AXIS, within=near))
-    r, weight = (np.concatenate(part) for part in zip(*parts, strict=True))
+    rules = (cells.points(count, beyond=near), cells.points(_AT_AXIS, within=near))
+    r, weight = (np.concatenate(columns) for columns in zip(*rules, strict=True))
     k = np.clip(np.searchsorted(low, r, side="right") - 1, 0, low.size - 1)
     s = (r - ends[0, k]) / (ends[1, k] - ends[0, k])
     first, last = basis.nodal_dofs[1, nodes[:, k]]

@@ -78,8 +78,8 @@ def graded_lines(fixed: ArrayLike, fine: Sequence[Interval], size: ArrayLike, gr
     lines = [ends[:1]]
     for low, high in itertools.pairwise(ends):
         first, last = total[np.searchsorted(breaks, (low, high))]
-        parts = max(1, int(np.ceil(last - first - 1e-9)))
-        goal = first + (last - first) * np.arange(1, parts) / parts
+        divisions = max(1, int(np.ceil(last - first - 1e-9)))
+        goal = first + (last - first) * np.arange(1, divisions) / divisions
         k = np.clip(np.searchsorted(total, goal, side="right") - 1, 0, len(length) - 1)
         slope = rise[k] / length[k]
         flat = slope == 0
@@ -179,9 +179,9 @@ def _patch(fit: Fit, r: FloatArray, z: FloatArray, size: float, divisions: int) 
     start = centre + share * (loop - centre)
     layers = [max(1, round(float(np.hypot(*(b - a)).mean()) / size)) for a, b in ((start, edge), (edge, loop))]
     blocks = [core, _ring(start, edge, divisions * layers[0]), _ring(edge, loop, divisions * layers[1])]
-    parts = [_elements(block) for block in blocks]
-    marks = [np.full(part.shape[2], mark) for part, mark in zip(parts, (fit.mark, fit.mark, -1), strict=True)]
-    return np.concatenate(parts, axis=2), np.concatenate(marks)
+    elements = [_elements(block) for block in blocks]
+    marks = [np.full(nodes.shape[2], mark) for nodes, mark in zip(elements, (fit.mark, fit.mark, -1), strict=True)]
+    return np.concatenate(elements, axis=2), np.concatenate(marks)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -281,23 +281,23 @@ def build(r: FloatArray, z: FloatArray, fits: Sequence[Fit], size: float, divisi
     half = [_split(x, 2 * divisions) for x in (r, z)]
     lines = (half[0][::2], half[1][::2])
     middle = [x[1::2] for x in half]
-    kept = np.ones((len(middle[0]), len(middle[1])), dtype=bool)
+    unfitted = np.ones((len(middle[0]), len(middle[1])), dtype=bool)
     patches: list[FloatArray] = []
     marks: list[IntArray] = []
     for fit in fits:
         low, high = fit.box
         inside = [(m > low[k]) & (m < high[k]) for k, m in enumerate(middle)]
         cells = np.logical_and.outer(*inside)
-        if not np.all(kept[cells]):
+        if not np.all(unfitted[cells]):
             raise ValueError(f"fitted regions must be apart (got one within {low}, {high}); use fitted=False for one")
-        kept &= ~cells
+        unfitted &= ~cells
         across = [x[(x >= low[k]) & (x <= high[k])] for k, x in enumerate(half)]
         elements, mark = _patch(fit, across[0], across[1], size, divisions)
         patches.append(elements)
         marks.append(mark)
     lattice = np.stack(np.meshgrid(*half, indexing="ij"))
-    table = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1).astype(np.int64)
-    tensor = _elements(lattice)[:, :, kept.ravel()]
+    table = np.where(unfitted, np.cumsum(unfitted).reshape(unfitted.shape) - 1, -1).astype(np.int64)
+    tensor = _elements(lattice)[:, :, unfitted.ravel()]
     nodes = np.concatenate([tensor, *patches], axis=2)
     corners, index = np.unique(nodes[:, :4].reshape(2, -1), axis=1, return_inverse=True)
     straight = MeshQuad1(np.ascontiguousarray(corners), np.ascontiguousarray(index.reshape(4, -1)), sort_t=False)

@@ -99,8 +99,8 @@ class Disc:
 
     def __post_init__(self) -> None:
         _require(self.radius > 0, "disc radius", "positive", self.radius, "give the radius of the loaded circle")
-        known = self.profile in {"uniform", "hertz"}
-        _require(known, "disc profile", "'uniform' or 'hertz'", repr(self.profile), "superpose discs for others")
+        valid = self.profile in {"uniform", "hertz"}
+        _require(valid, "disc profile", "'uniform' or 'hertz'", repr(self.profile), "superpose discs for others")
 
     @property
     def load(self) -> float:
@@ -191,8 +191,8 @@ class AxisymmetricModel:
             if region.young_modulus is not None:
                 stiff = region.young_modulus >= 0
                 _require(stiff, f"region {k} young_modulus", "not negative", region.young_modulus, "0 is a void")
-        alone = self.remote_stress is None or not self.layers
-        _require(alone, "model remote_stress", "None with layers", self.remote_stress, "superpose it by hand")
+        allowed = self.remote_stress is None or not self.layers
+        _require(allowed, "model remote_stress", "None with layers", self.remote_stress, "superpose it by hand")
 
     @property
     def load(self) -> float:
@@ -270,7 +270,7 @@ class AxisymmetricModel:
             if region.poisson_ratio is not None:
                 out[1, inside] = region.poisson_ratio
         for cells in self.cells:
-            eigenstrain, kept = cells.at(r, z)
+            eigenstrain, stiffness = cells.at(r, z)
             out[2:] += eigenstrain
-            out[0] *= kept
+            out[0] *= stiffness
         return out

@@ -150,22 +150,22 @@ def damaged(grid: Grid, stuff: Material, boxes: Sequence[Cells]) -> Material:
     for cells in boxes:
         if cells.kept is None:
             continue
-        number, kept = _means(grid, cells, cells.kept, 1.0)
-        varied = number[np.ptp(kept, axis=1) > 1e-12]
+        number, stiffness = _means(grid, cells, cells.kept, 1.0)
+        varied = number[np.ptp(stiffness, axis=1) > 1e-12]
         stuff = _cut_more(stuff, varied)
         factor = np.ones((grid.elements, 1))
-        factor[number, 0] = kept.mean(axis=1)
+        factor[number, 0] = stiffness.mean(axis=1)
         row = np.full(grid.elements, -1)
         row[number] = np.arange(number.size)
-        parts = np.ones((stuff.cut.size, CELLS**3))
+        sub_cells = np.ones((stuff.cut.size, CELLS**3))
         touched = row[stuff.cut] >= 0
-        parts[touched] = kept[row[stuff.cut[touched]]]
-        cut_lam, cut_mu = parts * stuff.cut_lam, parts * stuff.cut_mu
+        sub_cells[touched] = stiffness[row[stuff.cut[touched]]]
+        cut_lam, cut_mu = sub_cells * stuff.cut_lam, sub_cells * stuff.cut_mu
         lam, mu = factor[:, 0] * stuff.lam, factor[:, 0] * stuff.mu
         lam[stuff.cut], mu[stuff.cut] = cut_lam.mean(axis=1), cut_mu.mean(axis=1)
         stuff = Material(
             lam=lam, mu=mu, eigenstress=factor[:, :, None] * stuff.eigenstress, cut=stuff.cut, cut_lam=cut_lam,
-            cut_mu=cut_mu, cut_eigenstress=parts[:, :, None, None] * stuff.cut_eigenstress,
+            cut_mu=cut_mu, cut_eigenstress=sub_cells[:, :, None, None] * stuff.cut_eigenstress,
         )  # fmt: skip
     for cells in boxes:
         if not stuff.cut.size or not cells.eigenstrain.any():
@@ -187,9 +187,9 @@ def _cut_more(stuff: Material, elements: IntArray) -> Material:
     order = np.argsort(cut)
     count = CELLS**3
 
-    def joined(parts: FloatArray, wholes: FloatArray) -> FloatArray:
+    def joined(sub_cells: FloatArray, wholes: FloatArray) -> FloatArray:
         more = np.repeat(wholes[new][:, None], count, axis=1)
-        return np.concatenate([parts, more])[order]
+        return np.concatenate([sub_cells, more])[order]
 
     return Material(
         lam=stuff.lam, mu=stuff.mu, eigenstress=stuff.eigenstress, cut=cut[order],
@@ -200,12 +200,12 @@ def _cut_more(stuff: Material, elements: IntArray) -> Material:
 
 def cell_state(boxes: Sequence[Cells], points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """What is kept of the moduli (n,), and the eigenstrain (n, 3, 3) of boxes, at points (n, 3)."""
-    kept, strain = np.ones(len(points)), np.zeros((len(points), 3, 3))
+    stiffness, strain = np.ones(len(points)), np.zeros((len(points), 3, 3))
     for cells in boxes:
         at = [np.searchsorted(edges, points[:, axis], side="right") - 1 for axis, edges in enumerate(_edges(cells))]
         inside = np.logical_and.reduce([(i >= 0) & (i < e.size - 1) for i, e in zip(at, _edges(cells), strict=True)])
         x, y, z = (i[inside] for i in at)
         strain[inside] += np.moveaxis(cells.eigenstrain[:, :, z, y, x], -1, 0)
         if cells.kept is not None:
-            kept[inside] *= cells.kept[z, y, x]
-    return kept, strain
+            stiffness[inside] *= cells.kept[z, y, x]
+    return stiffness, strain

@@ -102,11 +102,11 @@ def far_field(tractions: Tractions | None, young_modulus: float, poisson_ratio: 
         weight = np.sqrt((force**2).sum(axis=0))
         x, y = ((e[1:] + e[:-1]) / 2 for e in (tractions.x, tractions.y))
         columns, rows = (np.flatnonzero(weight.any(axis=a)) for a in (0, 1))
-        parts = [
+        groups = [
             np.array_split(np.arange(hit[0], hit[-1] + 1), min(BLOCKS, hit[-1] + 1 - hit[0])) for hit in (columns, rows)
         ]
-        for j in parts[1]:
-            for i in parts[0]:
+        for j in groups[1]:
+            for i in groups[0]:
                 some = np.ix_(j, i)
                 if total := float(weight[some].sum()):
                     places.append((weight[some].sum(axis=0) @ x[i] / total, weight[some].sum(axis=1) @ y[j] / total))

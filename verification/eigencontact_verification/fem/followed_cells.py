@@ -66,10 +66,10 @@ def followed_faces(body: LoadedBody, axis: int, low: float, step: int, near: Flo
     edges = edges[edges >= low - 1e-6 * (edges[1] - edges[0])]
     size = float(edges[1] - edges[0])
     filled = min(float(box[0, axis]) for box in boxes), max(float(box[1, axis]) for box in boxes)
-    wanted = np.clip(np.append(near, filled), edges[0], edges[-1])
-    start = edges[edges <= wanted.min() + 1e-6 * size][-1]
-    (top, bottom), last = ((place - start) / size for place in filled), (float(wanted.max()) - start) / size
-    read, at, found = (near - start) / size, 0, [0]
+    targets = np.clip(np.append(near, filled), edges[0], edges[-1])
+    start = edges[edges <= targets.min() + 1e-6 * size][-1]
+    (top, bottom), last = ((place - start) / size for place in filled), (float(targets.max()) - start) / size
+    read, at, faces = (near - start) / size, 0, [0]
     while at < last - 1e-6:
         stride = step
         for longer in (4 * step, 2 * step):
@@ -78,13 +78,13 @@ def followed_faces(body: LoadedBody, axis: int, low: float, step: int, near: Flo
                 stride = longer
                 break
         at += stride
-        found.append(at)
-    return np.asarray(start + size * np.asarray(found, dtype=float))
+        faces.append(at)
+    return np.asarray(start + size * np.asarray(faces, dtype=float))
 
 
 def jumps_on_lines(body: LoadedBody, grid: Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coordinates along x, y, z of lines of a mesh at which the content of small cells jumps."""
-    found: list[list[float]] = [[], [], []]
+    coordinates: list[list[float]] = [[], [], []]
     for cells in body.cells:
         strain = cells.eigenstrain.reshape(9, *cells.eigenstrain.shape[2:])
         fields = [(strain, _COUNTS * float(np.abs(strain).max()))]
@@ -99,6 +99,6 @@ def jumps_on_lines(body: LoadedBody, grid: Grid) -> tuple[FloatArray, FloatArray
                 steps = np.abs(np.diff(np.pad(field, outside), axis=along))
                 jumps |= steps.max(axis=tuple(k for k in range(4) if k != along)) > least
             lines = np.abs(edges[:, None] - grid.lines[axis]).min(axis=1) < 1e-6 * float(np.diff(edges).min())
-            found[axis] += edges[jumps & lines].tolist()
-    x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in found)
+            coordinates[axis] += edges[jumps & lines].tolist()
+    x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in coordinates)
     return x, y, z[z > 0.0]

@@ -12,21 +12,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
 
 from eigencontact_verification.fem.line_contact_model import LineBody, LineContact, LineStep, PlaneRegion
 from eigencontact_verification.fem.line_half_plane import HalfPlane
-from eigencontact_verification.fem.plane_recovery import recovered_plane
-from eigencontact_verification.fem.plane_strain import PlaneBody
-from eigencontact_verification.fem.yielding_law import State
+from eigencontact_verification.fem.line_solution import LineMoment, LineSolution
 
 __all__ = [
     "LineBody",
@@ -41,128 +39,21 @@ __all__ = [
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Largest force that may be left at an unknown, as a part of the load; iterations; times that a step may be halved.
-_LEFT, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
-#: Factors of the stiffness of the contact by which an increment is approached where the whole one fails.
+#: Largest residual force at an unknown over the load; largest numbers of iterations and of halvings of a step.
+_RESIDUAL, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
+#: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
 _SOFTER = (1e-3, 3e-2, 1.0)
 #: Stiffness of contact and stick in contact moduli over the size of the fine elements.
 _STIFF = 1e4
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LineMoment:
-    """The bodies at the end of an increment.
-
-    Attributes
-    ----------
-    step : LineStep
-    pressure, shear, slip : (n,) float64
-        At `LineSolution.x`: on body 1; slip of body 2 over body 1 since they touched [Pa, Pa, m].
-    stick : (n,) bool
-        Nodes in contact that the last increment did not shift.
-    displacement : (unknowns + 2,) float64
-        What the bodies keep (`HalfPlane`); last the rigid motion of body 2 into and along body 1.
-    stresses : tuple of (4, elements, 9) float64 or None
-        xx, yy, zz, sqrt2 xz at the integration points of each body; None of an elastic one.
-    states : tuple
-        What the laws remember, by body.
-    iterations : int
-        Linear systems solved for it.
-    increments : int
-        Into which the step was parted because the whole had no solution; 1 if it was not.
-    """
-
-    step: LineStep
-    pressure: FloatArray
-    shear: FloatArray
-    slip: FloatArray
-    stick: NDArray[np.bool_]
-    displacement: FloatArray
-    stresses: tuple[FloatArray | None, ...] = field(repr=False)
-    states: tuple[tuple[State, ...], ...] = field(repr=False)
-    iterations: int = 0
-    increments: int = 1
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LineSolution:
-    """Everything after each step.
-
-    Attributes
-    ----------
-    model : LineContact
-    halves : tuple of HalfPlane
-    x, weight : (n,) float64
-        Nodes of the surface where contact is looked for, ascending, and their shares of its length [m].
-    moments : tuple of LineMoment
-        One for each step that was asked for.
-    seconds : float
-    """
-
-    model: LineContact
-    halves: tuple[HalfPlane, ...]
-    x: FloatArray
-    weight: FloatArray
-    moments: tuple[LineMoment, ...]
-    seconds: float
-
-    @property
-    def bodies(self) -> tuple[PlaneBody, ...]:
-        """Meshes of the bodies."""
-        return tuple(half.body for half in self.halves)
-
-    def stress(self, points: ArrayLike, moment: int = -1, body: int = 1) -> FloatArray:
-        """Stress xx, yy, zz, xz (4, n) at points (x, z), (n, 2), z into body 1 or upwards into body 2 [Pa].
-
-        Of body 2 in the axes of body 1: its xz changes sign, because its z points the other way.
-        """
-        half, now, points = self.halves[body - 1], self.moments[moment], np.asarray(points, dtype=float)
-        values = now.stresses[body - 1]
-        if values is None:
-            start = sum(len(other.kept) for other in self.halves[: body - 1])
-            values = half.stress(now.displacement[start : start + len(half.kept)], now.step)
-        material = half.material
-        found = recovered_plane(half.body, values, points, breaks=material.breaks(), side=material.side)
-        found[3] *= (1 if body == 1 else -1) / np.sqrt(2.0)
-        return found
-
-    def plastic_strain(self, points: ArrayLike, moment: int = -1, body: int = 1) -> FloatArray:
-        """Equivalent plastic strain (n,) at points (x, z), (n, 2)."""
-        mesh = self.bodies[body - 1]
-        return mesh.read(mesh.of_state(self.moments[moment].states[body - 1]), points)
-
-    def contact(self, moment: int = -1) -> tuple[float, float]:
-        """Ends of the contact: where the squared pressure of the last nodes inside, with straight lines, is zero."""
-        return self._ends(self.moments[moment].pressure ** 2)
-
-    def stick(self, moment: int = -1) -> tuple[float, float]:
-        """Ends of the stick zone, where ``(friction p - |q|)²`` is zero (a root's distance from full friction)."""
-        now = self.moments[moment]
-        return self._ends(np.where(now.stick, self.model.friction * now.pressure - np.abs(now.shear), 0.0) ** 2)
-
-    def _ends(self, value: FloatArray) -> tuple[float, float]:
-        """Where a function that is positive between two places and straight beside them rises from 0 and falls to 0."""
-        inside = np.flatnonzero(value > 0)
-        if inside.size < 4:
-            return (float(self.x[inside].min(initial=0.0)), float(self.x[inside].max(initial=0.0)))
-        first, last = int(inside[0]), int(inside[-1])
-        ends = []
-        for part, low, high in (
-            (np.s_[first : first + 4], self.x[max(first - 1, 0)], self.x[first]),
-            (np.s_[last - 3 : last + 1], self.x[last], self.x[min(last + 1, len(self.x) - 1)]),
-        ):
-            slope, start = np.polyfit(self.x[part] - self.x[first], value[part], 1)
-            ends.append(float(np.clip(self.x[first] - start / slope, low, high)))
-        return ends[0], ends[1]
-
-
 def solve_line_contact(model: LineContact, steps: Sequence[LineStep]) -> LineSolution:
-    """Follow one step after another, each an increment of backward Euler.
+    """Solve the steps in order, each as an increment of backward Euler.
 
     Parameters
     ----------
     model : LineContact
-        What touches.
+        Bodies and gap.
     steps : sequence of LineStep
         Loads at the end of each increment.
 
@@ -194,12 +85,12 @@ def solve_line_contact(model: LineContact, steps: Sequence[LineStep]) -> LineSol
 
 @dataclass(kw_only=True, eq=False)
 class _Solver:
-    """Unknowns are those that the first body keeps, those of the second, the depth d and the shift s."""
+    """Solver with the unknowns of body 1, those of body 2, the depth d and the shift s."""
 
     model: LineContact
     halves: tuple[HalfPlane, ...]
     largest: float
-    spent: int = 0
+    iterations: int = 0
 
     @property
     def weight(self) -> FloatArray:
@@ -217,14 +108,14 @@ class _Solver:
         return _STIFF * self.model.contact_modulus * self.model.divisions / self.model.fine
 
     @cached_property
-    def parts(self) -> list[slice]:
-        """Places of the unknowns of each body among all."""
-        ends = np.cumsum([0, *(len(half.kept) for half in self.halves)])
+    def places(self) -> list[slice]:
+        """Places of the unknowns of each body among those of the solver."""
+        ends = np.cumsum([0, *(len(half.unknowns) for half in self.halves)])
         return [slice(*map(int, pair)) for pair in pairwise(ends)]
 
     @property
     def size(self) -> int:
-        return sum(len(half.kept) for half in self.halves) + 2
+        return sum(len(half.unknowns) for half in self.halves) + 2
 
     @cached_property
     def overlaps(self) -> csr_matrix:
@@ -238,20 +129,20 @@ class _Solver:
 
     def _relative(self, which: int, signs: tuple[float, float], rigid: int) -> csr_matrix:
         n, bodies = len(self.x), len(self.halves)
-        columns = [part.start + half.surface[which] for part, half in zip(self.parts, self.halves, strict=True)]
+        columns = [place.start + half.surface[which] for place, half in zip(self.places, self.halves, strict=True)]
         values = np.repeat([*signs[:bodies], 1.0], n)
         rows = np.tile(np.arange(n), bodies + 1)
         columns.append(np.full(n, self.size + rigid))
         return csr_matrix((values, (rows, np.concatenate(columns))), shape=(n, self.size))
 
     def follow(self, steps: Sequence[LineStep]) -> Iterator[LineMoment]:
-        none = np.zeros(len(self.x))
+        zeros = np.zeros(len(self.x))
         now = LineMoment(
             step=LineStep(normal=0.0),
-            pressure=none,
-            shear=none,
-            slip=none,
-            stick=none > 0,
+            pressure=zeros,
+            shear=zeros,
+            slip=zeros,
+            stick=zeros > 0,
             displacement=np.zeros(self.size),
             stresses=(None,) * len(self.halves),
             states=tuple(half.body.rest() for half in self.halves),
@@ -259,16 +150,16 @@ class _Solver:
         if any(np.any(half.body.prestrain) for half in self.halves):
             now = self.advance(now, now.step)
         for step in steps:
-            self.spent = 0
+            self.iterations = 0
             now = self.advance(now, step)
             if now.pressure[0] or now.pressure[-1]:
                 raise ValueError(f"line contact window must hold the contact (got {self.model.window}); widen it")
             yield now
 
     def advance(self, before: LineMoment, step: LineStep, halvings: int = _HALVINGS) -> LineMoment:
-        found = self.newton(before, step) or self.approached(before, step)
-        if found is not None:
-            return found
+        solution = self.newton(before, step) or self.by_softer_contacts(before, step)
+        if solution is not None:
+            return solution
         if not halvings:
             raise ArithmeticError(
                 f"line contact must have a solution between {before.step} and {step} (got none in {_ITERATIONS} "
@@ -279,20 +170,20 @@ class _Solver:
         second = self.advance(first, step, halvings - 1)
         return replace(second, increments=first.increments + second.increments)
 
-    def approached(self, before: LineMoment, step: LineStep) -> LineMoment | None:
-        """The whole increment by way of softer contacts, if need be at a part of its loads; None if it fails.
+    def by_softer_contacts(self, before: LineMoment, step: LineStep) -> LineMoment | None:
+        """Increment by way of softer contacts, if necessary first at half of its loads; None if it fails.
 
-        From a poor start, nodes at the edge come and go for ever, or points yield that should not.
+        From a poor start, nodes at the edge alternate without end, or points yield that should not.
         """
-        whole = self.stiffened(before, step, before)
-        part = None if whole else self.stiffened(before, _between(before.step, step), before)
-        return self.stiffened(before, step, part) if part else whole
+        whole = self.softer_to_stiff(before, step, before)
+        partial = None if whole else self.softer_to_stiff(before, _between(before.step, step), before)
+        return self.softer_to_stiff(before, step, partial) if partial else whole
 
-    def stiffened(self, before: LineMoment, step: LineStep, start: LineMoment) -> LineMoment | None:
-        found: LineMoment | None = start
+    def softer_to_stiff(self, before: LineMoment, step: LineStep, start: LineMoment) -> LineMoment | None:
+        solution: LineMoment | None = start
         for softer in _SOFTER:
-            found = found and self.newton(before, step, found, softer)
-        return found
+            solution = solution and self.newton(before, step, solution, softer)
+        return solution
 
     def newton(
         self, before: LineMoment, step: LineStep, start: LineMoment | None = None, softer: float = 1.0
@@ -303,22 +194,22 @@ class _Solver:
         """
         start = start or before
         u = start.displacement.copy()
-        for part, half in zip(self.parts, self.halves, strict=True):
-            u[part] += half.moved(start.step, step)
+        for place, half in zip(self.places, self.halves, strict=True):
+            u[place] += half.boundary_change(start.step, step)
         gap, loads = self.gap(step), [half.load(step) for half in self.halves]
         if step.normal and not start.step.normal:
             u[-2] = self.first_depth(u, step.normal, gap)
-        loose = [half.free for half in self.halves]
-        free = np.flatnonzero(np.concatenate((*loose, [step.normal > 0, self.rubs and step.normal > 0])))
+        movable = [half.free for half in self.halves]
+        free = np.flatnonzero(np.concatenate((*movable, [step.normal > 0, self.has_friction and step.normal > 0])))
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
         slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
-        moved = step.place - start.step.place
-        touched = np.interp(self.x - moved, self.x, start.pressure, 0.0, 0.0) > 0 if moved else None
-        for tried in range(_ITERATIONS):
+        travel = step.place - start.step.place
+        touched = np.interp(self.x - travel, self.x, start.pressure, 0.0, 0.0) > 0 if travel else None
+        for iteration in range(_ITERATIONS):
             try:
                 inner = [
-                    half.answer(u[part], states, load)
-                    for part, half, states, load in zip(self.parts, self.halves, before.states, loads, strict=True)
+                    half.answer(u[place], states, load)
+                    for place, half, states, load in zip(self.places, self.halves, before.states, loads, strict=True)
                 ]
             except ArithmeticError:
                 return None
@@ -326,11 +217,11 @@ class _Solver:
                 u, gap, before.slip, slides, softer if step.normal else 0.0, touched if np.any(touched) else None
             )
             touched = None
-            rest = np.concatenate([*(-force for force, *_ in inner), [step.normal, step.shear]])
-            rest -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
-            rest = rest[free]
+            residual = np.concatenate([*(-force for force, *_ in inner), [step.normal, step.shear]])
+            residual -= self.overlaps.T @ (self.weight * p) + self.shifts.T @ (self.weight * q)
+            residual = residual[free]
             bounded = np.all(np.abs(q) <= self.model.friction * p * (1 + 1e-12))
-            if tried and bounded and np.abs(rest).max() <= _LEFT * scale:
+            if iteration and bounded and np.abs(residual).max() <= _RESIDUAL * scale:
                 slipped = np.abs(slip - before.slip) > 0
                 return LineMoment(
                     step=step,
@@ -341,39 +232,39 @@ class _Solver:
                     displacement=u,
                     stresses=tuple(stress for *_, stress in inner),
                     states=tuple(states for _, _, states, _ in inner),
-                    iterations=self.spent,
+                    iterations=self.iterations,
                 )
             if step.normal and not np.any(p):
                 return None
-            self.spent += 1
+            self.iterations += 1
             normal, shear, cross = (diags(self.weight * slope) for slope in slopes)
             springs = self.overlaps.T @ normal @ self.overlaps
             springs = springs + self.shifts.T @ (shear @ self.shifts + cross @ self.overlaps)
             try:
-                u[free] += self.solved([matrix for _, matrix, _, _ in inner], springs, free, rest)
-            except (RuntimeError, np.linalg.LinAlgError):  # every node slips: the halved step keeps some that stick
+                u[free] += self.newton_step([matrix for _, matrix, _, _ in inner], springs, free, residual)
+            except (RuntimeError, np.linalg.LinAlgError):  # every node slips; in a halved step some nodes stick
                 return None
             if not np.all(np.isfinite(u)):
                 return None
         return None
 
-    def solved(self, matrices: list[Any], springs: csr_matrix, free: IntArray, rest: FloatArray) -> FloatArray:
-        """Step (free,) of Newton's iteration; dense where no body keeps what lies inside."""
+    def newton_step(self, matrices: list[Any], springs: csr_matrix, free: IntArray, residual: FloatArray) -> FloatArray:
+        """Step (free,) of Newton's iteration; dense where both bodies are condensed."""
         if self.elastic:
             dense = springs.toarray()
-            for part, matrix in zip(self.parts, matrices, strict=True):
-                dense[part, part] += matrix
-            return np.linalg.solve(dense[np.ix_(free, free)], rest)
-        whole = block_diag([*map(csc_matrix, matrices), csc_matrix((2, 2))], format="csr") + springs
-        factors = splu(whole[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
-        return np.asarray(factors.solve(rest))
+            for place, matrix in zip(self.places, matrices, strict=True):
+                dense[place, place] += matrix
+            return np.linalg.solve(dense[np.ix_(free, free)], residual)
+        stiffness = block_diag([*map(csc_matrix, matrices), csc_matrix((2, 2))], format="csr") + springs
+        factors = splu(stiffness[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+        return np.asarray(factors.solve(residual))
 
     @property
     def elastic(self) -> bool:
         return all(half.material.elastic for half in self.halves)
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         return self.model.friction > 0
 
     def tractions(
@@ -385,7 +276,7 @@ class _Solver:
         softer: float,
         touched: NDArray[np.bool_] | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
-        """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap, and what slides.
+        """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap; sliding signs.
 
         `slides` is the sign of the slip of each node, 0 where it sticks. From one iteration to the next a node that
         would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
@@ -397,25 +288,25 @@ class _Solver:
         p = np.where(touched, stiff * overlap, 0.0)
         shift = self.shifts @ u
         trial = k * (shift - slip)
-        now = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
-        now[(now * slides < 0) & (p > 0)] = 0.0
-        touched, sticks = p != 0, (now == 0) & self.rubs
-        q = np.where(touched, np.where(sticks, trial, mu * p * now), 0.0)
-        after = np.where(sticks & touched, slip, shift - q / k)
+        sliding = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
+        sliding[(sliding * slides < 0) & (p > 0)] = 0.0
+        touched, sticks = p != 0, (sliding == 0) & self.has_friction
+        q = np.where(touched, np.where(sticks, trial, mu * p * sliding), 0.0)
+        new_slip = np.where(sticks & touched, slip, shift - q / k)
         slopes = (
             np.asarray(stiff * touched),
             np.asarray(k * (sticks & touched)),
-            np.asarray(mu * stiff * touched * now),
+            np.asarray(mu * stiff * touched * sliding),
         )
-        return np.asarray(p), q, after, slopes, now
+        return np.asarray(p), q, new_slip, slopes, sliding
 
     def first_depth(self, u: FloatArray, load: float, gap: FloatArray) -> float:
         """Depth whose overlap with the undeformed surface is about as wide as the contact: exact for a parabola."""
         height = gap - self.overlaps @ np.append(u[:-2], (0.0, 0.0))
         for depth in np.unique(height)[1:]:
-            over = np.maximum(0.0, depth - height)
-            width = self.weight[over > 0].sum() / 2
-            if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ over) / width >= load:
+            overlap = np.maximum(0.0, depth - height)
+            width = self.weight[overlap > 0].sum() / 2
+            if 3 * np.pi / 8 * self.model.contact_modulus * (self.weight @ overlap) / width >= load:
                 return float(depth)
         return float(height.max())
 

@@ -109,13 +109,13 @@ class LineBody:
 
     def stretched(self, z: FloatArray) -> FloatArray:
         """Remote stress xx at depths, in that of the substrate: layers share its strain, without strain yy."""
-        found = np.ones_like(z)
+        stress = np.ones_like(z)
         for layer in self.regions:
             if np.isinf(layer.low[0]):
                 young = self.young_modulus if layer.young_modulus is None else layer.young_modulus
                 nu = self.poisson_ratio if layer.poisson_ratio is None else layer.poisson_ratio
-                found[(z > layer.low[1]) & (z < layer.high[1])] = young / (1 - nu**2) * self.compliance
-        return found
+                stress[(z > layer.low[1]) & (z < layer.high[1])] = young / (1 - nu**2) * self.compliance
+        return stress
 
     def fits(self) -> list[Fit]:
         """Regions that the mesh follows."""
@@ -128,12 +128,12 @@ class LineBody:
     def boxes(self, axis: int) -> list[tuple[Pair, float]]:
         """Ends along x (0) or z (1) of the boxes that are meshed for its regions, and elements' size there."""
         fits = {fit.mark: fit.box for fit in self.fits()}
-        found = []
+        boxes = []
         for k, region in enumerate(self.regions):
             low, high = fits.get(k, (region.low, region.high))
             if np.isfinite(low[axis]):
-                found.append(((low[axis], high[axis]), region.sizes[axis]))
-        return found
+                boxes.append(((low[axis], high[axis]), region.sizes[axis]))
+        return boxes
 
     def breaks(self) -> tuple[FloatArray, FloatArray]:
         """Places along x and z of the sides of regions that fill their boxes."""
@@ -153,18 +153,18 @@ class LineBody:
             fitted = np.broadcast_to((grid.marks == k)[:, None], x.shape)
             inside = region.inside(x, z) if region.contains is None else fitted
             prestrain[:, inside] += np.multiply(region.eigenstrain, (1, 1, 1, np.sqrt(2.0)))[:, None]
-            own = region.own_law(self)
-            if own is not None:
+            law = region.own_law(self)
+            if law is not None:
                 material[inside] = len(laws)
-                laws.append(own)
+                laws.append(law)
         return PlaneBody(grid=grid, laws=laws, material=material, prestrain=prestrain)
 
     def side(self, x: FloatArray, z: FloatArray) -> NDArray[np.int64]:
         """A bit for each region that holds the point."""
-        found = np.zeros(np.shape(x), dtype=np.int64)
+        bits = np.zeros(np.shape(x), dtype=np.int64)
         for k, region in enumerate(self.regions):
-            found += region.inside(x, z).astype(np.int64) << k
-        return found
+            bits += region.inside(x, z).astype(np.int64) << k
+        return bits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,12 +261,12 @@ class LineContact:
         low, high = self.window
         sharp = [(edge, edge) for edge in self.edges]
         lines = []
-        for axis, fixed, kept, bodies in (
+        for axis, fixed, uniform, bodies in (
             (0, [-self.reach, low, 0.0, high, self.reach], (low, high), self.bodies),
             (1, [0.0, self.reach], (0.0, self.deep), (body,)),
         ):
-            boxes = [box for one in bodies for box in one.boxes(axis)]
-            fine = [kept, *(sharp if axis == 0 else [(0.0, 0.0)] * len(sharp)), *(ends for ends, _ in boxes)]
+            boxes = [box for solid in bodies for box in solid.boxes(axis)]
+            fine = [uniform, *(sharp if axis == 0 else [(0.0, 0.0)] * len(sharp)), *(ends for ends, _ in boxes)]
             sizes = [self.fine, *[self.sharp] * len(sharp), *(min(size, self.fine) for _, size in boxes)]
             lines.append(graded_lines([*fixed, *(end for ends, _ in boxes for end in ends)], fine, sizes, self.growth))
         fitted = [min(*region.sizes, self.fine) for region in body.regions if region.contains is not None]

@@ -1,8 +1,8 @@
-"""One body of a line contact for the solver: the unknowns that it keeps, and its inner forces by them.
+"""One body of a line contact for the solver: its unknowns after condensation, and its inner forces by them.
 
-A body with a law keeps all of its unknowns. An elastic one keeps those of the surface where contact is looked for: its
-stiffness is condensed onto them once, ``S = K_ss - K_si K_ii^-1 K_is``, and in each increment what the far field, the
-remote stress and the eigenstrain do. The rest follows from the surface where stress is read.
+A body with a law has all unknowns of its mesh. An elastic body has those of the surface of possible contact: its
+stiffness is condensed onto them once, ``S = K_ss - K_si K_ii^-1 K_is``, and the loads by the far field, the remote
+stress and the eigenstrain in each increment. The interior follows from the surface where stress is read.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ __all__ = ["HalfPlane", "Inner"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-#: Force by the kept unknowns, its derivative, the states that follow, and stress where it is known without more work.
+#: Force at the unknowns, its derivative, the new states, and stress where it needs no further work.
 Inner = tuple[FloatArray, Any, tuple[State, ...], FloatArray | None]
 
-#: Columns that are condensed at a time.
+#: Number of columns that are condensed together.
 _AT_ONCE = 100
 
 
@@ -53,7 +53,7 @@ class HalfPlane:
 
     @property
     def material(self) -> LineBody:
-        """What it is made of."""
+        """Material and layers of the body."""
         return self.model.bodies[self.number]
 
     @cached_property
@@ -64,8 +64,8 @@ class HalfPlane:
         edges = mesh.boundary_facets()
         ends = mesh.p[:, mesh.facets[:, edges]]
         tiny = 1e-9 * (high - low)
-        kept = np.all(ends[1] == 0, axis=0) & np.all((ends[0] > low - tiny) & (ends[0] < high + tiny), axis=0)
-        edges, length = edges[kept], np.abs(np.diff(ends[0][:, kept], axis=0))[0]
+        facing = np.all(ends[1] == 0, axis=0) & np.all((ends[0] > low - tiny) & (ends[0] < high + tiny), axis=0)
+        edges, length = edges[facing], np.abs(np.diff(ends[0][:, facing], axis=0))[0]
         corners = mesh.facets[:, edges]
         across = np.concatenate((*basis.nodal_dofs[1][corners], basis.facet_dofs[1][edges]))
         along = np.concatenate((*basis.nodal_dofs[0][corners], basis.facet_dofs[0][edges]))
@@ -81,22 +81,22 @@ class HalfPlane:
         return np.asarray(self.body.basis.doflocs[0, self.facets[1]])
 
     @cached_property
-    def kept(self) -> IntArray:
-        """Numbers of the unknowns that it keeps."""
+    def unknowns(self) -> IntArray:
+        """Numbers of the unknowns of the solver among all unknowns of the mesh."""
         _, across, along = self.facets
         return np.concatenate((across, along)) if self.material.elastic else np.arange(self.body.basis.N)
 
     @cached_property
     def surface(self) -> tuple[IntArray, IntArray]:
-        """Places of u_z and u_x of the surface nodes among the kept unknowns."""
+        """Places of u_z and u_x of the surface nodes among `unknowns`."""
         _, across, along = self.facets
         return (
             (np.arange(len(across)), np.arange(len(across)) + len(across)) if self.material.elastic else (across, along)
         )
 
     @cached_property
-    def held(self) -> NDArray[np.bool_]:
-        """Unknowns that the far field moves: all of the outer boundary, or three that stop rigid motion."""
+    def prescribed(self) -> NDArray[np.bool_]:
+        """Displacements that the far field prescribes: the whole outer boundary, or three that stop rigid motion."""
         x, z = self.body.basis.doflocs
         reach = self.model.reach
         if self.model.outer == "fixed":
@@ -106,24 +106,24 @@ class HalfPlane:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which kept unknowns are not held."""
-        return np.asarray(~self.held[self.kept])
+        """Unknowns without a prescribed displacement."""
+        return np.asarray(~self.prescribed[self.unknowns])
 
     def _loads(self, step: LineStep) -> tuple[float, float, float]:
         """Normal force, shear and remote stress of this body."""
         return step.normal, (step.shear, -step.shear)[self.number], step.bulk[self.number]
 
     def far(self, step: LineStep) -> FloatArray:
-        """Displacement (unknowns,) of what is held, zero elsewhere."""
-        found = np.zeros(self.body.basis.N)
-        here = np.flatnonzero(self.held)
-        x, z = self.body.basis.doflocs[:, here]
+        """Prescribed displacement (all unknowns,), zero elsewhere."""
+        displacement = np.zeros(self.body.basis.N)
+        prescribed = np.flatnonzero(self.prescribed)
+        x, z = self.body.basis.doflocs[:, prescribed]
         moduli = self.material.young_modulus, self.material.poisson_ratio
         normal, shear, bulk = self._loads(step)
-        both = line_force_displacement(normal, shear, *moduli, x - step.place, z)
-        both += stretched_displacement(bulk, *moduli, x, z)
-        found[here] = np.where(self.body.first_component[here], *both)
-        return found
+        components = line_force_displacement(normal, shear, *moduli, x - step.place, z)
+        components += stretched_displacement(bulk, *moduli, x, z)
+        displacement[prescribed] = np.where(self.body.first_component[prescribed], *components)
+        return displacement
 
     @cached_property
     def _rim(self) -> FacetBasis:
@@ -133,7 +133,7 @@ class HalfPlane:
         return FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
 
     def _pull(self, step: LineStep) -> FloatArray:
-        """Forces (unknowns,) on free sides and base."""
+        """Forces (all unknowns,) on free sides and base."""
         if self.model.outer == "fixed":
             return np.zeros(self.body.basis.N)
 
@@ -152,50 +152,53 @@ class HalfPlane:
         """Factors of K_ii, the inner unknowns, K, K_si, K_is, S, and the forces of the eigenstrain."""
         body = self.body
         force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.rest())
-        kept = self.kept
-        loose = np.setdiff1d(np.flatnonzero(~self.held), kept).astype(np.int64)
+        unknowns = self.unknowns
+        interior = np.setdiff1d(np.flatnonzero(~self.prescribed), unknowns).astype(np.int64)
         rows = matrix.tocsr()
-        inner, between = rows[loose], rows[kept]
+        inner, between = rows[interior], rows[unknowns]
         factors = splu(
-            inner[:, loose].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            inner[:, interior].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
         )
-        coupling = inner[:, kept].tocsc()
-        stiffness = between[:, kept].toarray()
-        between = between[:, loose]
-        for k in range(0, len(kept), _AT_ONCE):
-            part = np.s_[:, k : k + _AT_ONCE]
-            stiffness[part] -= between @ factors.solve(coupling[part].toarray())
-        return factors, loose, rows, between, coupling, (stiffness + stiffness.T) / 2, force
+        coupling = inner[:, unknowns].tocsc()
+        stiffness = between[:, unknowns].toarray()
+        between = between[:, interior]
+        for k in range(0, len(unknowns), _AT_ONCE):
+            columns = np.s_[:, k : k + _AT_ONCE]
+            stiffness[columns] -= between @ factors.solve(coupling[columns].toarray())
+        return factors, interior, rows, between, coupling, (stiffness + stiffness.T) / 2, force
 
-    def moved(self, before: LineStep, after: LineStep) -> FloatArray:
-        """Change (kept,) of what is held from one step to another."""
-        return (self.far(after) - self.far(before))[self.kept]
+    def boundary_change(self, before: LineStep, after: LineStep) -> FloatArray:
+        """Change (unknowns,) of the prescribed displacement from one step to another."""
+        return (self.far(after) - self.far(before))[self.unknowns]
 
-    def _right(self, step: LineStep) -> FloatArray:
-        """Forces (unknowns,) of the far field and of the eigenstrain on an elastic body that does not move."""
+    def _right_hand_side(self, step: LineStep) -> FloatArray:
+        """Forces (all unknowns,) of the far field and of the eigenstrain on an elastic body without displacement."""
         _, _, matrix, _, _, _, force = self._condensed
         return np.asarray(self._pull(step) - matrix @ self.far(step) - force)
 
     def load(self, step: LineStep) -> FloatArray:
-        """Forces (kept,) of the far field, and of the eigenstrain on an elastic body."""
+        """Forces (unknowns,) of the far field; on an elastic body also those of the eigenstrain."""
         if not self.material.elastic:
             return self._pull(step)
-        factors, loose, _, between, _, _, _ = self._condensed
-        right = self._right(step)
-        return np.asarray(right[self.kept] - between @ factors.solve(right[loose]))
+        factors, interior, _, between, _, _, _ = self._condensed
+        forces = self._right_hand_side(step)
+        return np.asarray(forces[self.unknowns] - between @ factors.solve(forces[interior]))
 
-    def answer(self, kept: FloatArray, before: tuple[State, ...], load: FloatArray) -> Inner:
-        """Inner forces by the kept unknowns, less those of `load`."""
+    def answer(self, displacement: FloatArray, before: tuple[State, ...], load: FloatArray) -> Inner:
+        """Inner forces by the displacement of the unknowns, less those of `load`."""
         if self.material.elastic:
             stiffness = self._condensed[5]
-            return stiffness @ kept - load, stiffness, before, None
-        force, matrix, after, stress = self.body.forces(kept, before)
+            return stiffness @ displacement - load, stiffness, before, None
+        force, matrix, after, stress = self.body.forces(displacement, before)
         return force - load, matrix, after, stress
 
-    def stress(self, kept: FloatArray, step: LineStep) -> FloatArray:
+    def stress(self, condensed: FloatArray, step: LineStep) -> FloatArray:
         """Stress (4, elements, 9) of an elastic body: xx, yy, zz, sqrt2 xz at the integration points."""
-        factors, loose, _, _, coupling, _, _ = self._condensed
-        found = self.far(step)
-        found[self.kept] = kept
-        found[loose] = factors.solve(self._right(step)[loose] - coupling @ kept)
-        return self.body.answer(found, self.body.rest())[0]
+        factors, interior, _, _, coupling, _, _ = self._condensed
+        displacement = self.far(step)
+        displacement[self.unknowns] = condensed
+        displacement[interior] = factors.solve(self._right_hand_side(step)[interior] - coupling @ condensed)
+        return self.body.answer(displacement, self.body.rest())[0]

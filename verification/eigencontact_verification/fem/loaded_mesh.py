@@ -66,16 +66,16 @@ def has_flat_ends(region: Region, axis: int) -> bool:
 
 def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coordinates along x, y, z where the field has kinks on planes: interfaces, faces of boxes and of large cells."""
-    found: list[list[float]] = [[], [], np.cumsum([layer.thickness for layer in body.layers]).tolist()]
+    breaks: list[list[float]] = [[], [], np.cumsum([layer.thickness for layer in body.layers]).tolist()]
     for region in body.regions:
         for axis in (one for one in range(3) if has_flat_ends(region, one)):
-            found[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
+            breaks[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
     for cells in body.cells:
         edges = (cells.x, cells.y, cells.z)
         if max(e.size for e in edges) <= FEW:
             for axis in range(3):
-                found[axis] += edges[axis].tolist()
-    x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in found)
+                breaks[axis] += edges[axis].tolist()
+    x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in breaks)
     return x, y, z
 
 
@@ -83,12 +83,12 @@ def reach_of(body: LoadedBody, reaches: float) -> float:
     """Half width and depth of the block: so many sizes of the loaded patch, and well beyond all else."""
     boxes = list(boxes_of(body))
     loaded = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind == "tractions"]
-    own = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind != "tractions"]
+    sizes = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind != "tractions"]
     far = max(float(np.abs(box).max()) for _, box in boxes)
     thick = sum(layer.thickness for layer in body.layers)
     # what eigenstrain alone displaces of the surface is small: as the square of its depth over that of the block
     deep = 0.0 if loaded else _DEPTHS * max(float(box[1, 2]) for _, box in boxes)
-    return max(reaches * max(loaded + own), 1.0 * far + 0.6 * reaches * max(loaded + own), 4.0 * thick, deep)
+    return max(reaches * max(loaded + sizes), 1.0 * far + 0.6 * reaches * max(loaded + sizes), 4.0 * thick, deep)
 
 
 def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
@@ -107,8 +107,8 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
         follows = next((ends for of, ends in flat if kind == "region" and np.array_equal(box, of)), [False] * 3)
         halves = (box[1] - box[0]) / 2
         lengths = [
-            max(one, min(1.0, half / max(sizes)), _LONG * half / max(sizes)) if ends else one
-            for one, half, ends in zip(lengths, halves, follows, strict=True)
+            max(length, min(1.0, half / max(sizes)), _LONG * half / max(sizes)) if ends else length
+            for length, half, ends in zip(lengths, halves, follows, strict=True)
         ]
         depth = (0.0, 0.5 * size) if kind == "tractions" else (box[0, 2], box[1, 2])
         for axis, (low, high) in enumerate((tuple(box[:, 0]), tuple(box[:, 1]), depth)):
@@ -118,7 +118,8 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
                 anchors[axis].append((max(low, lows[axis]), high, share, kind))
     # of a lattice of hundreds of regions few intervals differ
     return [
-        list({(*np.round(np.divide(one[:3], max(sizes)), 9), one[3]): one for one in axis}.values()) for axis in anchors
+        list({(*np.round(np.divide(length[:3], max(sizes)), 9), length[3]): length for length in axis}.values())
+        for axis in anchors
     ]
 
 
@@ -192,10 +193,10 @@ def family_grid(
         return followed_faces(body, axis, lows[axis], most // per_cell, np.unique(places[:, axis]))
 
     def axes(per_cell: int, fine: float) -> tuple[list[list[tuple[FloatArray, FloatArray, int]]], int]:
-        found = [
+        lines = [
             _segments(lows[a], reach, breaks[a], anchors[a], fine, size, faces(a, per_cell), ratio) for a in range(3)
         ]
-        return found, 3 * int(np.prod([2 * most * sum(number for *_, number in axis) + 1 for axis in found]))
+        return lines, 3 * int(np.prod([2 * most * sum(number for *_, number in axis) + 1 for axis in lines]))
 
     lengths = size * np.geomspace(0.01, 2.0, 200)
     small = ratio != RATIO and has_small_cells(body)
@@ -219,8 +220,8 @@ def family_grid(
     for low, axis in zip(lows, chosen, strict=True):
         line = [np.array([low])]
         for t, count, number in axis:
-            parts = PARTS[ratio][level] * number
-            some = np.interp(np.arange(1, parts + 1) / parts * count[-1], count, t)
+            divisions = PARTS[ratio][level] * number
+            some = np.interp(np.arange(1, divisions + 1) / divisions * count[-1], count, t)
             some[-1] = t[-1]
             line.append(some)
         lines.append(np.concatenate(line))

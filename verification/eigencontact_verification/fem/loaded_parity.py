@@ -45,16 +45,16 @@ def parities(body: LoadedBody) -> tuple[LoadedBody, ...]:
     if strained == (body.tractions is not None) or _size(body) == 0.0 or _varies(body):
         return (body,)
     centre = centred(body)
-    parts, least = [centre.body], TOLERANCE * _size(body)
+    pieces, least = [centre.body], TOLERANCE * _size(body)
     for plane in (axis for axis, kind in enumerate(centre.symmetry) if kind == "none"):
         halves = []
-        for part in parts:
-            mirror = _mirrored(part, plane)
+        for component in pieces:
+            mirror = _mirrored(component, plane)
             if mirror is None:
                 return (body,)
-            halves += [_half(part, mirror, 1.0), _half(part, mirror, -1.0)]
-        parts = halves
-    return tuple(moved(part, -centre.origin) for part in parts if _size(part) > least)
+            halves += [_half(component, mirror, 1.0), _half(component, mirror, -1.0)]
+        pieces = halves
+    return tuple(moved(component, -centre.origin) for component in pieces if _size(component) > least)
 
 
 def _varies(body: LoadedBody) -> bool:

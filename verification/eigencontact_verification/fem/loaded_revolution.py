@@ -121,12 +121,12 @@ def model_of(body: LoadedBody, *, watched: ArrayLike) -> tuple[AxisymmetricModel
     ValueError
         If the body is not of revolution.
     """
-    found = of_revolution(body)
-    if found is None:
+    axis_and_scatter = of_revolution(body)
+    if axis_and_scatter is None:
         raise ValueError(
             "body must be of revolution about a vertical axis (got one that is not); use fem.loaded_solid.solve_loaded"
         )
-    axis = found.axis
+    axis = axis_and_scatter.axis
     points = np.atleast_2d(np.asarray(watched, dtype=float)) - (*axis, 0.0)
     layers = tuple(
         AxisymmetricLayer(thickness=x.thickness, young_modulus=x.young_modulus, poisson_ratio=x.poisson_ratio)

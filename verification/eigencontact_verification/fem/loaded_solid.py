@@ -103,9 +103,9 @@ class LoadedSolution:
         strain = recovered(
             self.solution.strain, self.solution.grid, self.solution.model.symmetry, at, breaks=kinks, side=side
         )
-        lam, mu, own = assembly.point_state(self.solution.model, at)
-        kept, plastic = cell_state(self.body.cells, at)
-        return assembly.hooke(kept * lam, kept * mu, strain - own - plastic)
+        lam, mu, region_strain = assembly.point_state(self.solution.model, at)
+        stiffness, plastic = cell_state(self.body.cells, at)
+        return assembly.hooke(stiffness * lam, stiffness * mu, strain - region_strain - plastic)
 
 
 def solve_loaded(
@@ -153,25 +153,26 @@ def solve_loaded(
     """
     start = time.perf_counter()
     centre = centred(body, use=symmetric)
-    own = centre.body
+    shifted = centre.body
     near = None if read is None else np.asarray(read, dtype=float).reshape(-1, 3) - centre.origin
     far = np.abs(np.asarray(watched, dtype=float).reshape(-1, 3) - centre.origin).max(initial=0.0)
-    reach = max(reach_of(own, reaches), 1.25 * float(far))
-    grid, fine = family_grid(own, centre.symmetry, reach, level=level, budget=budget, ratio=ratio, near=near)
+    reach = max(reach_of(shifted, reaches), 1.25 * float(far))
+    grid, fine = family_grid(shifted, centre.symmetry, reach, level=level, budget=budget, ratio=ratio, near=near)
     model = Model(
-        young_modulus=own.young_modulus, poisson_ratio=own.poisson_ratio, layers=own.layers, regions=own.regions,
+        young_modulus=shifted.young_modulus, poisson_ratio=shifted.poisson_ratio,
+        layers=shifted.layers, regions=shifted.regions,
         reach=reach, symmetry=centre.symmetry, outer=outer, fine=fine,
     )  # fmt: skip
-    stuff = damaged(grid, assembly.material(model, grid), own.cells)
-    load = assembly.eigenstrain_load(grid, stuff) + cells_load(grid, stuff, own.cells)
-    if own.tractions is not None:
-        load += traction_cells_load(grid, own.tractions)
-    field = far_field(own.tractions, own.young_modulus, own.poisson_ratio)
+    stuff = damaged(grid, assembly.material(model, grid), shifted.cells)
+    load = assembly.eigenstrain_load(grid, stuff) + cells_load(grid, stuff, shifted.cells)
+    if shifted.tractions is not None:
+        load += traction_cells_load(grid, shifted.tractions)
+    field = far_field(shifted.tractions, shifted.young_modulus, shifted.poisson_ratio)
     fixed = planes.constrained(model, grid)
     solve = _fixed if outer == "fixed" else _free
     nodal, iterations, history = solve(model, grid, stuff, load, fixed, field)
     return LoadedSolution(
-        body=own,
+        body=shifted,
         origin=centre.origin,
         solution=Solution(
             model=model, grid=grid, nodal=nodal, unknowns=int((~fixed).sum()), seconds=time.perf_counter() - start,

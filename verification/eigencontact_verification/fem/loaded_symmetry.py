@@ -98,10 +98,10 @@ def boxes_of(body: LoadedBody, least: float = 0.0) -> Iterator[tuple[str, FloatA
 def reflected(values: FloatArray, edges: FloatArray, middle: float, axis: int) -> FloatArray | None:
     """Values on the cells reflected at a place along one axis; zero beyond the edges; None if cells do not match."""
     centre = (edges[1:] + edges[:-1]) / 2
-    wanted = 2 * middle - centre
-    at = np.clip(np.searchsorted(edges, wanted, side="right") - 1, 0, centre.size - 1)
-    inside = (wanted > edges[0]) & (wanted < edges[-1])
-    if not np.allclose(centre[at][inside], wanted[inside], rtol=0, atol=1e-4 * float(np.diff(edges).min())):
+    images = 2 * middle - centre
+    at = np.clip(np.searchsorted(edges, images, side="right") - 1, 0, centre.size - 1)
+    inside = (images > edges[0]) & (images < edges[-1])
+    if not np.allclose(centre[at][inside], images[inside], rtol=0, atol=1e-4 * float(np.diff(edges).min())):
         return None
     shape = [1] * values.ndim
     shape[axis] = -1
@@ -136,14 +136,14 @@ def _folded(body: LoadedBody, plane: int, kind: str, middle: float) -> LoadedBod
         strain = None if other is None else _symmetric(cells.eigenstrain, tensor[:, :, None, None, None] * other)
         if strain is None:
             return None
-        kept = cells.kept
-        if kept is not None:
-            lost = reflected(1 - kept, edges, middle, 2 - plane)
-            lost = None if lost is None else _symmetric(1 - kept, lost)
+        stiffness = cells.kept
+        if stiffness is not None:
+            lost = reflected(1 - stiffness, edges, middle, 2 - plane)
+            lost = None if lost is None else _symmetric(1 - stiffness, lost)
             if lost is None:
                 return None
-            kept = 1 - lost
-        boxes.append(replace(cells, eigenstrain=strain, kept=kept))
+            stiffness = 1 - lost
+        boxes.append(replace(cells, eigenstrain=strain, kept=stiffness))
     if body.regions and not _regions_fold(body, plane, tensor, middle):
         return None
     return replace(body, tractions=loads, cells=tuple(boxes))

@@ -71,7 +71,7 @@ def graded_lines(
         if ends[-1] + tiny < place < high - tiny:
             ends.append(place)
     ends.append(high)
-    parts = [np.array([low])]
+    stretches = [np.array([low])]
     for start, stop in pairwise(ends):
         t = start + (stop - start) * _TABLE
         distance = np.min([np.maximum(np.maximum(a - t, t - b), 0.0) for a, b in anchors], axis=0)
@@ -80,8 +80,8 @@ def graded_lines(
         number = max(1, int(np.ceil(count[-1] - 1e-6))) * refine
         lines = np.interp(np.arange(1, number + 1) / number * count[-1], count, t)
         lines[-1] = stop
-        parts.append(lines)
-    return np.concatenate(parts)
+        stretches.append(lines)
+    return np.concatenate(stretches)
 
 
 @dataclass(frozen=True, kw_only=True)

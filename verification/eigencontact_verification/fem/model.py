@@ -9,23 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["OUTER", "SYMMETRIES", "Layer", "Model", "Patch", "Region", "lame"]
+__all__ = ["OUTER", "SYMMETRIES", "Layer", "Model", "Patch", "Region", "lame", "von_mises"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], BoolArray]
 Triple = tuple[float, float, float]
 
+#: A number or an array of them.
+Modulus = TypeVar("Modulus", float, FloatArray)
+
 SYMMETRIES = ("none", "even", "odd")
 OUTER = ("fixed", "free")
 
 
-def lame(young_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """Lamé's parameters (lambda, mu) [Pa].
+def lame(young_modulus: Modulus, poisson_ratio: Modulus) -> tuple[Modulus, Modulus]:
+    """Lamé's parameters (lambda, mu) [Pa], of numbers or of arrays.
 
     Examples
     --------
@@ -34,6 +38,12 @@ def lame(young_modulus: float, poisson_ratio: float) -> tuple[float, float]:
     """
     mu = young_modulus / (2 * (1 + poisson_ratio))
     return 2 * mu * poisson_ratio / (1 - 2 * poisson_ratio), mu
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """Von Mises stress ``(...)`` of tensors ``(..., 3, 3)``."""
+    deviator = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * np.einsum("...ij,...ij->...", deviator, deviator)))
 
 
 def _check_material(where: str, young_modulus: float, poisson_ratio: float) -> None:

@@ -58,12 +58,12 @@ def recovered_plane(
         grid.find(*sample.reshape(-1, 2).T)[0].reshape(shape) >= straight if len(grid.curved) else np.zeros(shape, bool)
     )
     loose = np.any(curved, axis=(1, 2))
-    found = np.empty((len(field), len(points)))
-    tensor, rest = np.flatnonzero(~loose), np.flatnonzero(loose)
+    field_at_points = np.empty((len(field), len(points)))
+    tensor, scattered = np.flatnonzero(~loose), np.flatnonzero(loose)
     if tensor.size:
         values = body.read(field, sample[tensor].reshape(-1, 2)).reshape(-1, *sample[tensor].shape[:-1])
-        found[:, tensor] = np.einsum("ni,nj,cnij->cn", wx[tensor], wz[tensor], values)
-    if rest.size:
+        field_at_points[:, tensor] = np.einsum("ni,nj,cnij->cn", wx[tensor], wz[tensor], values)
+    if scattered.size:
         gauss, element = section_gauss_points(grid.nodes)  # of which the second half is mirrored
         gauss, element = gauss[: len(gauss) // 2], element[: len(element) // 2]
         sides = side(*gauss.T)
@@ -71,5 +71,7 @@ def recovered_plane(
         def values_at(chosen: IntArray) -> FloatArray:
             return body.read(field, gauss[chosen])
 
-        found[:, rest] = fitted(values_at, grid.nodes, gauss, element, sides, points[rest], side(x[rest], z[rest]))
-    return found
+        field_at_points[:, scattered] = fitted(
+            values_at, grid.nodes, gauss, element, sides, points[scattered], side(x[scattered], z[scattered])
+        )
+    return field_at_points

@@ -50,10 +50,10 @@ def rigid_motions(points: FloatArray) -> FloatArray:
 
 def free_motions(motions: FloatArray, fixed: BoolArray) -> FloatArray:
     """Those combinations of rigid motions that vanish in all constrained unknowns, (points, 3, count)."""
-    held = motions[fixed]
-    if not len(held):
+    constrained = motions[fixed]
+    if not len(constrained):
         return motions
-    _, values, rows = np.linalg.svd(held, full_matrices=False)
+    _, values, rows = np.linalg.svd(constrained, full_matrices=False)
     rank = int((values > 1e-9 * values[0]).sum())
     _, _, every = np.linalg.svd(rows[:rank], full_matrices=True)
     out = motions @ every[rank:].T

@@ -45,8 +45,8 @@ def contrast(grid: Grid, stuff: Material) -> float:
     ratio = stuff.mu.reshape(grid.shape[2], -1) / _profile(grid, stuff.mu)[:, None]
     worst = float(max(ratio.max(), 1 / ratio.min()))
     if stuff.cut.size:
-        part = stuff.cut_mu / _profile(grid, stuff.mu)[stuff.cut // (grid.shape[0] * grid.shape[1])][:, None]
-        worst = float(max(worst, part.max(), 1 / part.min()))
+        relative = stuff.cut_mu / _profile(grid, stuff.mu)[stuff.cut // (grid.shape[0] * grid.shape[1])][:, None]
+        worst = float(max(worst, relative.max(), 1 / relative.min()))
     return worst
 
 
@@ -75,11 +75,11 @@ def multigrid(matrix: sp.bsr_matrix, grid: Grid, fixed: BoolArray) -> Operator:
     data *= free[rows][:, :, None] & free[number.indices][:, None, :] | (
         diagonal[:, None, None] & np.eye(3, dtype=bool)
     )
-    kept = sp.bsr_matrix((data, number.indices, number.indptr), shape=(3 * keep.size, 3 * keep.size))
+    identity = sp.bsr_matrix((data, number.indices, number.indptr), shape=(3 * keep.size, 3 * keep.size))
     near_null = np.where(free[:, :, None], planes.rigid_motions(grid.nodes[keep]), 0.0).reshape(-1, 6)
     smoother = "block_gauss_seidel"
     hierarchy = pyamg.smoothed_aggregation_solver(
-        kept,
+        identity,
         B=near_null,
         strength=("symmetric", {"theta": 0.0}),
         presmoother=(smoother, {"sweep": "forward", "blocksize": 3}),
@@ -129,26 +129,26 @@ def separable(grid: Grid, stuff: Material, fixed: BoolArray) -> Operator:
     bulk = float(np.median((lam + 2 * mu) / mu))
     solvers = []
     for component in range(3):
-        held = fixed[:, component].reshape([axis.size for axis in grid.axes[::-1]])
-        rest = held.copy()
+        constrained = fixed[:, component].reshape([axis.size for axis in grid.axes[::-1]])
+        remaining = constrained.copy()
         vectors, values = [], []
         for axis in range(3):
-            across = np.moveaxis(held, 2 - axis, 0)
+            across = np.moveaxis(constrained, 2 - axis, 0)
             free = np.ones(len(across), dtype=bool)
             for end in (0, -1):
                 if across[end].all():
                     free[end] = False
-                    np.moveaxis(rest, 2 - axis, 0)[end] = False
+                    np.moveaxis(remaining, 2 - axis, 0)[end] = False
             ratio = bulk if axis == component else 1.0
             stiff, mass = _line_matrices(grid.lines[axis], grid.order, mu if axis == 2 else np.ones(grid.shape[axis]))
-            found, columns = scipy.linalg.eigh(stiff[np.ix_(free, free)], mass[np.ix_(free, free)])
-            full = np.zeros((free.size, found.size))
+            eigenvalues, columns = scipy.linalg.eigh(stiff[np.ix_(free, free)], mass[np.ix_(free, free)])
+            full = np.zeros((free.size, eigenvalues.size))
             full[free] = columns
             vectors.append(full)
-            values.append(ratio * np.maximum(found, 0.0))
-        if rest.any():
+            values.append(ratio * np.maximum(eigenvalues, 0.0))
+        if remaining.any():
             raise ValueError(
-                f"constraints must be whole faces of the block (got {int(rest.sum())} others); use the multigrid"
+                f"constraints must be whole faces of the block (got {int(remaining.sum())} others); use the multigrid"
             )
         total = values[2][:, None, None] + values[1][:, None] + values[0]
         # a translation that nothing constrains: any positive number will do

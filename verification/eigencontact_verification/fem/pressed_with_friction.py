@@ -31,8 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 from skfem import FacetBasis, LinearForm
 
-from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _held, _lame, _traction
+from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _held, _traction
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel
+from eigencontact_verification.fem.model import lame
 
 __all__ = ["CoatedRings", "Pressed"]
 
@@ -111,10 +112,10 @@ class CoatedRings:
         grid = model.grid()
         stiffness: Any = 0.0
         for basis, material in _bases(model, grid):
-            lame, mu = _lame(material)
-            stiffness = stiffness + _assemble(basis, lame, mu, np.zeros((4, *lame.shape)))[0]
-        held, radial = _held(model, basis, everywhere=False)
-        free = np.setdiff1d(np.arange(basis.N), held)
+            lam, mu = lame(material[0], material[1])
+            stiffness = stiffness + _assemble(basis, lam, mu, np.zeros((4, *lam.shape)))[0]
+        prescribed, radial = _held(model, basis, everywhere=False)
+        free = np.setdiff1d(np.arange(basis.N), prescribed)
         factors = splu(
             stiffness[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
@@ -127,8 +128,8 @@ class CoatedRings:
             loads = []
             for node in nodes[:-1]:
                 hat = np.maximum(0.0, 1.0 - np.abs(r - node) * n)
-                part = {"t_r": 0.0 * hat, "t_z": hat} if kind == "pressure" else {"t_r": hat, "t_z": 0.0 * hat}
-                loads.append(np.asarray(LinearForm(_traction).assemble(rim, **part)))
+                traction = {"t_r": 0.0 * hat, "t_z": hat} if kind == "pressure" else {"t_r": hat, "t_z": 0.0 * hat}
+                loads.append(np.asarray(LinearForm(_traction).assemble(rim, **traction)))
             columns = np.stack(loads, axis=1)
             displacement[kind] = np.zeros_like(columns)
             displacement[kind][free] = factors.solve(np.ascontiguousarray(columns[free]))

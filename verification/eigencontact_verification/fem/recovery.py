@@ -20,20 +20,31 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["recovered", "recovered_section_stress", "recovered_stress", "section_gauss_points"]
+__all__ = [
+    "CANDIDATES",
+    "COUNT",
+    "NEAREST",
+    "POWERS",
+    "gauss_lines",
+    "lagrange_weights",
+    "recovered",
+    "recovered_section_stress",
+    "recovered_stress",
+    "section_gauss_points",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 
-_COUNT = 4
+#: Gauss points along an axis that a cubic interpolates.
+COUNT = 4
 #: Points whose 64 neighbours are evaluated together, for memory.
 _AT_ONCE = 500
-#: Points that a cubic in (r, z) with its ten coefficients is fitted to.
-_NEAREST = 30
-#: Points among which those are looked for.
-_CANDIDATES = 400
-_POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
+#: Gauss points to which a cubic in (r, z) with its ten coefficients is fitted, and the candidates for them.
+NEAREST, CANDIDATES = 30, 400
+#: Powers of r and z of its terms.
+POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
 _OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 
 
@@ -102,7 +113,7 @@ def recovered(
         for axis in range(3)
     ]  # fmt: skip
     (xs, wx), (ys, wy), (zs, wz) = stencils
-    shape = (len(points), _COUNT, _COUNT, _COUNT)
+    shape = (len(points), COUNT, COUNT, COUNT)
     samples = np.stack(
         [
             np.broadcast_to(xs[:, :, None, None], shape),
@@ -114,14 +125,14 @@ def recovered(
     values = np.empty((*shape, 3, 3))
     for some in (slice(k, k + _AT_ONCE) for k in range(0, len(points), _AT_ONCE)):
         values[some] = field(samples[some].reshape(-1, 3)).reshape(*values[some].shape)
-    found: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
+    tensor: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
     if side is not None:
-        own = np.asarray(side(*points.T))
-        others = np.asarray(side(*np.moveaxis(samples, -1, 0)))
-        mixed = np.flatnonzero(np.any(others != own[:, None, None, None], axis=(1, 2, 3)))
+        side_of_points = np.asarray(side(*points.T))
+        side_of_samples = np.asarray(side(*np.moveaxis(samples, -1, 0)))
+        mixed = np.flatnonzero(np.any(side_of_samples != side_of_points[:, None, None, None], axis=(1, 2, 3)))
         if mixed.size:
-            found[mixed] = field(points[mixed])
-    return found
+            tensor[mixed] = field(points[mixed])
+    return tensor
 
 
 def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: bool) -> tuple[FloatArray, FloatArray]:
@@ -132,30 +143,39 @@ def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: 
     ValueError
         No element lies between the breaks on both sides of a coordinate.
     """
-    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
+    gauss = gauss_lines(line, mirrored=mirrored)
     if mirrored:
-        gauss = np.concatenate([-gauss[::-1], gauss])
         breaks = np.sort(np.concatenate([breaks, -breaks]))
         # a face and its image that differ by round-off are one: nothing lies between them to interpolate from
         breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * np.ptp(line))[: breaks.size]]
     side = np.searchsorted(breaks, gauss)
-    places = np.empty((at.size, _COUNT))
-    for row, (x, own) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
-        choice = gauss[side == own]
+    places = np.empty((at.size, COUNT))
+    for row, (x, stretch) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
+        choice = gauss[side == stretch]
         if not choice.size:
             raise ValueError(f"faces must have elements between them (got none around {x:.9g}); merge them")
-        first = int(np.clip(np.searchsorted(choice, x) - _COUNT // 2, 0, max(choice.size - _COUNT, 0)))
-        chosen = choice[first : first + _COUNT]
+        first = int(np.clip(np.searchsorted(choice, x) - COUNT // 2, 0, max(choice.size - COUNT, 0)))
+        chosen = choice[first : first + COUNT]
         # a part of the body one element thick has two Gauss points: the line through them
-        places[row] = np.concatenate([chosen, np.full(_COUNT - chosen.size, np.nan)])
+        places[row] = np.concatenate([chosen, np.full(COUNT - chosen.size, np.nan)])
+    return np.where(np.isnan(places), at[:, None], places), lagrange_weights(at, places)
+
+
+def gauss_lines(line: FloatArray, *, mirrored: bool) -> FloatArray:
+    """Coordinates of the Gauss points between the lines of a mesh along one axis; mirrored at 0 on request."""
+    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
+    return np.concatenate([-gauss[::-1], gauss]) if mirrored else gauss
+
+
+def lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
+    """Weights ``(n, COUNT)`` of Lagrange's interpolation from places to coordinates; 0 for a place that is NaN."""
     weights = np.ones_like(places)
-    for i in range(_COUNT):
-        for j in range(_COUNT):
+    for i in range(COUNT):
+        for j in range(COUNT):
             if i != j:
                 factor = (at - places[:, j]) / (places[:, i] - places[:, j])
                 weights[:, i] *= np.where(np.isnan(places[:, j]), 1.0, factor)
-    lost = np.isnan(places)
-    return np.where(lost, at[:, None], places), np.where(lost, 0.0, weights)
+    return np.where(np.isnan(places), 0.0, weights)
 
 
 def section_gauss_points(nodes: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -194,15 +214,15 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
     side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
-    own = np.asarray(contains(*points.T))
-    found = np.empty((len(points), 3, 3))
+    side_of_points = np.asarray(contains(*points.T))
+    stress = np.empty((len(points), 3, 3))
     for inside in (False, True):
-        chosen, wanted = np.flatnonzero(side == inside), np.flatnonzero(own == inside)
-        if not wanted.size:
+        chosen, targets = np.flatnonzero(side == inside), np.flatnonzero(side_of_points == inside)
+        if not targets.size:
             continue
-        count = min(_CANDIDATES, chosen.size)
-        near = chosen[cKDTree(gauss[chosen]).query(points[wanted][:, [0, 2]], k=count)[1]]
-        for at, candidates in zip(wanted, near, strict=True):
+        count = min(CANDIDATES, chosen.size)
+        near = chosen[cKDTree(gauss[chosen]).query(points[targets][:, [0, 2]], k=count)[1]]
+        for at, candidates in zip(targets, near, strict=True):
             local = gauss[candidates] - points[at, [0, 2]]
             # distances in edges of the element at hand, which may be long and thin
             spread = np.linalg.cholesky(np.cov(nodes[:, :, element[candidates[0]]]))
@@ -210,11 +230,11 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
                 spread = spread * np.array([[-1.0], [1.0]])
             local = np.linalg.solve(spread, local.T).T
             distance = np.hypot(*local.T)
-            nearest = np.argsort(distance)[:_NEAREST]
+            nearest = np.argsort(distance)[:NEAREST]
             size = distance[nearest[-1]]
             local = local[nearest] / size
             values = solution.stress(np.insert(gauss[candidates[nearest]], 1, 0.0, axis=1)).reshape(-1, 9)
             weight = np.exp(-2.0 * (distance[nearest] / size) ** 2)[:, None]
-            matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in _POWERS], axis=1)
-            found[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
-    return found
+            matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in POWERS], axis=1)
+            stress[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
+    return stress

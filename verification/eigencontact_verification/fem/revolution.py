@@ -59,23 +59,23 @@ def of_revolution(body: LoadedBody) -> Revolution | None:
             return None
         fields.append((t.x, t.y, [t.values[2]], []))
     fields += [(cells.x, cells.y, *_components(cells, (x, y))) for cells in body.cells]
-    for edges_x, edges_y, alike, none in fields:
+    for edges_x, edges_y, alike, zero_fields in fields:
         r = np.hypot((edges_x[1:] + edges_x[:-1]) / 2 - x, ((edges_y[1:] + edges_y[:-1]) / 2 - y)[:, None])
         width = float(max(np.diff(edges_x).max(), np.diff(edges_y).max()))
-        for values, others in ((alike[:4], none), (alike[4:], [])):
-            found = _scatter(r, width, values, others)
-            if found is None:
+        for values, others in ((alike[:4], zero_fields), (alike[4:], [])):
+            spread = _scatter(r, width, values, others)
+            if spread is None:
                 return None
-            scatter = max(scatter, found)
+            scatter = max(scatter, spread)
     return Revolution((x, y), scatter)
 
 
 def _axes(body: LoadedBody) -> Point | None:
     """The one vertical axis that regions, pressure and cells can share."""
-    found: list[tuple[FloatArray, float]] = []
+    axes: list[tuple[FloatArray, float]] = []
     for region in body.regions:
         low, high = (np.asarray(corner)[:2] for corner in region.bounds)
-        found.append(((low + high) / 2, 1e-6 * float((high - low).max())))
+        axes.append(((low + high) / 2, 1e-6 * float((high - low).max())))
     sheets: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     if body.tractions is not None:
         sheets.append((body.tractions.x, body.tractions.y, np.abs(body.tractions.values).sum(axis=0)))
@@ -88,11 +88,11 @@ def _axes(body: LoadedBody) -> Point | None:
             area = weight * np.diff(edges_x) * np.diff(edges_y)[:, None]
             mids = [(edges[1:] + edges[:-1]) / 2 for edges in (edges_x, edges_y)]
             centre = np.array([area.sum(axis=0) @ mids[0], area.sum(axis=1) @ mids[1]]) / area.sum()
-            found.append((centre, _OFF_AXIS * float(np.diff(edges_x).max())))
-    if not found:
+            axes.append((centre, _OFF_AXIS * float(np.diff(edges_x).max())))
+    if not axes:
         return (0.0, 0.0)
-    axis = found[0][0] if body.regions else _centred(found[0][0], body)
-    if any(np.abs(centre - axis).max() > within for centre, within in found):
+    axis = axes[0][0] if body.regions else _centred(axes[0][0], body)
+    if any(np.abs(centre - axis).max() > within for centre, within in axes):
         return None
     return float(axis[0]), float(axis[1])
 
@@ -145,15 +145,15 @@ def _components(cells: Cells, axis: Point) -> tuple[list[FloatArray], list[Float
     return alike, [rt, c * e[1, 2] - s * e[0, 2]]
 
 
-def _scatter(r: FloatArray, width: float, alike: list[FloatArray], none: list[FloatArray]) -> float | None:
+def _scatter(r: FloatArray, width: float, alike: list[FloatArray], zero_fields: list[FloatArray]) -> float | None:
     """Rms distance from the mean over the angle, as a part of the rms; None where it is more than steps of cells."""
-    largest = max((float(np.abs(values).max()) for values in (*alike, *none)), default=0.0)
+    largest = max((float(np.abs(values).max()) for values in (*alike, *zero_fields)), default=0.0)
     if largest == 0.0:
         return 0.0
     ring = np.rint(2 * r / width).astype(int).ravel()
     count = np.bincount(ring)
     around, size, beyond = 0.0, 0.0, []
-    for values, vanishes in [(v, False) for v in alike] + [(v, True) for v in none]:
+    for values, vanishes in [(v, False) for v in alike] + [(v, True) for v in zero_fields]:
         flat = values.reshape(-1, r.size)
         mean = np.stack([np.bincount(ring, weights=row) for row in flat]) / np.maximum(count, 1)
         if vanishes:  # what is zero all around turns by the angle under which the axis sees a cell

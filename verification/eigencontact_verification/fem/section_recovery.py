@@ -20,41 +20,46 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
-from eigencontact_verification.fem.recovery import section_gauss_points
+from eigencontact_verification.fem.model import lame
+from eigencontact_verification.fem.recovery import (
+    CANDIDATES,
+    COUNT,
+    NEAREST,
+    POWERS,
+    gauss_lines,
+    lagrange_weights,
+    section_gauss_points,
+)
 
 __all__ = ["fitted", "recovered", "stencil"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_COUNT = 4
-#: Gauss points that the ten coefficients of a cubic are fitted to, and among how many those are looked for.
-_NEAREST, _CANDIDATES = 30, 400
-_POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
-_OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
-
 
 def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
     """Stress (n, 3, 3) at Cartesian points (n, 3), off the boundaries of the regions."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    own = _side(solution, r, z)
+    side_of_points = _side(solution, r, z)
     rs, wr = stencil(solution.grid.lines[0], r, mirrored=True)
     zs, wz = stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
-    shape = (r.size, _COUNT, _COUNT)
+    shape = (r.size, COUNT, COUNT)
     sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
     beside = _curved(solution, np.abs(sample_r), sample_z)
-    beside |= _side(solution, np.abs(sample_r), sample_z) != own[:, None, None]
+    beside |= _side(solution, np.abs(sample_r), sample_z) != side_of_points[:, None, None]
     scattered = np.any(beside, axis=(1, 2))
-    found = np.empty((4, r.size))
+    continuous = np.empty((4, r.size))
     tensor = np.flatnonzero(~scattered)
     if tensor.size:
         values = _continuous(solution, sample_r[tensor].ravel(), sample_z[tensor].ravel())
-        values = values.reshape(4, tensor.size, _COUNT, _COUNT)
-        found[:, tensor] = np.einsum("ni,nj,cnij->cn", wr[tensor], wz[tensor], values)
-    rest = np.flatnonzero(scattered)
-    if rest.size:
-        found[:, rest] = _fitted(solution, r[rest], z[rest], own[rest])
-    return _whole(solution, points, found)
+        values = values.reshape(4, tensor.size, COUNT, COUNT)
+        continuous[:, tensor] = np.einsum("ni,nj,cnij->cn", wr[tensor], wz[tensor], values)
+    outside_tensor = np.flatnonzero(scattered)
+    if outside_tensor.size:
+        continuous[:, outside_tensor] = _fitted(
+            solution, r[outside_tensor], z[outside_tensor], side_of_points[outside_tensor]
+        )
+    return _whole(solution, points, continuous)
 
 
 def _side(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> IntArray:
@@ -83,46 +88,33 @@ def stencil(
     Breaks, lines of the mesh, are not reached across; a part that is one element thick has the line through its two
     points, and the weights of what is left over are zero.
     """
-    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
-    if mirrored:
-        gauss = np.concatenate([-gauss[::-1], gauss])
+    gauss = gauss_lines(line, mirrored=mirrored)
     faces = np.concatenate([[-np.inf], [] if breaks is None else breaks, [np.inf]])
-    part = np.searchsorted(faces, at) - 1
-    low, high = np.searchsorted(gauss, faces[part]), np.searchsorted(gauss, faces[part + 1])
-    first = np.clip(np.searchsorted(gauss, at) - _COUNT // 2, low, np.maximum(high - _COUNT, low))
-    index = first[:, None] + np.arange(_COUNT)
+    stretch = np.searchsorted(faces, at) - 1
+    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
+    first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
+    index = first[:, None] + np.arange(COUNT)
     lost = index >= high[:, None]
     places = np.where(lost, np.nan, gauss[np.minimum(index, gauss.size - 1)])
-    weights = np.ones_like(places)
-    for i in range(_COUNT):
-        for j in range(_COUNT):
-            if i != j:
-                factor = (at - places[:, j]) / (places[:, i] - places[:, j])
-                weights[:, i] *= np.where(np.isnan(places[:, j]), 1.0, factor)
-    return np.where(lost, places[:, :1], places), np.where(lost, 0.0, weights)
+    return np.where(lost, places[:, :1], places), lagrange_weights(at, places)
 
 
 def _continuous(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> FloatArray:
     """e_rr, e_tt, s_zz, s_rz (4, n); beyond the axis, r < 0, the shear has the other sign."""
     strain, material, _ = solution.strain(np.stack([np.abs(r), 0 * r, z], axis=1))
-    lame, shear = _moduli(material)
+    lam, shear = lame(material[0], material[1])
     elastic = strain - material[2:]
-    normal = lame * elastic[:3].sum(axis=0) + 2 * shear * elastic[2]
+    normal = lam * elastic[:3].sum(axis=0) + 2 * shear * elastic[2]
     return np.stack([strain[0], strain[1], normal, np.where(r < 0, -1.0, 1.0) * 2 * shear * elastic[3]])
-
-
-def _moduli(material: FloatArray) -> tuple[FloatArray, FloatArray]:
-    shear = material[0] / (2 * (1 + material[1]))
-    return np.asarray(2 * shear * material[1] / (1 - 2 * material[1])), np.asarray(shear)
 
 
 def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: FloatArray) -> FloatArray:
     """Stress (n, 3, 3) from what is continuous and the point's own constants."""
     _, material, turn = solution.strain(points)
-    lame, shear = _moduli(material)
+    lam, shear = lame(material[0], material[1])
     radial, hoop = continuous[0] - material[2], continuous[1] - material[3]
-    along = (continuous[2] - lame * (radial + hoop)) / (lame + 2 * shear)
-    mean = lame * (radial + hoop + along)
+    along = (continuous[2] - lam * (radial + hoop)) / (lam + 2 * shear)
+    mean = lam * (radial + hoop + along)
     polar = np.zeros((3, 3, len(points)))
     polar[0, 0], polar[1, 1], polar[2, 2] = mean + 2 * shear * radial, mean + 2 * shear * hoop, continuous[2]
     polar[0, 2] = polar[2, 0] = continuous[3]
@@ -131,7 +123,7 @@ def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: Float
     return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
 
 
-def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: IntArray) -> FloatArray:
+def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, side_of_points: IntArray) -> FloatArray:
     """What is continuous, (4, n), by cubics through the nearest Gauss points on the same side."""
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
@@ -140,12 +132,12 @@ def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: I
     def values(chosen: IntArray) -> FloatArray:
         return _continuous(solution, gauss[chosen, 0], gauss[chosen, 1])
 
-    return fitted(values, nodes, gauss, element, side, np.stack([r, z], axis=1), own)
+    return fitted(values, nodes, gauss, element, side, np.stack([r, z], axis=1), side_of_points)
 
 
 def fitted(
     values: Callable[[IntArray], FloatArray], nodes: FloatArray, gauss: FloatArray, element: IntArray, side: IntArray,
-    at: FloatArray, own: IntArray,
+    at: FloatArray, side_of_points: IntArray,
 ) -> FloatArray:  # fmt: skip
     """Values (k, n) at points by cubics through the nearest Gauss points on the same side, by least squares.
 
@@ -156,26 +148,26 @@ def fitted(
     nodes : (2, 9, elements) float64
     gauss, element, side : (g, 2) float64, (g,) int64, (g,) int64
         Gauss points, their elements, and a number for the side that each lies on.
-    at, own : (n, 2) float64, (n,) int64
+    at, side_of_points : (n, 2) float64, (n,) int64
         Points, and the side that each lies on.
     """
-    found: list[FloatArray] = [np.empty(0)] * len(at)
-    for key in np.unique(own):
-        chosen, wanted = np.flatnonzero(side == key), np.flatnonzero(own == key)
-        here = at[wanted]
-        near = chosen[cKDTree(gauss[chosen]).query(here, k=min(_CANDIDATES, chosen.size))[1].reshape(len(here), -1)]
+    columns: list[FloatArray] = [np.empty(0)] * len(at)
+    for key in np.unique(side_of_points):
+        chosen, targets = np.flatnonzero(side == key), np.flatnonzero(side_of_points == key)
+        here = at[targets]
+        near = chosen[cKDTree(gauss[chosen]).query(here, k=min(CANDIDATES, chosen.size))[1].reshape(len(here), -1)]
         spread = np.stack([np.linalg.cholesky(np.cov(nodes[:, :, e])) for e in element[near[:, 0]]])
         mirrored = gauss[near[:, 0], 0] * nodes[0, 8, element[near[:, 0]]] < 0
         spread = np.where(mirrored[:, None, None], spread * np.array([[-1.0], [1.0]]), spread)
         local = np.linalg.solve(spread[:, None], (gauss[near] - here[:, None])[..., None])[..., 0]
-        nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :_NEAREST]
+        nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :NEAREST]
         local, near = np.take_along_axis(local, nearest[..., None], axis=1), np.take_along_axis(near, nearest, axis=1)
         distance = np.hypot(local[..., 0], local[..., 1])
         size = distance[:, -1:]
         local, weight = local / size[..., None], np.exp(-2.0 * (distance / size) ** 2)[..., None]
         table = values(near.ravel())
-        matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in _POWERS], axis=-1)
+        matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in POWERS], axis=-1)
         solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(table.reshape(len(table), *near.shape), 0, -1))
-        for k, value in zip(wanted, solved[:, 0], strict=True):
-            found[k] = value
-    return np.stack(found, axis=1)
+        for k, value in zip(targets, solved[:, 0], strict=True):
+            columns[k] = value
+    return np.stack(columns, axis=1)

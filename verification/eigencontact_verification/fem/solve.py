@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.fem import assembly, planes
 from eigencontact_verification.fem.mesh import Grid, build_grid
-from eigencontact_verification.fem.model import Model
+from eigencontact_verification.fem.model import Model, von_mises
 from eigencontact_verification.fem.preconditioners import contrast, multigrid, separable
 
 __all__ = ["NotConverged", "Solution", "peak_memory", "solve", "solve_system"]
@@ -127,22 +127,22 @@ def solve_system(
         )
     stiffness = assembly.stiffness(grid, stuff)
     full = np.zeros(load.shape) if values is None else np.where(fixed, values, 0.0)
-    rest = load.ravel() if values is None else load.ravel() - stiffness @ full.ravel()
+    residual = load.ravel() if values is None else load.ravel() - stiffness @ full.ravel()
     free = (~fixed).ravel().astype(float)
     if preconditioner == "auto":
         preconditioner = "separable" if contrast(grid, stuff) <= CONTRAST else "multigrid"
-    one = preconditioner == "separable"
-    precondition = separable(grid, stuff, fixed) if one else multigrid(stiffness, grid, fixed)
+    is_separable = preconditioner == "separable"
+    precondition = separable(grid, stuff, fixed) if is_separable else multigrid(stiffness, grid, fixed)
     motions = planes.free_motions(planes.rigid_motions(grid.nodes), fixed)
     null = np.linalg.qr(motions.reshape(free.size, -1))[0]
-    found, history = _conjugate_gradients(
+    solution, history = _conjugate_gradients(
         lambda x: free * (stiffness @ x),
-        free * rest,
+        free * residual,
         precondition,
         lambda v: v - null @ (null.T @ v),
         tolerance,
     )
-    return full + found.reshape(-1, 3), history
+    return full + solution.reshape(-1, 3), history
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,13 +225,12 @@ class Solution:
         pairs = pairs + [(a + 4, b + 4) for a, b in pairs] + [(a, a + 4) for a in range(4)]
         edges = np.array([(corners[a] + corners[b]) // 2 for a, b in pairs])
         faces = np.array([(0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)])
-        wanted = corners // 2 if grid.order == 1 else np.concatenate([corners, edges, faces])
-        place = [int(np.abs(grid.local - w).sum(axis=1).argmin()) for w in wanted]
+        places = corners // 2 if grid.order == 1 else np.concatenate([corners, edges, faces])
+        place = [int(np.abs(grid.local - w).sum(axis=1).argmin()) for w in places]
         kind = "hexahedron" if grid.order == 1 else "hexahedron27"
         centres = grid.low + grid.size / 2
         lam, mu, eigenstrain = assembly.point_state(self.model, centres)
         stress = self.stress(centres)
-        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         number = np.zeros(len(centres), dtype=np.int32)
         for count, region in enumerate(self.model.regions, start=1):
             number[np.asarray(region.contains(*centres.T))] = count
@@ -241,7 +240,7 @@ class Solution:
             point_data={"displacement": self.nodal},
             cell_data={
                 "stress": [stress.reshape(-1, 9)],
-                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "von_mises": [von_mises(stress)],
                 "region": [number],
                 "eigenstrain": [eigenstrain.reshape(-1, 9)],
                 "young_modulus": [mu * (3 * lam + 2 * mu) / (lam + mu)],

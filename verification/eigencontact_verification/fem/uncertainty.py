@@ -156,14 +156,14 @@ def estimate(
         value = value + half
         near = _window(np.abs(half), 1).max(axis=0)
         truncation = np.maximum(near, 0.5 * np.abs(half).max(axis=0))
-    parts = {
+    contributions = {
         "discretisation": discretisation.reshape(shape),
         "truncation": truncation.reshape(shape),
         "iteration": np.full(shape, iteration * scale),
     }
     return Estimate(
-        value=value.reshape(shape), uncertainty=sum(parts.values(), start=np.zeros(shape)), order=order,
-        credible=credible, parts=parts,
+        value=value.reshape(shape), uncertainty=sum(contributions.values(), start=np.zeros(shape)), order=order,
+        credible=credible, parts=contributions,
     )  # fmt: skip
 
 
@@ -176,9 +176,9 @@ def _discretisation(
     order = np.where(same, np.nan, order)
     credible = same | _believed(order, monotone, formal)
 
-    local, kept = _order(_window(older, 2), _window(newer, 2), ratio, axis=0)
+    local, local_credible = _order(_window(older, 2), _window(newer, 2), ratio, axis=0)
     local = np.where(np.isfinite(local), local, order)
-    sound = credible & (same | _believed(local, kept, formal))
+    sound = credible & (same | _believed(local, local_credible, formal))
     low = np.minimum(np.where(np.isfinite(order), order, formal), np.where(np.isfinite(local), local, formal))
     used = np.clip(low, np.where(sound, LOWEST_ORDER, min(formal, 1.0)), formal)
 
@@ -270,8 +270,10 @@ def verdict(
     ('agrees', 'disagrees')
     """
     rank = ("disagrees", "inconclusive", "agrees")
-    found = verdicts(judged, estimate, limit=limit, resolution=resolution, small=small, scale=scale)
-    return min(found, key=lambda one: (rank.index(one.word), -one.ratio))
+    component_verdicts = verdicts(judged, estimate, limit=limit, resolution=resolution, small=small, scale=scale)
+    return min(
+        component_verdicts, key=lambda component_verdict: (rank.index(component_verdict.word), -component_verdict.ratio)
+    )
 
 
 def verdicts(
@@ -292,13 +294,13 @@ def verdicts(
     >>> [one.word for one in verdicts(field + np.array([0.0, 0.1]), found)]
     ['agrees', 'disagrees']
     """
-    given = np.asarray(judged, dtype=float)
-    if given.shape != estimate.value.shape:
-        raise ValueError(f"verdict judged must be {estimate.value.shape} (got {given.shape}); use the same points")
-    n = len(given)
+    values = np.asarray(judged, dtype=float)
+    if values.shape != estimate.value.shape:
+        raise ValueError(f"verdict judged must be {estimate.value.shape} (got {values.shape}); use the same points")
+    n = len(values)
     value, band = estimate.value.reshape(n, -1), estimate.uncertainty.reshape(n, -1)
     field = float(np.max(np.abs(value))) if scale is None else float(scale)
-    columns = zip(given.reshape(n, -1).T, value.T, band.T, strict=True)
+    columns = zip(values.reshape(n, -1).T, value.T, band.T, strict=True)
     return tuple(_judge(*column, field=field, limit=limit, resolution=resolution, small=small) for column in columns)
 
 

@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import splu
-from skfem import CellBasis, FacetBasis, LinearForm
 
-from eigencontact_verification.fem.axisymmetric import point_force_displacement, point_force_stress
+from eigencontact_verification.fem.axisymmetric import point_force_displacement, point_force_traction
 from eigencontact_verification.fem.yielding_body import YieldingBody
 from eigencontact_verification.fem.yielding_contact import Surface, surface_of
 from eigencontact_verification.fem.yielding_law import State
@@ -108,9 +107,9 @@ class IndentationSolution:
 
     def stress(self, points: ArrayLike, moment: int = -1) -> FloatArray:
         """Stress rr, tt, zz, rz (4, n) at points (r, z), (n, 2); each element continues its own values."""
-        found = self.body.read(self.moments[moment].stress, points)
-        found[3] /= np.sqrt(2.0)
-        return found
+        stress = self.body.read(self.moments[moment].stress, points)
+        stress[3] /= np.sqrt(2.0)
+        return stress
 
 
 def solve_indentation(model: Indentation, loads: Sequence[float]) -> IndentationSolution:
@@ -162,11 +161,11 @@ class _Solver:
     def far(self) -> FloatArray:
         """Displacement of the outer boundary under a unit force, zero elsewhere."""
         basis, model = self.body.basis, self.model
-        found = np.zeros(basis.N)
+        displacement = np.zeros(basis.N)
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
         both = point_force_displacement(1.0, model.young_modulus, model.poisson_ratio, *basis.doflocs[:, outer])
-        found[outer] = np.where(self.body.first_component[outer], *both)
-        return found
+        displacement[outer] = np.where(self.body.first_component[outer], *both)
+        return displacement
 
     @cached_property
     def free(self) -> NDArray[np.int64]:
@@ -181,11 +180,13 @@ class _Solver:
     def pull(self) -> FloatArray:
         """Force of the outer boundary's traction under a unit load, zero where the boundary is held."""
         basis, model = self.body.basis, self.model
-        return np.zeros(basis.N) if model.outer == "fixed" else _outer_pull(basis, model)
+        if model.outer == "fixed":
+            return np.zeros(basis.N)
+        return point_force_traction(basis, model.reach, 1.0, model.poisson_ratio)
 
     def follow(self, loads: Sequence[float]) -> Iterator[Moment]:
         basis = self.body.basis
-        rest = Moment(
+        at_rest = Moment(
             load=0.0,
             depth=0.0,
             contact_radius=0.0,
@@ -198,12 +199,12 @@ class _Solver:
         )
         touch = 0.0
         if np.any(self.body.prestrain):
-            rest = self.advance(rest, 0.0)
-            touch = rest.depth
+            at_rest = self.advance(at_rest, 0.0)
+            touch = at_rest.depth
         for load in loads:
             self.spent = 0
-            rest = self.advance(rest, load)
-            yield self.shown(rest, touch)
+            at_rest = self.advance(at_rest, load)
+            yield self.shown(at_rest, touch)
 
     def shown(self, moment: Moment, touch: float) -> Moment:
         """With the depth counted from the first touch; a free body moved so that the outer traction fits its force."""
@@ -214,9 +215,9 @@ class _Solver:
         return Moment(**{**vars(moment), "displacement": u, "depth": moment.depth - shift - touch})
 
     def advance(self, before: Moment, load: float, halvings: int = _HALVINGS) -> Moment:
-        found = self.newton(before, load)
-        if found is not None:
-            return found
+        solution = self.newton(before, load)
+        if solution is not None:
+            return solution
         if not halvings:
             raise ArithmeticError(
                 f"indentation must have a solution between the loads {before.load:g} and {load:g} (got none in "
@@ -243,14 +244,14 @@ class _Solver:
             except ArithmeticError:
                 return None
             p = surface.pressure(u, depth) if load else np.zeros(len(surface.r))
-            rest = load * self.pull - force
+            residual = load * self.pull - force
             q, slip = surface.shear(u, before.displacement, before.shear, p)
-            rest[surface.unknowns] += p * surface.weight
-            rest[surface.radial] += q * surface.weight
-            rest = rest[free]
+            residual[surface.unknowns] += p * surface.weight
+            residual[surface.radial] += q * surface.weight
+            residual = residual[free]
             scale = self.largest / (2 * np.pi) or float(np.abs(force).max())
             missing = goal - float(p @ surface.weight)
-            if tried and max(np.abs(rest).max(), abs(missing)) <= _LEFT * scale:
+            if tried and max(np.abs(residual).max(), abs(missing)) <= _LEFT * scale:
                 return Moment(
                     load=load,
                     depth=depth if load else surface.touching(u),
@@ -262,27 +263,27 @@ class _Solver:
                     states=after,
                     iterations=self.spent,
                 )
-            ahead = float(rest @ step) + missing * change
+            ahead = float(residual @ step) + missing * change
             if tried and ahead < -_OVERSHOT * slope and share > _SHORTEST and not np.any((p > 0) & ~touched):
-                part = max(slope / (slope - ahead), 0.1)
-                back = (1 - part) * share
+                fraction = max(slope / (slope - ahead), 0.1)
+                back = (1 - fraction) * share
                 u[free] -= back * step
                 depth -= back * change
-                share *= part
+                share *= fraction
                 continue
             if load and not np.any(p):
                 return None
             self.spent += 1
-            step, change = self.linear(matrix, rest, missing, p, slip)
+            step, change = self.linear(matrix, residual, missing, p, slip)
             if not np.all(np.isfinite(step)):
                 return None
-            touched, slope, share = p > 0, float(rest @ step) + missing * change, 1.0
+            touched, slope, share = p > 0, float(residual @ step) + missing * change, 1.0
             u[free] += step
             depth += change
         return None
 
     def linear(
-        self, matrix: csc_matrix, rest: FloatArray, missing: float, p: FloatArray, slip: FloatArray
+        self, matrix: csc_matrix, residual: FloatArray, missing: float, p: FloatArray, slip: FloatArray
     ) -> tuple[FloatArray, float]:
         """Step of the free unknowns and of the depth; slip is the sense of slip of each node, 0 where it sticks."""
         surface, free, size = self.surface, self.free, matrix.shape[0]
@@ -291,34 +292,19 @@ class _Solver:
         spring, push = np.zeros(size), np.zeros(size)
         spring[surface.unknowns] = push[surface.unknowns] = touching
         push[surface.radial] = sliding
-        held = spring.copy()
+        spring_held = spring.copy()
         whole: Any = matrix
         options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
         if surface.friction:
-            held[surface.radial] = surface.hold * surface.weight * ((p > 0) & (slip == 0))
+            spring_held[surface.radial] = surface.hold * surface.weight * ((p > 0) & (slip == 0))
             whole = whole + csc_matrix((sliding, (surface.radial, surface.unknowns)), shape=matrix.shape)
         else:
             options["options"] = {"SymmetricMode": True}
-        factors = splu((whole + diags(held)).tocsc()[free][:, free], **options)
-        step = factors.solve(rest)
+        factors = splu((whole + diags(spring_held)).tocsc()[free][:, free], **options)
+        step = factors.solve(residual)
         if not np.any(spring):
             return step, 0.0
         lift = factors.solve(push[free])
         with np.errstate(divide="ignore", invalid="ignore"):  # an iteration that is lost; its increment is halved
             change = float((missing + spring[free] @ step) / (spring.sum() - spring[free] @ lift))
         return step + change * lift, change
-
-
-def _outer_pull(basis: CellBasis, model: Indentation) -> FloatArray:
-    """Load vector of the traction of a unit point force on side and base."""
-
-    def work(v: object, w: object) -> object:
-        return (w.t_r * v[0] + w.t_z * v[1]) * w.x[0]  # type: ignore[attr-defined, index]
-
-    reach = model.reach
-    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == reach) | (x[1] == reach), boundaries_only=True)
-    rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
-    r, z = np.asarray(rim.global_coordinates())
-    side = np.asarray(rim.normals)[0] > 0.5
-    s_rr, s_zz, s_rz = point_force_stress(1.0, model.poisson_ratio, r, z)
-    return np.asarray(LinearForm(work).assemble(rim, t_r=np.where(side, s_rr, s_rz), t_z=np.where(side, s_rz, s_zz)))

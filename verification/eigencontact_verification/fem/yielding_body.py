@@ -89,15 +89,15 @@ class YieldingBody:
         value = np.array([np.asarray(shape)[0] for (shape,) in basis.basis])
         grad = np.array([shape.grad for (shape,) in basis.basis])
         sheared = (grad[:, 0, 1] + grad[:, 1, 0]) / np.sqrt(2.0)
-        found = np.stack((grad[:, 0, 0], self.hoop(value), grad[:, 1, 1], sheared)).transpose(2, 3, 0, 1)
-        volume = found[:, :, :3].sum(axis=2)
+        strains = np.stack((grad[:, 0, 0], self.hoop(value), grad[:, 1, 1], sheared)).transpose(2, 3, 0, 1)
+        volume = strains[:, :, :3].sum(axis=2)
         local = np.stack(np.meshgrid(_PLACES, _PLACES)).reshape(2, -1)
         linear = np.vstack((np.ones(9), local))
         weighted = self.weight[:, None] * linear
         gram = weighted @ linear.T
         smooth = linear.T @ np.linalg.solve(gram, weighted @ volume)
-        found[:, :, :3] += ((smooth - volume) / 3)[:, :, None]
-        return np.ascontiguousarray(found)
+        strains[:, :, :3] += ((smooth - volume) / 3)[:, :, None]
+        return np.ascontiguousarray(strains)
 
     def rest(self) -> tuple[State, ...]:
         """State of every law's points before any load."""
@@ -138,10 +138,10 @@ class YieldingBody:
 
     def of_state(self, states: tuple[State, ...], name: str = "p") -> FloatArray:
         """One number of the state at every integration point, (elements, 9)."""
-        found = np.zeros(self.material.shape)
+        numbers = np.zeros(self.material.shape)
         for k, state in enumerate(states):
-            found[self.material == k] = np.reshape(state[name], -1)
-        return found
+            numbers[self.material == k] = np.reshape(state[name], -1)
+        return numbers
 
     def read(self, field: FloatArray, points: ArrayLike) -> FloatArray:
         """Values at points (n, 2) of a field (..., elements, 9) given at the integration points, (..., n).
@@ -159,11 +159,11 @@ class YieldingBody:
         r, z = np.asarray(points, dtype=float).T
         element, local = self.grid.find(r, z)
         dofs = np.asarray(self.basis.element_dofs)[:, element]
-        found = np.zeros((2, len(r)))
+        displacement = np.zeros((2, len(r)))
         for k in range(len(dofs)):
             (shape,) = self.basis.elem.gbasis(self.basis.mapping, local[:, :, None], k, tind=element)
-            found += u[dofs[k]] * np.asarray(shape)[..., 0]
-        return found
+            displacement += u[dofs[k]] * np.asarray(shape)[..., 0]
+        return displacement
 
 
 def _basis(grid: Grid) -> CellBasis:

@@ -148,31 +148,31 @@ class YieldingLaw:
         """
         G = self.young_modulus / (2 * (1 + self.poisson_ratio))
         K = self.young_modulus / (3 * (1 - 2 * self.poisson_ratio))
-        one = np.zeros(len(strain))
-        one[:3] = 1.0
-        deviator = np.eye(len(strain)) - np.outer(one, one) / 3
-        pressed = K * (one @ strain)
+        unit = np.zeros(len(strain))
+        unit[:3] = 1.0
+        deviator = np.eye(len(strain)) - np.outer(unit, unit) / 3
+        pressed = K * (unit @ strain)
         trial = 2 * G * (deviator @ (strain - before["plastic"]))
         more = np.zeros(strain.shape[1])
         if self.hardening is not None:
             outside = self._excess(trial, before, more, G)[0] > 0
-            part = {name: values[..., outside] for name, values in before.items()}
-            more[outside] = self._increment(trial[:, outside], part, G)
+            yielding = {name: values[..., outside] for name, values in before.items()}
+            more[outside] = self._increment(trial[:, outside], yielding, G)
         p = before["p"] + more
         lost, _ = self._lost(p)
         _, slope, along, turn = self._excess(trial, before, more, G)
         yields = more > 0
         flow = np.where(yields, _ROOT * more * along, 0.0)
-        sound = pressed * one[:, None] + trial - 2 * G * flow
+        sound = pressed * unit[:, None] + trial - 2 * G * flow
         stress = (1 - lost) * sound
         after = {"p": p, "plastic": before["plastic"] + flow, "back": self._backs(before, more, flow)}
-        tangent = np.repeat((K * np.outer(one, one) + 2 * G * deviator)[:, :, None], strain.shape[1], axis=2)
+        tangent = np.repeat((K * np.outer(unit, unit) + 2 * G * deviator)[:, :, None], strain.shape[1], axis=2)
         if np.any(yields):
             k = np.flatnonzero(yields)
-            asked, size, dA, w, dw = (x[..., k] for x in turn)
-            n, dp = along[:, k], -2 * G * _ROOT * asked * along[:, k] / slope[k]  # dp: (k, n), by the strain
+            factor, size, dA, w, dw = (x[..., k] for x in turn)
+            n, dp = along[:, k], -2 * G * _ROOT * factor * along[:, k] / slope[k]  # dp: (k, n), by the strain
             across = np.eye(len(strain))[:, :, None] - n[:, None] * n[None]
-            bend = asked * 2 * G * deviator[:, :, None] + dA[:, None] * dp[None]
+            bend = factor * 2 * G * deviator[:, :, None] + dA[:, None] * dp[None]
             dn = np.einsum("ijn,jkn->ikn", across, bend) / size
             tangent[:, :, k] -= 2 * G * _ROOT * (n[:, None] * dp[None] + more[k] * dn)
             tangent[:, :, k] = w * tangent[:, :, k] + dw * sound[:, None, k] * dp[None]
@@ -183,10 +183,10 @@ class YieldingLaw:
         return (np.zeros_like(p), np.zeros_like(p)) if self.damage is None else self.damage(p)
 
     def _backs(self, before: State, more: FloatArray, flow: FloatArray) -> FloatArray:
-        found = before["back"].copy()
+        back_stress = before["back"].copy()
         for k, (C, gamma) in enumerate(self.back_stresses):
-            found[k] = (found[k] + 2 / 3 * C * flow) / (1 + gamma * more)
-        return np.asarray(found)
+            back_stress[k] = (back_stress[k] + 2 / 3 * C * flow) / (1 + gamma * more)
+        return np.asarray(back_stress)
 
     def _excess(
         self, trial: FloatArray, before: State, more: FloatArray, G: float

@@ -81,8 +81,8 @@ class Indentation:
 
     def __post_init__(self) -> None:
         if not 0 < self.fine < self.extent < self.reach:
-            given = (self.fine, self.extent, self.reach)
-            raise ValueError(f"indentation fine, extent, reach must rise from 0 (got {given}); raise the later ones")
+            lengths = (self.fine, self.extent, self.reach)
+            raise ValueError(f"indentation fine, extent, reach must rise from 0 (got {lengths}); raise the later ones")
         if not 0 <= self.inner < self.extent:
             raise ValueError(f"indentation inner must be in [0, extent) (got {self.inner}); lower it")
         if self.friction < 0:
@@ -117,8 +117,8 @@ class Indentation:
             ]
             fixed += [fit.box[i][k] for fit in fits for i in (0, 1)]
             fixed += self.lines if k == 0 else ()
-            kept = (self.inner, self.extent) if k == 0 else (0.0, self.extent if self.deep is None else self.deep)
-            fine = [kept, *((fit.box[0][k], fit.box[1][k]) for fit in fits)]
+            uniform = (self.inner, self.extent) if k == 0 else (0.0, self.extent if self.deep is None else self.deep)
+            fine = [uniform, *((fit.box[0][k], fit.box[1][k]) for fit in fits)]
             lines.append(graded_lines(fixed, fine, self.fine, self.growth))
         return build(lines[0], lines[1], fits, self.fine, self.divisions)
 
@@ -134,12 +134,12 @@ class Indentation:
             inside = np.broadcast_to(marked, r.shape) if region.fitted else np.asarray(region.contains(r, z))
             e_r, e_z = region.eigenstrain
             prestrain[:3, inside] += np.array([e_r, e_r, e_z])[:, None]
-            own = region.law
-            if own is None and (region.young_modulus is not None or region.poisson_ratio is not None):
+            law = region.law
+            if law is None and (region.young_modulus is not None or region.poisson_ratio is not None):
                 young = self.young_modulus if region.young_modulus is None else region.young_modulus
                 nu = self.poisson_ratio if region.poisson_ratio is None else region.poisson_ratio
-                own = YieldingLaw(young_modulus=young, poisson_ratio=nu)
-            if own is not None:
+                law = YieldingLaw(young_modulus=young, poisson_ratio=nu)
+            if law is not None:
                 material[inside] = len(laws)
-                laws.append(own)
+                laws.append(law)
         return YieldingBody(grid=grid, laws=laws, material=material, prestrain=prestrain)

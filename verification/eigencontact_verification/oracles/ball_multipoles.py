@@ -161,7 +161,7 @@ class BallMultipoles:
             outer = [self._outer(l, family) for family in ((0, 1) if l else (0,))]
             unit = []
             for pair in outer:
-                phi, psi = (np.einsum("l,dln->dn", part, basis) for part in pair)
+                phi, psi = (np.einsum("l,dln->dn", coefficients, basis) for coefficients in pair)
                 unit.append(fields(phi, psi, sine, cosine, self.nu))
             unit += [-_polynomial(l, family, self.nu, sine, cosine) for family in ((0, 1) if l else (1,))]
             system = np.array([parts(sphere_values(column, sine, cosine)) for column in unit]).T
@@ -191,11 +191,11 @@ class BallMultipoles:
     def unit_fields(self, r: FloatArray, z: FloatArray) -> FloatArray:
         """Six of `axial_potentials.fields` by each unknown outside the ball, (6, unknowns, ...); z from the centre."""
         depth = z + self.depth
-        parts = [(self.sources, singular(self.degree + 3, r, z))]
+        pairs = [(self.sources, singular(self.degree + 3, r, z))]
         if self.boundary != "none":
             mirrored = singular(self.degree + 4, r, depth + self.depth, logarithm=True)
-            parts.append((self._images, mirrored))
-        phi, psi = (sum(np.einsum("ul,dl...->du...", pair[k], basis) for pair, basis in parts) for k in (0, 1))
+            pairs.append((self._images, mirrored))
+        phi, psi = (sum(np.einsum("ul,dl...->du...", pair[k], basis) for pair, basis in pairs) for k in (0, 1))
         return fields(phi, psi, r, depth, self.nu)
 
     def conditions(self, on_sphere: FloatArray) -> FloatArray:

@@ -78,13 +78,13 @@ class Interpolant:
         unit, weight = np.polynomial.legendre.leggauss(16)
         nodes, weights, values = [], [], []
         for (low, high), series in zip(pairwise(self.edges), self.coefficients, strict=True):
-            parts = int(np.ceil((high - low) * reach / 8.0)) + 1
-            half = 0.5 * (high - low) / parts
-            middles = low + half * (2.0 * np.arange(parts) + 1.0)
+            intervals = int(np.ceil((high - low) * reach / 8.0)) + 1
+            half = 0.5 * (high - low) / intervals
+            middles = low + half * (2.0 * np.arange(intervals) + 1.0)
             k = (middles[:, None] + half * unit).ravel()
             x = (2.0 * k - low - high) / (high - low)
             nodes.append(k)
-            weights.append(np.tile(half * weight, parts))
+            weights.append(np.tile(half * weight, intervals))
             values.append(np.tensordot(np.polynomial.chebyshev.chebvander(x, _DEGREE), series, axes=1))
         return np.concatenate(nodes), np.concatenate(weights), np.concatenate(values)
 
@@ -120,8 +120,8 @@ class CoatedContact:
     def phi(self, t: ArrayLike) -> FloatArray:
         """φ(t) [N/m] for 0 <= t <= a; zero at a."""
         t = np.asarray(t, dtype=float)
-        own = self.modulus / np.pi * (self.approach - t * t / self.sphere_radius)
-        return np.asarray(own - np.cos(np.multiply.outer(t, self.nodes)) @ self.waves)
+        uncoated = self.modulus / np.pi * (self.approach - t * t / self.sphere_radius)
+        return np.asarray(uncoated - np.cos(np.multiply.outer(t, self.nodes)) @ self.waves)
 
     def pressure(self, r: ArrayLike) -> FloatArray:
         """Pressure [Pa] at the distance r from the axis; zero outside the contact."""
@@ -151,8 +151,8 @@ class CoatedContact:
         if place == 0:
             return float(self.pressure(0.0))
         bounds = angles[place - 1], angles[min(place + 1, 32)]
-        found = minimize_scalar(lambda t: -float(self.pressure(self.radius * np.sin(t))), bounds=bounds)
-        return -float(found.fun)
+        minimum = minimize_scalar(lambda t: -float(self.pressure(self.radius * np.sin(t))), bounds=bounds)
+        return -float(minimum.fun)
 
     @property
     def _turns(self) -> float:

@@ -66,8 +66,8 @@ def sliding_stress(
         bessel = jv(order, turned)
         for m in {order, -order}:
             # i^m J_m is even in m
-            part = np.einsum("ck,...k->c...", harmonics[m], bessel)
-            stress += ((1j**order) * part * np.exp(1j * m * psi)).real
+            harmonic = np.einsum("ck,...k->c...", harmonics[m], bessel)
+            stress += ((1j**order) * harmonic * np.exp(1j * m * psi)).real
     return stress
 
 
@@ -79,10 +79,10 @@ def _local(contact: CoatedContact, z: float, side: str, count: int) -> Interpola
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))[:count]
 
     def waves(k: float) -> NDArray[np.complex128]:
-        found = np.zeros((3, 6), dtype=complex)
+        amplitudes = np.zeros((3, 6), dtype=complex)
         for row, unit in enumerate(units):
-            found[row] = traction_wave(layers, base, unit, k, 0.0, z, side=side)[1]
-        return found
+            amplitudes[row] = traction_wave(layers, base, unit, k, 0.0, z, side=side)[1]
+        return amplitudes
 
     last = _LAST / z
     first = 1e-2 * last
@@ -94,7 +94,7 @@ def _local(contact: CoatedContact, z: float, side: str, count: int) -> Interpola
 
 def _harmonics(waves: NDArray[np.complex128], friction: float) -> NDArray[np.complex128]:
     """Fourier coefficients over the direction of the wave, (8, 6, k), of the stress in x, y, z; -m stands at 8 - m."""
-    found = []
+    stresses = []
     for angle in 2.0 * np.pi * np.arange(_ANGLES) / _ANGLES:
         c, s = np.cos(angle), np.sin(angle)
         # q_x of 1 is c along the wave and -s across it
@@ -102,5 +102,5 @@ def _harmonics(waves: NDArray[np.complex128], friction: float) -> NDArray[np.com
         xx = c * c * nn + s * s * tt - 2.0 * c * s * nt
         yy = s * s * nn + c * c * tt + 2.0 * c * s * nt
         xy = c * s * (nn - tt) + (c * c - s * s) * nt
-        found.append(np.array([xx, yy, zz, c * tz + s * nz, c * nz - s * tz, xy]))
-    return np.asarray(np.fft.fft(np.array(found), axis=0) / _ANGLES)
+        stresses.append(np.array([xx, yy, zz, c * tz + s * nz, c * nz - s * tz, xy]))
+    return np.asarray(np.fft.fft(np.array(stresses), axis=0) / _ANGLES)

@@ -113,10 +113,10 @@ def _triangles(box: Box, height: float, gauss: int) -> Iterator[tuple[FloatArray
 
 def _rule(box: Box, height: float, gauss: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes relative to the foot and weights on one rectangle."""
-    parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    rules: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     for piece, far in _pieces(box, height):
-        parts.extend([_product(piece, gauss)] if far else _triangles(piece, height, gauss))
-    u, v, w = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+        rules.extend([_product(piece, gauss)] if far else _triangles(piece, height, gauss))
+    u, v, w = (np.concatenate(columns) for columns in zip(*rules, strict=True))
     return u, v, w
 
 

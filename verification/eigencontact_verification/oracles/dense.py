@@ -104,10 +104,10 @@ def solve_contact(
 
     inside = np.ones(n, dtype=bool) if len(modes) else separation < 0
     for _ in range(30):
-        wanted, gap, rigid, pulls = closed(inside)
+        traction, gap, rigid, pulls = closed(inside)
         wrong = pulls | (gap < -small)
         if not wrong.any():
-            return np.maximum(0.0, wanted), np.maximum(0.0, gap), rigid
+            return np.maximum(0.0, traction), np.maximum(0.0, gap), rigid
         inside ^= wrong
         if np.linalg.matrix_rank(modes[:, inside]) < len(modes):
             break  # cells on one line, or too few: they may not be able to carry the forces
@@ -115,14 +115,14 @@ def solve_contact(
     pressure = _carrying(modes / scale[:, None], forces / scale)
     inside = pressure > 0
     for _ in range(100 * n):
-        wanted, gap, rigid, pulls = closed(inside)
+        traction, gap, rigid, pulls = closed(inside)
         if pulls.any():
-            step = pressure[pulls] / (pressure[pulls] - wanted[pulls])
-            pressure = np.maximum(0.0, pressure + step.min() * (wanted - pressure))
+            step = pressure[pulls] / (pressure[pulls] - traction[pulls])
+            pressure = np.maximum(0.0, pressure + step.min() * (traction - pressure))
             blocking = np.flatnonzero(pulls)[np.argmin(step)]
             inside[blocking], pressure[blocking] = False, 0.0
             continue
-        pressure = np.maximum(0.0, wanted)
+        pressure = np.maximum(0.0, traction)
         if gap.min() >= -small:
             return pressure, np.maximum(0.0, gap), rigid
         inside[np.argmin(gap)] = True
@@ -159,11 +159,11 @@ def _closed(
     W = modes[:, cells] / scale[:, None]
     matrix = np.block([[K[np.ix_(cells, cells)] * unit, -W.T], [W, np.zeros((m, m))]])
     # Separations may be far larger than deflections: take their rigid part out first, lest its round-off remain.
-    part = np.linalg.lstsq(W.T, separation[cells], rcond=None)[0]
-    right = np.concatenate([W.T @ part - separation[cells], forces / (scale * unit)])
+    amplitudes = np.linalg.lstsq(W.T, separation[cells], rcond=None)[0]
+    right = np.concatenate([W.T @ amplitudes - separation[cells], forces / (scale * unit)])
     # Cells on one line, or fewer than modes, leave some motion free: least squares then chooses the smallest.
     regular = m == 0 or (k >= m and np.linalg.matrix_rank(W) == m)
     solved = np.linalg.solve(matrix, right) if regular else np.linalg.lstsq(matrix, right, rcond=None)[0]
     pressure = np.zeros(separation.size)
     pressure[cells] = solved[:k] * unit
-    return pressure, (solved[k:] + part) / scale
+    return pressure, (solved[k:] + amplitudes) / scale

@@ -144,8 +144,8 @@ def dilatational_ball_displacement(
     volume = 4 * np.pi / 3 * radius**3
     first, second, _ = (volume * d for d in _newton(mirror))
     near = np.where(inside[:, None], np.array((0.0, 0.0, radius)), real)
-    own = np.where(inside[:, None], -4 * np.pi / 3 * real, volume * _newton(near)[0])
-    field = own + (3 - 4 * nu) * first * (1, 1, -1) + 2 * x[:, 2:] * second[:, 2]
+    direct = np.where(inside[:, None], -4 * np.pi / 3 * real, volume * _newton(near)[0])
+    field = direct + (3 - 4 * nu) * first * (1, 1, -1) + 2 * x[:, 2:] * second[:, 2]
     return np.asarray(-(1 + nu) * eigenstrain / (4 * np.pi * (1 - nu)) * field)
 
 
@@ -161,8 +161,8 @@ def dilatational_ball_stress(
     _, second, third = (volume * d for d in _newton(mirror))
     near = np.where(inside[:, None], np.array((0.0, 0.0, radius)), real)
     hot = inside[:, None, None]
-    own = np.where(hot, -4 * np.pi / 3 * np.eye(3), volume * _newton(near)[1])
-    slope = own + (3 - 4 * nu) * np.array((1, 1, -1))[:, None] * second + 2 * x[:, 2, None, None] * third[:, 2]
+    direct = np.where(hot, -4 * np.pi / 3 * np.eye(3), volume * _newton(near)[1])
+    slope = direct + (3 - 4 * nu) * np.array((1, 1, -1))[:, None] * second + 2 * x[:, 2, None, None] * third[:, 2]
     slope[:, :, 2] += 2 * second[:, 2]
     factor = -(1 + nu) * eigenstrain / (4 * np.pi * (1 - nu))
     strain = factor * (slope + np.swapaxes(slope, 1, 2)) / 2 - np.where(hot, eigenstrain * np.eye(3), 0.0)

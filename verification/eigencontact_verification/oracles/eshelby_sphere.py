@@ -27,10 +27,10 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 def isotropic_stiffness(young: float, nu: float) -> FloatArray:
     """Stiffness (3, 3, 3, 3), nu < 0.5."""
-    shear, one = young / (2 * (1 + nu)), np.eye(3)
+    shear, identity = young / (2 * (1 + nu)), np.eye(3)
     lame = 2 * shear * nu / (1 - 2 * nu)
-    twin = np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one)
-    return np.asarray(lame * np.einsum("ij,kl->ijkl", one, one) + shear * twin)
+    twin = np.einsum("ik,jl->ijkl", identity, identity) + np.einsum("il,jk->ijkl", identity, identity)
+    return np.asarray(lame * np.einsum("ij,kl->ijkl", identity, identity) + shear * twin)
 
 
 def cubic_stiffness(c11: float, c12: float, c44: float) -> FloatArray:
@@ -67,12 +67,12 @@ def sphere_in_body(
     C, body, S = np.asarray(stiffness, dtype=float), isotropic_stiffness(young, nu), sphere_tensor(nu)
     remote = np.asarray(stress, dtype=float)
     far = ((1 + nu) * remote - nu * np.trace(remote) * np.eye(3)) / young
-    own = np.zeros((3, 3)) if prestrain is None else np.asarray(prestrain, dtype=float)
+    initial = np.zeros((3, 3)) if prestrain is None else np.asarray(prestrain, dtype=float)
 
     def gap(eigenstrain: FloatArray) -> FloatArray:
         """Stress by the sphere's own law less that of the body with the eigenstrain."""
         strain = far + apply(S, eigenstrain)
-        return apply(C, strain - own) - apply(body, strain - eigenstrain)
+        return apply(C, strain - initial) - apply(body, strain - eigenstrain)
 
     start = gap(np.zeros((3, 3)))
     columns = []
@@ -100,18 +100,18 @@ def stress_about_sphere(eigenstrain: ArrayLike, young: float, nu: float, points:
     points : (n, 3)
         Outside, or on the sphere: there the outer limit.
     """
-    x, one = np.asarray(points, dtype=float).T, np.eye(3)
+    x, identity = np.asarray(points, dtype=float).T, np.eye(3)
     distance = np.linalg.norm(x, axis=0)
     n, s = x / distance, distance**-2.0
-    pairs = np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one)
-    mixed = np.einsum("ik,jn,ln->ijkln", one, n, n)
+    pairs = np.einsum("ik,jl->ijkl", identity, identity) + np.einsum("il,jk->ijkl", identity, identity)
+    mixed = np.einsum("ik,jn,ln->ijkln", identity, n, n)
     mixed = mixed + mixed.swapaxes(0, 1)
     mixed = mixed + mixed.swapaxes(2, 3)
     tensor = (
-        np.einsum("n,ij,kl->ijkln", 3 * s + 10 * nu - 5, one, one)
+        np.einsum("n,ij,kl->ijkln", 3 * s + 10 * nu - 5, identity, identity)
         + np.einsum("n,ijkl->ijkln", 3 * s - 10 * nu + 5, pairs)
-        + 15 * np.einsum("n,ij,kn,ln->ijkln", 1 - s, one, n, n)
-        + 15 * np.einsum("n,kl,in,jn->ijkln", 1 - 2 * nu - s, one, n, n)
+        + 15 * np.einsum("n,ij,kn,ln->ijkln", 1 - s, identity, n, n)
+        + 15 * np.einsum("n,kl,in,jn->ijkln", 1 - 2 * nu - s, identity, n, n)
         + 15 * (nu - s) * mixed
         + 15 * np.einsum("n,in,jn,kn,ln->ijkln", 7 * s - 5, n, n, n, n)
     )

@@ -119,8 +119,8 @@ def max_von_mises(poisson_ratio: float) -> tuple[float, float]:
         sigma_z, sigma_r = axis_stress(z, poisson_ratio)
         return -float(abs(sigma_z - sigma_r))
 
-    found = minimize_scalar(minus, bounds=(0.2, 1.0), method="bounded", options={"xatol": 1e-10})
-    return -float(found.fun), float(found.x)
+    minimum = minimize_scalar(minus, bounds=(0.2, 1.0), method="bounded", options={"xatol": 1e-10})
+    return -float(minimum.fun), float(minimum.x)
 
 
 def axis_shear_sliding(z: ArrayLike) -> FloatArray:

@@ -59,13 +59,13 @@ class _Medium:
     @cached_property
     def bases(self) -> dict[int, ComplexArray]:
         """Three orthonormal states, (6, 3), for each sign: those whose waves go as exp(sign k z)."""
-        found = {}
+        bases = {}
         for sign in (-1, 1):
             onto = self.matrix + sign * np.eye(6)
             left, values, _ = np.linalg.svd(onto @ onto)
             assert values[3] < 1e-10 * values[0]
-            found[sign] = left[:, :3]
-        return found
+            bases[sign] = left[:, :3]
+        return bases
 
     def waves(self, sign: int, d: float) -> ComplexArray:
         """States of the waves at distance d/k from where they start, towards where they decay, (6, 3)."""

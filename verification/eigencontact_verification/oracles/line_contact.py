@@ -115,9 +115,9 @@ def wedge_pressure(x0: ArrayLike, x1: ArrayLike, a: float, slope: float, contact
 def flamant(x: ArrayLike, z: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Stress xx, zz, xz by a unit line force along z, and along x, at points z > 0 (J. 2.20 and 2.23) [1/m]."""
     x, z = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(z, dtype=float))
-    parts = np.array([x * x, z * z, x * z])
+    products = np.array([x * x, z * z, x * z])
     common = -2.0 / (np.pi * (x * x + z * z) ** 2)
-    return common * z * parts, common * x * parts
+    return common * z * products, common * x * products
 
 
 def stress_under(

@@ -74,15 +74,15 @@ class SphereOnPath:
         if change > 0 and abs(turn) <= self.friction * change + tiny:
             slope = float(np.clip(turn / change, -self.friction, self.friction))
             same = bool(self.pieces) and abs(self.pieces[-1][1] - slope) <= 1e-12 * self.friction
-            kept = self.pieces[:-1] if same else self.pieces
-            return replace(self, pieces=(*kept, (load, slope)), stick_load=load)
+            pieces = self.pieces[:-1] if same else self.pieces
+            return replace(self, pieces=(*pieces, (load, slope)), stick_load=load)
         if change < 0:  # the top of the profile comes off; what that leaves of Q tells the direction of slip
             bottom = self.pieces[-2][0] if len(self.pieces) > 1 else 0.0
             if abs(turn - self.pieces[-1][1] * change) <= tiny:  # back the way it came: no slip
                 share = min(1.0, (before - bottom) / -change)
                 point = before + share * change
-                kept = (*self.pieces[:-1], (point, self.pieces[-1][1])) if share == 1.0 else self.pieces[:-1]
-                back = replace(self, pieces=kept, stick_load=point)
+                pieces = (*self.pieces[:-1], (point, self.pieces[-1][1])) if share == 1.0 else self.pieces[:-1]
+                back = replace(self, pieces=pieces, stick_load=point)
                 return back if share == 1.0 else back.to(load, tangential_load)
             sign = np.sign(turn - self.pieces[-1][1] * change)
         else:
@@ -91,19 +91,19 @@ class SphereOnPath:
 
     def _slipped(self, load: float, tangential_load: float, slope: float) -> SphereOnPath:
         """Profile with `slope` from where it must begin to carry Q."""
-        kept: list[tuple[float, float]] = []
+        pieces: list[tuple[float, float]] = []
         below, carried = 0.0, 0.0
         top = (*self.pieces, (load, slope)) if load > self.load else self.pieces
         for piece_end, value in top:
             end = min(piece_end, load)
             # carried + value (x - below) + slope (load - x) = Q for some x in the piece?
-            rest = tangential_load - carried + value * below - slope * load
-            x = rest / (value - slope) if value != slope else np.inf
+            remaining = tangential_load - carried + value * below - slope * load
+            x = remaining / (value - slope) if value != slope else np.inf
             if below - 1e-13 * load <= x <= end:
                 x = max(x, below)
                 tail = ((x, value), (load, slope)) if x > below else ((load, slope),)
-                return replace(self, pieces=(*kept, *tail), stick_load=float(x))
-            kept.append((end, value))
+                return replace(self, pieces=(*pieces, *tail), stick_load=float(x))
+            pieces.append((end, value))
             carried += value * (end - below)
             below = end
             if end == load:

@@ -85,20 +85,20 @@ class PolynomialEllipsoid:
     def displacement(self, points: ArrayLike, nu: float, space: str = "half") -> FloatArray:
         """Displacement ``(n, 3)`` [m]."""
         moments = self._moments(points, space, gradient=False)
-        parts = [
-            mindlin.displacement(own, np.asarray(tensor), nu)
-            for own, (_, tensor) in zip(moments, self.terms, strict=True)
+        terms = [
+            mindlin.displacement(moment, np.asarray(tensor), nu)
+            for moment, (_, tensor) in zip(moments, self.terms, strict=True)
         ]
-        return np.asarray(sum(parts))
+        return np.asarray(sum(terms))
 
     def stress(self, points: ArrayLike, nu: float, space: str = "half") -> FloatArray:
         """Stress ``(n, 3, 3)`` over the shear modulus; nu up to and including 1/2."""
         moments, inside = self._moments(points, space, gradient=True), self.contains(points)
-        parts = [
-            mindlin.stress(own, np.asarray(tensor), nu, inside * self.density(exponents, points))
-            for own, (exponents, tensor) in zip(moments, self.terms, strict=True)
+        terms = [
+            mindlin.stress(moment, np.asarray(tensor), nu, inside * self.density(exponents, points))
+            for moment, (exponents, tensor) in zip(moments, self.terms, strict=True)
         ]
-        return np.asarray(sum(parts))
+        return np.asarray(sum(terms))
 
     def _axes(self) -> FloatArray:
         turn = np.eye(3) if self.rotation is None else np.asarray(self.rotation, dtype=float)
@@ -156,7 +156,7 @@ def _sums(point: FloatArray, rule: Rule, space: str, *, gradient: bool) -> Float
     slopes = []
     for step in steps.T[:, :, None]:
         values = numerator(x + step, positions.T, space)
-        part = values.imag / _STEP if gradient else values.real
-        slopes.append(np.tensordot(part, weights, axes=1))  # i, j, nu, terms, k
+        real = values.imag / _STEP if gradient else values.real
+        slopes.append(np.tensordot(real, weights, axes=1))  # i, j, nu, terms, k
     stacked = np.moveaxis(np.stack(slopes, axis=1), (3, 4), (1, 0))  # terms, nu, i, l, j, k
     return stacked if gradient else stacked[:, :, :, 0]

@@ -36,8 +36,8 @@ def stick_ratio(friction_over_beta: float) -> float:
     from scipy.special import ellipkm1
 
     def balance(x: float) -> float:  # k = 1/(1 + e^-x): even resolution at both ends
-        k, rest = 1.0 / (1.0 + np.exp(-x)), 1.0 / (1.0 + np.exp(x))
-        return float(np.log((1.0 + k) / rest) / (2.0 * k) - friction_over_beta * ellipkm1(k * k))
+        k, complement = 1.0 / (1.0 + np.exp(-x)), 1.0 / (1.0 + np.exp(x))
+        return float(np.log((1.0 + k) / complement) / (2.0 * k) - friction_over_beta * ellipkm1(k * k))
 
     x = brentq(balance, -300.0, 300.0, xtol=1e-13)
     return float(1.0 / (1.0 + np.exp(-x)))

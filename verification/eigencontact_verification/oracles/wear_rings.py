@@ -137,14 +137,16 @@ class Rings:
         inside = separation - separation.min() <= 0.1 * np.ptp(separation) if start is None else start
         for _ in range(200):
             rows = np.flatnonzero(inside)
-            part, pressure = matrix[np.ix_(rows, rows)], np.zeros(n)
+            block, pressure = matrix[np.ix_(rows, rows)], np.zeros(n)
             if load is None:
                 rigid = float(approach or 0.0)
-                pressure[rows] = np.linalg.solve(part, rigid - separation[rows])
+                pressure[rows] = np.linalg.solve(block, rigid - separation[rows])
             else:
-                one, own = np.linalg.solve(part, np.stack([np.ones(rows.size), separation[rows]], axis=1)).T
-                rigid = float((load + self.areas[rows] @ own) / (self.areas[rows] @ one))
-                pressure[rows] = rigid * one - own
+                by_approach, by_separation = np.linalg.solve(
+                    block, np.stack([np.ones(rows.size), separation[rows]], axis=1)
+                ).T
+                rigid = float((load + self.areas[rows] @ by_separation) / (self.areas[rows] @ by_approach))
+                pressure[rows] = rigid * by_approach - by_separation
             gap = separation + matrix @ pressure - rigid
             gap[rows] = 0.0
             wrong = (pressure < 0.0) | (gap < -1e-13 * abs(rigid))
@@ -286,5 +288,5 @@ def _disk(r: FloatArray, b: FloatArray) -> FloatArray:
     small, large = np.minimum(r, b), np.maximum(r, b)
     m = (small / large) ** 2
     # (1 - m) K(m) tends to 0 at m = 1
-    rest = (1.0 - m) * ellipkm1(np.maximum(1.0 - m, 1e-300))
-    return np.asarray(4.0 / np.pi * large * np.where(r < b, ellipe(m), ellipe(m) - rest))
+    term = (1.0 - m) * ellipkm1(np.maximum(1.0 - m, 1e-300))
+    return np.asarray(4.0 / np.pi * large * np.where(r < b, ellipe(m), ellipe(m) - term))

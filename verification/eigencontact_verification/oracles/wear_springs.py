@@ -101,8 +101,8 @@ class FrettingLimit:
         from scipy.optimize import minimize_scalar
 
         limits = self.stick_radius, self.outer_radius
-        found = minimize_scalar(lambda r: -float(self.depth(r)), bounds=limits, options={"xatol": 1e-9 * limits[1]})
-        return -float(found.fun), float(found.x)
+        minimum = minimize_scalar(lambda r: -float(self.depth(r)), bounds=limits, options={"xatol": 1e-9 * limits[1]})
+        return -float(minimum.fun), float(minimum.x)
 
 
 def slipping_approach(amplitude: float, friction: float, modulus_ratio: float) -> float:

@@ -36,12 +36,12 @@ def find_file(name: str, what: str, folder: str) -> tuple[Path, str | None]:
     SceneError
         Neither, with the nearest name.
     """
-    path, known = Path(name), bundled_names(folder)
+    path, bundled = Path(name), bundled_names(folder)
     if path.suffix == ".toml" or path.is_file():
         return path, None
-    if name not in known:
+    if name not in bundled:
         raise SceneError(
-            f"{what} must be a TOML file or one of {', '.join(known)} (got {name!r}){nearest(name, known)}"
+            f"{what} must be a TOML file or one of {', '.join(bundled)} (got {name!r}){nearest(name, bundled)}"
         )
     text = (files("eigencontact_verification") / folder / f"{name}.toml").read_text(encoding="utf-8")
     return Path(f"{name}.toml"), text

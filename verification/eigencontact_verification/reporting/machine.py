@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import platform
+from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
-__all__ = ["describe", "facts", "installed"]
+__all__ = ["describe", "facts", "installed", "time_and_machine"]
 
 
 def installed(distribution: str) -> str | None:
@@ -45,11 +47,16 @@ def facts() -> dict[str, str | int | float | None]:
     }
 
 
-def describe(found: dict[str, str | int | float | None]) -> str:
+def time_and_machine() -> dict[str, Any]:
+    """Entries ``made`` and ``machine`` of the JSON of a report."""
+    return {"made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts()}
+
+
+def describe(machine: dict[str, str | int | float | None]) -> str:
     """One line of `facts`."""
-    packages = [f"{name} {found[name]}" for name in ("numpy", "scipy", "pyfftw", "eigencontact") if found.get(name)]
-    memory = f", {found['memory_gb']} GB" if found.get("memory_gb") else ""
+    packages = [f"{name} {machine[name]}" for name in ("numpy", "scipy", "pyfftw", "eigencontact") if machine.get(name)]
+    memory = f", {machine['memory_gb']} GB" if machine.get("memory_gb") else ""
     return (
-        f"{found['cpu']}, {found['cores']} cores{memory}, {found['system']}; Python {found['python']}, "
-        f"{', '.join(packages)}; load average before {found['load_average']}"
+        f"{machine['cpu']}, {machine['cores']} cores{memory}, {machine['system']}; Python {machine['python']}, "
+        f"{', '.join(packages)}; load average before {machine['load_average']}"
     )

@@ -101,10 +101,10 @@ def _split(path: Path, section: str, family: str) -> tuple[str, str, str]:
     begin, end = f"<!-- {family}:{section} -->", f"<!-- /{family}:{section} -->"
     old = path.read_text(encoding="utf-8")
     pattern = re.compile(rf"(?<=^{re.escape(begin)}$).*?(?=^{re.escape(end)}$)", re.MULTILINE | re.DOTALL)
-    found = list(pattern.finditer(old))
-    if len(found) != 1 or old.count(begin) != 1 or old.count(end) != 1:
+    markers = list(pattern.finditer(old))
+    if len(markers) != 1 or old.count(begin) != 1 or old.count(end) != 1:
         raise ValueError(
             f"{path.name} must have the lines {begin!r} and {end!r} once each, in this order"
             f" (got {old.count(begin)} and {old.count(end)}); add both where the table belongs"
         )
-    return old[: found[0].start()], found[0].group(), old[found[0].end() :]
+    return old[: markers[0].start()], markers[0].group(), old[markers[0].end() :]

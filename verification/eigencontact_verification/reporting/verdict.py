@@ -57,7 +57,7 @@ def word_of(error: float, uncertainty: float, tolerance: float) -> tuple[str, st
     return "inconclusive", "the uncertainty of the reference reaches across the tolerance"
 
 
-def verdict_on(error: float, uncertainty: float, tolerance: float, own: float | None) -> tuple[str, str]:
+def verdict_on(error: float, uncertainty: float, tolerance: float, run_error: float | None) -> tuple[str, str]:
     """Verdict on an error at a tolerance; after ASME V&V 20 where the numerical error of the judged side is known.
 
     Examples
@@ -67,9 +67,9 @@ def verdict_on(error: float, uncertainty: float, tolerance: float, own: float | 
     >>> verdict_on(0.01, 0.003, 0.02, 0.004)[1]
     'model or implementation error E ± u_val = 1 % ± 0.5 %'
     """
-    if own is None:
+    if run_error is None:
         return word_of(error, uncertainty, tolerance)
-    return validated(error, math.hypot(own, uncertainty))
+    return validated(error, math.hypot(run_error, uncertainty))
 
 
 def validated(error: float, uncertainty: float) -> tuple[str, str]:
@@ -98,9 +98,9 @@ def validated(error: float, uncertainty: float) -> tuple[str, str]:
     return "agrees", f"agrees within {width}"
 
 
-def worst(words: Iterable[str]) -> str:
+def worst(verdicts: Iterable[str]) -> str:
     """Worst of several verdicts; "failed" of none."""
-    return min(words, key=WORDS.index, default="failed")
+    return min(verdicts, key=WORDS.index, default="failed")
 
 
 def largest(values: Iterable[float | None]) -> float | None:

@@ -23,33 +23,37 @@ class Verdict:
     found: str  #: the numbers in words
 
 
-def verdicts(study: Study, found: Sequence[Finished]) -> list[Verdict]:
+def verdicts(study: Study, variants: Sequence[Finished]) -> list[Verdict]:
     """Verdict of each check of a study that its variants can tell of; the numbers are those that were read."""
-    return [one for check in study.checks for one in _verdicts(check, found)]
+    return [verdict for check in study.checks for verdict in _verdicts(check, variants)]
 
 
-def _verdicts(check: Mapping[str, Any], found: Sequence[Finished]) -> list[Verdict]:
+def _verdicts(check: Mapping[str, Any], variants: Sequence[Finished]) -> list[Verdict]:
     rule, along = check["is"], str(check.get("along", ""))
-    chosen = [one for one in found if "only" not in check or bool(evaluate(check["only"], Context(one.names), "only"))]
-    numbers = [float(evaluate(check["number"], Context(one.names), "check.number")) for one in chosen]
+    chosen = [
+        variant
+        for variant in variants
+        if "only" not in check or bool(evaluate(check["only"], Context(variant.names), "only"))
+    ]
+    numbers = [float(evaluate(check["number"], Context(variant.names), "check.number")) for variant in chosen]
     if isinstance(rule, list) and len(rule) == 2:
-        words = f"{check['number']} within {rule[0]:g} and {rule[1]:g}"
+        claim = f"{check['number']} within {rule[0]:g} and {rule[1]:g}"
         holds = all(rule[0] <= number <= rule[1] for number in numbers)
-        return [Verdict(words, holds, _listed(numbers))] if numbers else []
+        return [Verdict(claim, holds, _listed(numbers))] if numbers else []
     if rule not in ("rising", "falling") or not along:
         raise SceneError(f"check.is must be rising or falling with along, or two bounds (got {shown(rule)})")
     out, sign = [], 1.0 if rule == "rising" else -1.0
     groups: dict[Any, list[tuple[float, float]]] = {}
-    for one, number in zip(chosen, numbers, strict=True):
-        others = tuple((name, value) for name, value in one.values.items() if name != along)
-        groups.setdefault(others, []).append((float(evaluate(along, Context(one.names), "along")), number))
+    for variant, number in zip(chosen, numbers, strict=True):
+        others = tuple((name, value) for name, value in variant.values.items() if name != along)
+        groups.setdefault(others, []).append((float(evaluate(along, Context(variant.names), "along")), number))
     for others, points in groups.items():
         if len(points) < 2:
             continue
         course = [number for _, number in sorted(points)]
         where = ", ".join(f"{name} = {value}" for name, value in others)
-        words = f"{check['number']} {rule} along {along}{f' at {where}' if where else ''}"
-        out.append(Verdict(words, all(sign * (b - a) > 0 for a, b in pairwise(course)), _listed(course)))
+        claim = f"{check['number']} {rule} along {along}{f' at {where}' if where else ''}"
+        out.append(Verdict(claim, all(sign * (b - a) > 0 for a, b in pairwise(course)), _listed(course)))
     return out
 
 

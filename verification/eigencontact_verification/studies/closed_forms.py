@@ -30,9 +30,9 @@ def _coated(load: float, sphere: float, thickness: float, ratio: float, young: f
 
 def _coated_numbers(read: Callable[[CoatedContact], float], *problem: Any) -> Any:
     """Number of the solution; of several, where one of its arguments has several values."""
-    several = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in problem))
-    found = np.array([read(_coated(*map(float, one))) for one in zip(*map(np.ravel, several), strict=True)])
-    return found if several[0].ndim else float(found[0])
+    several = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in problem))
+    numbers = np.array([read(_coated(*map(float, argument))) for argument in zip(*map(np.ravel, several), strict=True)])
+    return numbers if several[0].ndim else float(numbers[0])
 
 
 @cache
@@ -43,8 +43,8 @@ def _sliding(friction: float, depth: float, *problem: float) -> Any:
 
 
 def _coated_stress(component: float, friction: float, depth: Any, *problem: Any) -> Any:
-    given = tuple(map(float, problem))
-    values = [_sliding(float(friction), float(z), *given)[int(component)] for z in np.ravel(depth)]
+    key = tuple(map(float, problem))
+    values = [_sliding(float(friction), float(z), *key)[int(component)] for z in np.ravel(depth)]
     return np.array(values) if np.ndim(depth) else values[0]
 
 

@@ -72,10 +72,10 @@ def error_of(formula: str, context: Context, errors: Errors) -> NDArray[np.float
 
     try:
         value = shifted({})
-        parts = [np.max([np.abs(shifted(shift) - value) for shift in group], axis=0) for group in shifts]
+        changes = [np.max([np.abs(shifted(shift) - value) for shift in group], axis=0) for group in shifts]
     except SceneError:
         return None
-    total = np.asarray(sum(parts, np.zeros_like(value)))
+    total = np.asarray(sum(changes, np.zeros_like(value)))
     return total if np.isfinite(total).all() else None
 
 

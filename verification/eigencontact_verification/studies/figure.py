@@ -26,15 +26,18 @@ _DEFAULT_STYLES = ("-", "--", ":", "-.")
 _NAMED = {"black": "black", "grey": "0.5"}
 
 
-def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
+def draw_study(study: Study, variants: Sequence[Finished]) -> Figure:
     """Figure of all variants, with its source below."""
-    panels = [one for panel in study.figure["panel"] for one in panels_of(study, panel, found)]
+    panels = [item for panel in study.figure["panel"] for item in panels_of(study, panel, variants)]
     if not panels:
         raise SceneError(f"{study.name}: a figure must have values in at least one panel (got none)")
-    first = len(panels_of(study, study.figure["panel"][0], found))
-    told = study.figure.get("columns", first if first > 1 else 4)
+    first = len(panels_of(study, study.figure["panel"][0], variants))
+    column_count = study.figure.get("columns", first if first > 1 else 4)
     columns = min(
-        len(panels), len(levels_of((one.values for one in found), told)) if isinstance(told, str) else int(told)
+        len(panels),
+        len(levels_of((item.values for item in variants), column_count))
+        if isinstance(column_count, str)
+        else int(column_count),
     )
     rows = -(-len(panels) // columns)
     width, height = study.figure.get("size", (3.4 * columns + 1.4, 2.9 * rows))
@@ -44,33 +47,33 @@ def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
     for place, (panel, chosen, title) in zip(axes, panels, strict=False):
         place.set_title(title)
         if "map" in panel:
-            maps.setdefault(id(panel["map"]), []).extend((place, one) for one in chosen)
+            maps.setdefault(id(panel["map"]), []).extend((place, item) for item in chosen)
         for n, curve in enumerate(panel["curve"]):
-            _draw_curve(place, study, curve, chosen, found, n)
-        _dress(place, panel, study, chosen[0] if chosen else found[0])
+            _draw_curve(place, study, curve, chosen, variants, n)
+        _dress(place, panel, study, chosen[0] if chosen else variants[0])
     for place in axes[len(panels) :]:
         place.set_axis_off()
     for panel in study.figure["panel"]:
         if "map" in panel and id(panel["map"]) in maps:
             _draw_maps(figure, panel["map"], maps[id(panel["map"])])
     _legend(figure, axes, str(study.figure.get("legend", "right")))
-    words = "; ".join(source_in_words(one) for one in study.sources)
-    if words:
-        caption = "\n".join(textwrap.wrap(f"Computed anew after: {words}", max(40, int(17 * float(width)))))
+    source_text = "; ".join(source_in_words(item) for item in study.sources)
+    if source_text:
+        caption = "\n".join(textwrap.wrap(f"Computed anew after: {source_text}", max(40, int(17 * float(width)))))
         figure.supxlabel(caption, fontsize=6.5, x=0.01, ha="left", color="0.35")
     return figure
 
 
 def panels_of(
-    study: Study, panel: Mapping[str, Any], found: Sequence[Finished]
+    study: Study, panel: Mapping[str, Any], variants: Sequence[Finished]
 ) -> list[tuple[Mapping[str, Any], list[Finished], str]]:
     """Panels of a description: itself, or one for each variant or value of a parameter, with its variants and title."""
-    chosen, title = _only(panel, found), str(panel.get("title", ""))
+    chosen, title = _only(panel, variants), str(panel.get("title", ""))
     each = panel.get("each")
     if each is None:
         return [(panel, chosen, title)]
     if each == "variant":
-        return [(panel, [one], _filled(title or "{label}", one)) for one in chosen]
+        return [(panel, [member], _filled(title or "{label}", member)) for member in chosen]
     panels, label = [], label_of(study.parameters, each)
     for level in levels_of((variant.values for variant in chosen), each):
         group = [variant for variant in chosen if variant.values.get(each) == level]
@@ -78,80 +81,80 @@ def panels_of(
     return panels
 
 
-def _only(table: Mapping[str, Any], found: Sequence[Finished]) -> list[Finished]:
+def _only(table: Mapping[str, Any], variants: Sequence[Finished]) -> list[Finished]:
     if "only" not in table:
-        return list(found)
-    return [one for one in found if bool(evaluate(str(table["only"]), one.context, "only"))]
+        return list(variants)
+    return [variant for variant in variants if bool(evaluate(str(table["only"]), variant.context, "only"))]
 
 
-def _filled(text: str, one: Finished) -> str:
+def _filled(text: str, variant: Finished) -> str:
     """Text with parameters and numbers in braces; what stands between dollars has braces of its own."""
-    parts = text.split("$")
-    parts[::2] = [formatted(part, {**one.names, "label": one.label}) for part in parts[::2]]
-    return "$".join(parts)
+    pieces = text.split("$")
+    pieces[::2] = [formatted(piece, {**variant.names, "label": variant.label}) for piece in pieces[::2]]
+    return "$".join(pieces)
 
 
 def _draw_curve(
-    axes: Axes, study: Study, curve: Mapping[str, Any], panel: Sequence[Finished], found: Sequence[Finished], n: int
+    axes: Axes, study: Study, curve: Mapping[str, Any], panel: Sequence[Finished], variants: Sequence[Finished], n: int
 ) -> None:
     """Draw a curve of each variant, or one through the variants for each value of `by`."""
     if curve.get("once"):
-        context = Context(found[0].names)
+        context = Context(variants[0].names)
         x, y = (np.ravel(evaluate(str(curve[axis]), context, f"curve.{axis}")) for axis in "xy")
         axes.plot(x, y, _style(curve, 0), color=_colour(curve, None, n), label=curve.get("label"), linewidth=0.9)
         return
     chosen = _only(curve, panel)
     by, dash = curve.get("by"), curve.get("dash-by")
-    colours, dashes = (levels_of((one.values for one in found), name) if name else [] for name in (by, dash))
+    colours, dashes = (levels_of((variant.values for variant in variants), name) if name else [] for name in (by, dash))
     points: dict[Any, list[tuple[float, float, Finished]]] = {}
-    for number, one in enumerate(chosen):
-        x, y = (_of(one, str(curve[axis]), study) for axis in "xy")
-        dash_at = dashes.index(one.values[dash]) if dash else 0
-        colour_at = colours.index(one.values[by]) if by else None
+    for number, variant in enumerate(chosen):
+        x, y = (_of(variant, str(curve[axis]), study) for axis in "xy")
+        dash_at = dashes.index(variant.values[dash]) if dash else 0
+        colour_at = colours.index(variant.values[by]) if by else None
         if np.ndim(y) == 0 and np.ndim(x) == 0:
-            points.setdefault((colour_at, dash_at), []).append((x, float(y), one))
+            points.setdefault((colour_at, dash_at), []).append((x, float(y), variant))
             continue
         at = colour_at if by else (number if len(chosen) > 1 else None)
-        label = _filled(str(curve.get("label", "{label}")), one)
+        label = _filled(str(curve.get("label", "{label}")), variant)
         x, y = np.broadcast_arrays(np.asarray(x), np.asarray(y))
         axes.plot(x, y, _style(curve, dash_at), color=_colour(curve, at, n), label=label)
     for (colour_at, dash_at), group in points.items():
-        words = f"{label_of(study.parameters, by)} = {plain(group[0][2].values[by])}" if by else ""
-        label = _filled(str(curve["label"]), group[0][2]) if "label" in curve else words
-        across, up = [one[0] for one in group], [one[1] for one in group]
+        legend_label = f"{label_of(study.parameters, by)} = {plain(group[0][2].values[by])}" if by else ""
+        label = _filled(str(curve["label"]), group[0][2]) if "label" in curve else legend_label
+        across, up = [variant[0] for variant in group], [variant[1] for variant in group]
         colour = _colour(curve, colour_at, n)
         axes.plot(across, up, _style(curve, dash_at, "o-"), color=colour, label=label or None)
-        bars = [error_of(str(curve["y"]), one.context, one.errors) for *_, one in group]
+        bars = [error_of(str(curve["y"]), variant.context, variant.errors) for *_, variant in group]
         if any(bar for bar in bars if bar is not None):
             sizes = [float(bar) if bar is not None else np.nan for bar in bars]
             axes.errorbar(across, up, yerr=sizes, fmt="none", ecolor=colour, capsize=2.5, linewidth=0.9)
 
 
-def _of(one: Finished, formula: str, study: Study) -> Any:
+def _of(variant: Finished, formula: str, study: Study) -> Any:
     """Number or values of a variant; a parameter may be named as it is, whatever its name."""
-    if formula in one.values:
-        return one.values[formula]
-    return np.asarray(evaluate(formula, one.context, f"{study.name}: curve"))
+    if formula in variant.values:
+        return variant.values[formula]
+    return np.asarray(evaluate(formula, variant.context, f"{study.name}: curve"))
 
 
 def _style(curve: Mapping[str, Any], at: int, default: str = "") -> str:
-    given = curve.get("style", default or list(_DEFAULT_STYLES))
-    return str(given[at % len(given)]) if isinstance(given, list) else str(given)
+    styles = curve.get("style", default or list(_DEFAULT_STYLES))
+    return str(styles[at % len(styles)]) if isinstance(styles, list) else str(styles)
 
 
 def _colour(curve: Mapping[str, Any], at: int | None, n: int) -> str:
-    given = curve.get("colour")
-    if isinstance(given, str):
-        return _NAMED.get(given, given)
-    return COLOURS[(given if given is not None else at if at is not None else n) % len(COLOURS)]
+    colour = curve.get("colour")
+    if isinstance(colour, str):
+        return _NAMED.get(colour, colour)
+    return COLOURS[(colour if colour is not None else at if at is not None else n) % len(COLOURS)]
 
 
-def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, one: Finished) -> None:
+def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, variant: Finished) -> None:
     first = panel["curve"][0] if panel["curve"] else panel.get("map", {})
     for axis in "xy":
         plain = str(first.get(axis, ""))
-        told = panel.get(f"{axis}-label", label_of(study.parameters, plain) if plain in one.values else plain)
-        getattr(axes, f"set_{axis}label")(subscripts(str(told)))
+        label = panel.get(f"{axis}-label", label_of(study.parameters, plain) if plain in variant.values else plain)
+        getattr(axes, f"set_{axis}label")(subscripts(str(label)))
         if f"{axis}-limits" in panel:
             getattr(axes, f"set_{axis}lim")(*panel[f"{axis}-limits"])
     if "x-scale" in panel:
@@ -162,13 +165,13 @@ def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, one: Finished) ->
 
 def _draw_maps(figure: Figure, table: Mapping[str, Any], places: Sequence[tuple[Axes, Finished]]) -> None:
     """Fields of one description in one scale of colours; the uppermost points are drawn up to the surface."""
-    fields = {id(one): _field(table, one) for _, one in places}
+    fields = {id(variant): _field(table, variant) for _, variant in places}
     drawn = [values for _, _, values in (field for field in fields.values() if field is not None)]
     high = max((float(np.nanmax(np.abs(values))) for values in drawn), default=1.0) or 1.0
     low, colours = (-high, "RdBu_r") if table.get("signed") else (0.0, "viridis")
     image = None
-    for axes, one in places:
-        field = fields[id(one)]
+    for axes, variant in places:
+        field = fields[id(variant)]
         axes.set_aspect("equal")
         if field is None:
             axes.set_axis_off()
@@ -184,20 +187,20 @@ def _draw_maps(figure: Figure, table: Mapping[str, Any], places: Sequence[tuple[
         figure.colorbar(image, ax=[axes for axes, _ in places], shrink=0.9, label=label)
 
 
-def _field(table: Mapping[str, Any], one: Finished) -> tuple[Any, Any, Any] | None:
-    if "only" in table and not bool(evaluate(str(table["only"]), one.context, "map.only")):
+def _field(table: Mapping[str, Any], variant: Finished) -> tuple[Any, Any, Any] | None:
+    if "only" in table and not bool(evaluate(str(table["only"]), variant.context, "map.only")):
         return None
-    x, y, z = (np.asarray(evaluate(str(table[key]), one.context, f"map.{key}")) for key in "xyz")
+    x, y, z = (np.asarray(evaluate(str(table[key]), variant.context, f"map.{key}")) for key in "xyz")
     return x, y, z
 
 
 def _legend(figure: Figure, axes: Sequence[Axes], where: str) -> None:
     """One legend of all panels outside of them, each label once."""
-    found: dict[str, Any] = {}
-    for one in axes:
-        for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    if not found or where == "none":
+    handles: dict[str, Any] = {}
+    for item in axes:
+        for handle, label in zip(*item.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if not handles or where == "none":
         return
     place, columns = ("outside upper center", 4) if where == "above" else ("outside right upper", 1)
-    figure.legend(list(found.values()), list(found), loc=place, ncols=columns)
+    figure.legend(list(handles.values()), list(handles), loc=place, ncols=columns)

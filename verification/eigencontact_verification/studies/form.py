@@ -110,7 +110,7 @@ FORM: dict[str, dict[str, str]] = {
 
 
 def checked(
-    table: Any, kind: str, told: str, *, needs: Sequence[str] = (), form: Mapping[str, Mapping[str, str]] = FORM
+    table: Any, kind: str, place: str, *, needs: Sequence[str] = (), form: Mapping[str, Mapping[str, str]] = FORM
 ) -> Mapping[str, Any]:
     """Return a table of a kind; `form` has the kinds and their keys.
 
@@ -119,21 +119,21 @@ def checked(
     SceneError
         No table, a key that is unknown, or one that is missing.
     """
-    known = form[kind]
+    keys = form[kind]
     if not isinstance(table, Mapping):
-        raise SceneError(f"{told} must be a table of {', '.join(known)} (got {shown(table)})")
+        raise SceneError(f"{place} must be a table of {', '.join(keys)} (got {shown(table)})")
     for key in table:
-        if key not in known:
-            raise SceneError(f"unknown key {key!r} in {told}; known: {', '.join(known)}{nearest(str(key), known)}")
+        if key not in keys:
+            raise SceneError(f"unknown key {key!r} in {place}; known: {', '.join(keys)}{nearest(str(key), keys)}")
     missing = [key for key in needs if key not in table]
     if missing:
-        raise SceneError(f"{told} must have {missing[0]}: {known[missing[0]]}")
+        raise SceneError(f"{place} must have {missing[0]}: {keys[missing[0]]}")
     return table
 
 
-def as_tables(given: Any) -> list[Any]:
+def as_tables(content: Any) -> list[Any]:
     """Tables of an array, or the one table."""
-    return list(given) if isinstance(given, list) else [given]
+    return list(content) if isinstance(content, list) else [content]
 
 
 def one_of(value: Any, choices: Collection[str], place: str, *, rule: str = "") -> str:

@@ -163,8 +163,8 @@ class Context:
     shifts: Mapping[str, Any] | None = None
 
 
-def evaluate(text: str, context: Context, told: str = "formula") -> Value:
-    """Value of a formula; `told` is its place, for messages.
+def evaluate(text: str, context: Context, place: str = "formula") -> Value:
+    """Value of a formula; `place` is its place, for messages.
 
     Raises
     ------
@@ -179,13 +179,13 @@ def evaluate(text: str, context: Context, told: str = "formula") -> Value:
     try:
         return _value(_parsed(text), context)
     except SceneError as problem:
-        raise SceneError(f"{told}: {problem} in {text!r}") from None
+        raise SceneError(f"{place}: {problem} in {text!r}") from None
     except OverflowError:
-        raise SceneError(f"{told} must stay within the range of float64 (got {text!r})") from None
+        raise SceneError(f"{place} must stay within the range of float64 (got {text!r})") from None
     except Exception as problem:
         if isinstance(problem, KeyboardInterrupt | MemoryError):
             raise
-        raise SceneError(f"{told} must be a formula (got {text!r}): {problem}") from None
+        raise SceneError(f"{place} must be a formula (got {text!r}): {problem}") from None
 
 
 @cache
@@ -214,12 +214,12 @@ def _value(node: ast.expr, context: Context) -> Value:
         case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _BINARY:
             return _BINARY[type(op)](_value(left, context), _value(right, context))
         case ast.BoolOp(op=op, values=values):
-            several = (_value(one, context) for one in values)
+            several = (_value(item, context) for item in values)
             return all(several) if isinstance(op, ast.And) else any(several)
         case ast.Subscript(value=value, slice=part):
             return _value(value, context)[_part(part, context)]
         case ast.List(elts=several) | ast.Tuple(elts=several):
-            return np.asarray([_value(one, context) for one in several])
+            return np.asarray([_value(item, context) for item in several])
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
             return _of_call(name, arguments, context)
         case _:
@@ -246,15 +246,15 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
     if name in MOMENTS:
         if context.dataset is None:
             raise SceneError(f"{name}() requires results, which are not available here")
-        *told, inner = arguments
-        places = [_value(one, replace(context, at=slice(None), shifts=None)) for one in told]
+        *leading, inner = arguments
+        places = [_value(item, replace(context, at=slice(None), shifts=None)) for item in leading]
         return _value(inner, replace(context, at=MOMENTS[name][0](context.dataset, *places)))
     if name == "if_else":  # only what is chosen must have a value
-        condition, one, other = arguments
-        return _value(one if bool(_value(condition, context)) else other, context)
+        condition, item, other = arguments
+        return _value(item if bool(_value(condition, context)) else other, context)
     if name not in FUNCTIONS:
         raise SceneError(f"function must be one of {', '.join(_known())} (got {name!r}){nearest(name, _known())}")
-    return FUNCTIONS[name][0](*(_value(one, context) for one in arguments))
+    return FUNCTIONS[name][0](*(_value(item, context) for item in arguments))
 
 
 def _of_name(name: str, context: Context) -> Value:
@@ -266,18 +266,18 @@ def _of_name(name: str, context: Context) -> Value:
         return context.names[name]
     dataset = context.dataset
     if dataset is None or name not in dataset:
-        known = [*context.names, *(() if dataset is None else map(str, dataset.variables))]
-        raise SceneError(f"name must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}")
-    found = dataset[name]
-    if "step" in found.dims:
-        return found.isel(step=context.at)
-    if "history_step" in found.dims:
+        names = [*context.names, *(() if dataset is None else map(str, dataset.variables))]
+        raise SceneError(f"name must be one of {', '.join(names)} (got {name!r}){nearest(name, names)}")
+    variable = dataset[name]
+    if "step" in variable.dims:
+        return variable.isel(step=context.at)
+    if "history_step" in variable.dims:
         numbers = np.atleast_1d(dataset["step"].values[context.at])
-        held = np.flatnonzero(np.isin(dataset["history_step"].values, numbers))
-        if held.size == 0:
+        stored_places = np.flatnonzero(np.isin(dataset["history_step"].values, numbers))
+        if stored_places.size == 0:
             raise SceneError(f"{name} is not stored for the requested step")
-        return found.isel(history_step=int(held[-1]))
-    return found
+        return variable.isel(history_step=int(stored_places[-1]))
+    return variable
 
 
 def _shifted(name: str, context: Context, shift: Any) -> Value:

@@ -39,20 +39,20 @@ def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
     SceneError
         Two variants of one label, or every variant refused.
     """
-    found = list[Variant]()
+    variants = list[Variant]()
     for n, values in enumerate(study.coarse_rows if coarse else study.rows):
         label = study.text(values)
         try:
-            found.append(Variant(label, (n,), dict(values), study.scene(values, coarse=coarse)))
+            variants.append(Variant(label, (n,), dict(values), study.scene(values, coarse=coarse)))
         except EigencontactError as problem:
-            found.append(Variant(label, (n,), dict(values), None, str(problem)))
-    labels = [one.label for one in found]
+            variants.append(Variant(label, (n,), dict(values), None, str(problem)))
+    labels = [variant.label for variant in variants]
     twice = next((label for label in labels if labels.count(label) > 1), None)
     if twice is not None:
         raise SceneError(f"{study.name}: label must be different for each variant (got {twice!r} twice)")
-    if all(one.refused for one in found):
-        raise SceneError(f"{study.name}: no variant is valid; the first error: {found[0].refused}")
-    return found
+    if all(variant.refused for variant in variants):
+        raise SceneError(f"{study.name}: no variant is valid; the first error: {variants[0].refused}")
+    return variants
 
 
 def run_study(
@@ -77,7 +77,7 @@ def run_study(
     variants = variants_of_study(study, coarse=coarse)
     place = folder / study.name
     place.mkdir(parents=True, exist_ok=True)
-    plain = [replace(one, label=folder_name(one.label)) for one in variants]
+    plain = [replace(planned, label=folder_name(planned.label)) for planned in variants]
     for outcome in outcomes(plain, place, workers=workers, engine=cluster):
         variant = variants[outcome.place[0]]
         if outcome.failed:
@@ -101,29 +101,29 @@ def in_si(study: Study, variant: Variant) -> dict[str, Any]:
 
     assert variant.scene is not None
     numbers = dict(variant.values)
-    for one in study.parameters:
-        value = numbers.get(one.name)
-        if one.key and isinstance(value, str):
-            known = key_at(installed_plugins(), variant.scene.resolved(), one.key)
-            if known is not None and known.unit:
-                numbers[one.name] = parse_quantity(value, known.unit, one.key)
+    for parameter in study.parameters:
+        value = numbers.get(parameter.name)
+        if parameter.key and isinstance(value, str):
+            key = key_at(installed_plugins(), variant.scene.resolved(), parameter.key)
+            if key is not None and key.unit:
+                numbers[parameter.name] = parse_quantity(value, key.unit, parameter.key)
     return numbers
 
 
-def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) -> list[Path]:
+def write_study(study: Study, outcomes: Sequence[Finished | Failed], folder: Path) -> list[Path]:
     """Write figure (PNG) and numbers (JSON) of a study; return the files."""
     from eigencontact.viz.style import paper_style, save
     from eigencontact_verification.studies.figure import draw_study
 
     folder.mkdir(parents=True, exist_ok=True)
-    done = sorted((one for one in found if isinstance(one, Finished)), key=lambda one: one.place)
+    done = sorted((outcome for outcome in outcomes if isinstance(outcome, Finished)), key=lambda outcome: outcome.place)
     files = [folder / f"{study.name}.json"]
     if done and study.figure["panel"]:
         with paper_style():
             figure = draw_study(study, done)
         save(figure, folder / f"{study.name}.png")
         files.insert(0, folder / f"{study.name}.png")
-    labels = {one.name: one.label for one in study.parameters}
+    labels = {outcome.name: outcome.label for outcome in study.parameters}
     rows: list[dict[str, Any]] = [
         {"variant": item.label, **{labels[k]: v for k, v in item.values.items()},
          **{name: value if math.isfinite(value) else None for name, value in item.row.items()},
@@ -131,10 +131,10 @@ def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) 
         for item in done
     ]  # fmt: skip
     content = {
-        "study": study.name, "title": study.title, "source": [dict(one) for one in study.sources],
-        "trend": study.trend, "variants": rows, "checks": [vars(one) for one in verdicts(study, done)],
-        "failed": {one.label: one.reason for one in found if isinstance(one, Failed)},
-        "warnings": {one.label: list(one.warnings) for one in done if one.warnings},
+        "study": study.name, "title": study.title, "source": [dict(outcome) for outcome in study.sources],
+        "trend": study.trend, "variants": rows, "checks": [vars(outcome) for outcome in verdicts(study, done)],
+        "failed": {outcome.label: outcome.reason for outcome in outcomes if isinstance(outcome, Failed)},
+        "warnings": {outcome.label: list(outcome.warnings) for outcome in done if outcome.warnings},
     }  # fmt: skip
     write_json(files[-1], content, default=str)
     return files
@@ -151,8 +151,8 @@ def source_in_words(source: Mapping[str, Any]) -> str:
     who = " ".join(str(source[key]) for key in ("authors", "year") if key in source)
     doi = f"doi:{source['doi']}" if "doi" in source else ""
     case = f"case {source['case']}" if "case" in source else ""
-    parts = [who, *(str(source.get(key, "")) for key in ("title", "journal", "figure", "form")), doi, case]
-    return ", ".join(part for part in parts if part)
+    pieces = [who, *(str(source.get(key, "")) for key in ("title", "journal", "figure", "form")), doi, case]
+    return ", ".join(piece for piece in pieces if piece)
 
 
 def folder_name(label: str) -> str:

@@ -81,7 +81,11 @@ class Study:
         from eigencontact.scene.schema import Scene
 
         context = Context(self.names(values, coarse=coarse))
-        put = {one.key: values[one.name] for one in self.parameters if one.key and one.name in values}
+        put = {
+            parameter.key: values[parameter.name]
+            for parameter in self.parameters
+            if parameter.key and parameter.name in values
+        }
         tables = changed(self.scene_tables, {**self.changes, **put})
         for case in self.cases:
             if bool(evaluate(case["if"], context, f"{self.name}: when.if")):
@@ -94,11 +98,15 @@ class Study:
         """Label of a variant."""
         if self.label:
             return formatted(self.label, values)
-        return ", ".join(f"{one.label} = {plain(values[one.name])}" for one in self.parameters if one.name in values)
+        return ", ".join(
+            f"{parameter.label} = {plain(values[parameter.name])}"
+            for parameter in self.parameters
+            if parameter.name in values
+        )
 
     def read(self, values: Values, dataset: xr.Dataset, *, coarse: bool = False) -> dict[str, float]:
         """Numbers of a finished variant, by name; those that its results do not have are left out."""
-        names, found = self.names(values, coarse=coarse), dict[str, float]()
+        names, numbers = self.names(values, coarse=coarse), dict[str, float]()
         symbols = [symbol for symbol, *_ in self.readings.values()]
         twice = next((name for name in (*names, *symbols) if name in dataset.variables), None)
         if twice is not None:
@@ -107,8 +115,8 @@ class Study:
             if condition and not bool(evaluate(condition, Context(names, dataset), f"{self.name}: read.{label}.if")):
                 continue
             number = float(np.asarray(evaluate(formula, Context(names, dataset), f"{self.name}: read.{label}")))
-            found[label] = names[symbol] = number
-        return found
+            numbers[label] = names[symbol] = number
+        return numbers
 
     def errors_of(
         self, values: Values, dataset: xr.Dataset, row: Mapping[str, float], bars: Errors, *, coarse: bool = False
@@ -121,10 +129,10 @@ class Study:
                 names[symbol], errors[symbol] = row[label], None if error is None else float(error)
         return errors
 
-    def row_errors(self, one: Finished) -> dict[str, float]:
+    def row_errors(self, variant: Finished) -> dict[str, float]:
         """Errors of the numbers in the row of a variant; those that are exact or not known are left out."""
-        symbols = {name: symbol for name, (symbol, *_) in self.readings.items() if name in one.row}
-        return {name: error for name, symbol in symbols.items() if (error := one.errors.get(symbol))}
+        symbols = {name: symbol for name, (symbol, *_) in self.readings.items() if name in variant.row}
+        return {name: error for name, symbol in symbols.items() if (error := variant.errors.get(symbol))}
 
 
 @dataclass(frozen=True)
@@ -155,11 +163,11 @@ def read_study(path: Path, text: str | None = None) -> Study:
     SceneError
         A faulty key, with its rule.
     """
-    given = read_toml(path, text, "study")
-    return study_of(given, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
+    tables = read_toml(path, text, "study")
+    return study_of(tables, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
 
 
-def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | None = None) -> Study:
+def study_of(tables: Mapping[str, Any], name: str, beside: Path, folder: Path | None = None) -> Study:
     """Study of the tables of its file.
 
     Parameters
@@ -174,20 +182,20 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
     SceneError
         A faulty key, with its rule.
     """
-    table = checked(given, "study", f"study {name}", needs=("title", "scene", "vary"))
+    table = checked(tables, "study", f"study {name}", needs=("title", "scene", "vary"))
     coarse = checked(table.get("coarse", {}), "coarse", "coarse")
     groups = as_tables(table["vary"])
     parameters: dict[str, Parameter] = {}
     constants = _numbers(table.get("constants", {}))
     blocks = [_block(group, parameters, constants) for group in groups]
     coarser = _numbers({**table.get("constants", {}), **coarse.get("constants", {})})
-    few = [_block({**group, **one}, parameters, coarser)
-           for group, one in zip(groups, _fewer(coarse, len(groups)), strict=True) if one is not None]  # fmt: skip
+    few = [_block({**group, **less}, parameters, coarser)
+           for group, less in zip(groups, _fewer(coarse, len(groups)), strict=True) if less is not None]  # fmt: skip
     return Study(
         name=name,
         title=str(table["title"]),
         trend=" ".join(str(table.get("trend", "")).split()),
-        sources=[checked(one, "source", "source") for one in as_tables(table.get("source", []))],
+        sources=[checked(less, "source", "source") for less in as_tables(table.get("source", []))],
         scene_tables=_scene(table["scene"], beside),
         constants=constants,
         coarse_constants=coarser,
@@ -196,11 +204,11 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
         coarse_rows=[row for block in few for row in block],
         changes=table.get("set", {}),
         coarse_changes=coarse.get("set", {}),
-        cases=[checked(one, "when", "when", needs=("if",)) for one in as_tables(table.get("when", []))],
+        cases=[checked(less, "when", "when", needs=("if",)) for less in as_tables(table.get("when", []))],
         label=str(table.get("label", "")),
         readings=_readings(table.get("read", {})),
         figure=_figure(table),
-        checks=[checked(one, "check", "check", needs=("number", "is")) for one in as_tables(table.get("check", []))],
+        checks=[checked(less, "check", "check", needs=("number", "is")) for less in as_tables(table.get("check", []))],
         folder=folder,
     )
 
@@ -209,15 +217,15 @@ def _fewer(coarse: Mapping[str, Any], count: int) -> list[Mapping[str, Any] | No
     """Changes of each product of values for a first look; None leaves it out."""
     if "vary" not in coarse:
         return [{}] * count
-    given = as_tables(coarse["vary"])
-    return [*given, *[None] * (count - len(given))]
+    products = as_tables(coarse["vary"])
+    return [*products, *[None] * (count - len(products))]
 
 
-def _numbers(given: Mapping[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for name, value in given.items():
-        found[name] = evaluate(value, Context(found), f"constants.{name}") if isinstance(value, str) else value
-    return found
+def _numbers(tables: Mapping[str, Any]) -> dict[str, Any]:
+    numbers: dict[str, Any] = {}
+    for name, value in tables.items():
+        numbers[name] = evaluate(value, Context(numbers), f"constants.{name}") if isinstance(value, str) else value
+    return numbers
 
 
 def _block(group: Any, parameters: dict[str, Parameter], constants: Values) -> list[dict[str, Any]]:
@@ -227,45 +235,47 @@ def _block(group: Any, parameters: dict[str, Parameter], constants: Values) -> l
     if not isinstance(group, Mapping) or not group:
         raise SceneError(f"vary must be a table of parameters and their values (got {shown(group)})")
     columns: dict[str, list[Any]] = {}
-    for name, given in group.items():
-        table = checked(given, "vary", f"vary.{name}") if isinstance(given, Mapping) else {"values": given}
+    for name, content in group.items():
+        table = checked(content, "vary", f"vary.{name}") if isinstance(content, Mapping) else {"values": content}
         key = str(table.get("key", "" if name.isidentifier() else name))
         label = str(table.get("label", parameters[name].label if name in parameters else name))
         parameters[name] = Parameter(name, key or (parameters[name].key if name in parameters else ""), label)
-        values = table.get("values", {part: table[part] for part in ("from", "to", "count", "log") if part in table})
+        values = table.get("values", {word: table[word] for word in ("from", "to", "count", "log") if word in table})
         if isinstance(values, str):
             values = [float(value) for value in np.ravel(evaluate(values, Context(constants), f"vary.{name}"))]
         columns[name] = list(axes_of({name: values})[0].values)
     return [dict(zip(columns, row, strict=True)) for row in product(*columns.values())]
 
 
-def _scene(given: Any, folder: Path) -> Mapping[str, Any]:
+def _scene(value: Any, folder: Path) -> Mapping[str, Any]:
     from eigencontact.app import load_scene
 
-    if isinstance(given, Mapping):
-        return given
-    beside = folder / str(given)
-    loaded = load_scene(beside if beside.is_file() else given)
+    if isinstance(value, Mapping):
+        return value
+    beside = folder / str(value)
+    loaded = load_scene(beside if beside.is_file() else value)
     return loaded.resolved()
 
 
-def _readings(given: Any) -> dict[str, tuple[str, str, str]]:
-    if not isinstance(given, Mapping):
-        raise SceneError(f"read must be a table of formulas (got {shown(given)})")
-    found = {}
-    for name, one in given.items():
-        table = {"is": one} if isinstance(one, str) else checked(one, "read", f"read.{name!r}", needs=("is",))
-        found[str(name)] = (str(table.get("as", name)), str(table["is"]), str(table.get("if", "")))
-    return found
+def _readings(formulas: Any) -> dict[str, tuple[str, str, str]]:
+    if not isinstance(formulas, Mapping):
+        raise SceneError(f"read must be a table of formulas (got {shown(formulas)})")
+    readings = {}
+    for name, reading in formulas.items():
+        table = (
+            {"is": reading} if isinstance(reading, str) else checked(reading, "read", f"read.{name!r}", needs=("is",))
+        )
+        readings[str(name)] = (str(table.get("as", name)), str(table["is"]), str(table.get("if", "")))
+    return readings
 
 
 def _figure(table: Mapping[str, Any]) -> dict[str, Any]:
     figure = dict(checked(table.get("figure", {}), "figure", "figure"))
     panels = []
-    for n, given in enumerate(as_tables(table.get("panel", []))):
-        panel = dict(checked(given, "panel", f"panel {n}"))
+    for n, table_of_panel in enumerate(as_tables(table.get("panel", []))):
+        panel = dict(checked(table_of_panel, "panel", f"panel {n}"))
         curves = as_tables(panel.get("curve", []))
-        panel["curve"] = [checked(one, "curve", f"panel {n}, curve", needs=("x", "y")) for one in curves]
+        panel["curve"] = [checked(curve, "curve", f"panel {n}, curve", needs=("x", "y")) for curve in curves]
         if "map" in panel:
             panel["map"] = checked(panel["map"], "map", f"panel {n}, map", needs=("x", "y", "z"))
         panels.append(panel)
@@ -306,5 +316,5 @@ def plain(value: Any) -> str:
 
 def number_of(value: Any) -> Any:
     """Number at the beginning of a text, so that texts with units have an order."""
-    found = NUMBER.match(value) if isinstance(value, str) else None
-    return float(found[0]) if found else value
+    match = NUMBER.match(value) if isinstance(value, str) else None
+    return float(match[0]) if match else value

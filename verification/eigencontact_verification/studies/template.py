@@ -25,8 +25,8 @@ def changed(tables: Mapping[str, Any], put: Mapping[str, Any], without: Sequence
     return out
 
 
-def filled(value: Any, context: Context, told: str) -> Any:
-    """Tables with their formulas computed; `told` is their place, for messages.
+def filled(value: Any, context: Context, place: str) -> Any:
+    """Tables with their formulas computed; `place` is their place, for messages.
 
     A text that begins with "=" is a formula. An entry of an array with a table ``each`` of one name and its values
     stands for an entry for each value, in which the formulas may use the name.
@@ -37,26 +37,26 @@ def filled(value: Any, context: Context, told: str) -> Any:
     [{'load': 2.0}, {'load': 4.0}, {'load': 6.0}]
     """
     if isinstance(value, str):
-        return _plain(evaluate(value[1:], context, told)) if value.startswith("=") else value
+        return _plain(evaluate(value[1:], context, place)) if value.startswith("=") else value
     if isinstance(value, Mapping):
-        return {key: filled(one, context, f"{told}.{key}") for key, one in value.items()}
+        return {key: filled(item, context, f"{place}.{key}") for key, item in value.items()}
     if isinstance(value, list):
-        return [entry for n, one in enumerate(value) for entry in _entries(one, context, f"{told}.{n}")]
+        return [entry for n, item in enumerate(value) for entry in _entries(item, context, f"{place}.{n}")]
     return value
 
 
-def _entries(one: Any, context: Context, told: str) -> list[Any]:
+def _entries(one: Any, context: Context, place: str) -> list[Any]:
     if not isinstance(one, Mapping) or _EACH not in one:
-        return [filled(one, context, told)]
+        return [filled(one, context, place)]
     ((name, values),) = one[_EACH].items()
     inner = {key: entry for key, entry in one.items() if key != _EACH}
-    listed = evaluate(values, context, told) if isinstance(values, str) else values
-    found: list[Any] = []
+    listed = evaluate(values, context, place) if isinstance(values, str) else values
+    entries: list[Any] = []
     for number in listed:
         entry = Context({**context.names, name: _plain(number)})
         nested = inner.get("entries")  # several entries for each value
-        found += filled(nested, entry, told) if nested is not None else [filled(inner, entry, told)]
-    return found
+        entries += filled(nested, entry, place) if nested is not None else [filled(inner, entry, place)]
+    return entries
 
 
 def _plain(value: Any) -> Any:

@@ -151,14 +151,14 @@ class Index:
         SceneError
             No such figure or chapter.
         """
-        known = sorted((*self.figure, *self.table), key=lambda one: one.chapter)
-        found = [one for one in known if chapter in (None, one.chapter) and number in (None, one.name)]
-        if not found and number is not None:
-            names = [one.name for one in known]
+        all_entries = sorted((*self.figure, *self.table), key=lambda entry: entry.chapter)
+        entries = [entry for entry in all_entries if chapter in (None, entry.chapter) and number in (None, entry.name)]
+        if not entries and number is not None:
+            names = [entry.name for entry in all_entries]
             raise SceneError(f"--figure must be one of the thesis (got {number!r}){nearest(number, names)}")
-        if not found:
+        if not entries:
             raise SceneError(f"--chapter must be one of 1, 2, 3, 4 (got {chapter})")
-        return found
+        return entries
 
 
 def _one_of(value: str, allowed: Sequence[str], where: str) -> None:

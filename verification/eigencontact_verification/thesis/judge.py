@@ -64,52 +64,57 @@ def judged(
         Told of each study before it runs.
     """
     rules: dict[tuple[str, bool], list[Rule]] = {}
-    for rule in (claim.rule for one in entries for claim in one.claim if claim.rule is not None):
+    for rule in (claim.rule for entry in entries for claim in entry.claim if claim.rule is not None):
         if rule.study:
             rules.setdefault((rule.study, coarse and not rule.full), []).append(rule)
     rows: dict[tuple[str, bool], list[Row]] = {}
     failures: dict[str, str] = {}
-    for (name, quick), wanted in rules.items():
+    for (name, quick), needed_rules in rules.items():
         tell(name if quick or not coarse else f"{name}, full size")
         rows[name, quick] = []
         bars = errors and quick == coarse
         study = with_errors(STUDIES.find(name)) if bars else STUDIES.find(name)
-        chosen = wanted_rows(study, wanted, coarse=quick)
-        part = replace(study, coarse_rows=chosen) if quick else replace(study, rows=chosen)
+        chosen = wanted_rows(study, needed_rules, coarse=quick)
+        reduced_study = replace(study, coarse_rows=chosen) if quick else replace(study, rows=chosen)
         place = folder / f"{'quick' if quick else 'full'}{'-errors' if bars else ''}"
-        for item in run_study(part, place, coarse=quick, workers=workers, cluster=cluster):
+        for item in run_study(reduced_study, place, coarse=quick, workers=workers, cluster=cluster):
             if isinstance(item, Failed):
                 failures[name] = f"{item.label}: {item.reason}"
                 continue
             item.dataset.close()
             rows[name, quick].append(Row(chosen[item.place], item.row, study.row_errors(item)))
-    for one in entries:
-        for claim in one.claim:
+    for entry in entries:
+        for claim in entry.claim:
             key = ("", coarse) if claim.rule is None else (claim.rule.study, coarse and not claim.rule.full)
-            yield _judged(one.name, claim, rows.get(key, []), failures)
+            yield _judged(entry.name, claim, rows.get(key, []), failures)
 
 
 def wanted_rows(study: Study, rules: Sequence[Rule], *, coarse: bool) -> list[Mapping[str, Any]]:
     """Variants of a study that some rules need, each once, in the order of the study."""
-    known = [*study.rows, *(row for row in study.coarse_rows if coarse)]
-    wanted = [selected(known, part) for rule in rules for part in (rule.at, rule.over) if part or part is rule.at]
-    found = [row for row in known if any(row in rows for rows in wanted)]
-    return [row for n, row in enumerate(found) if not any(_same(row, other) for other in found[:n])]
+    candidates = [*study.rows, *(row for row in study.coarse_rows if coarse)]
+    selections = [
+        selected(candidates, parameters)
+        for rule in rules
+        for parameters in (rule.at, rule.over)
+        if parameters or parameters is rule.at
+    ]
+    needed_rows = [row for row in candidates if any(row in rows for rows in selections)]
+    return [row for n, row in enumerate(needed_rows) if not any(_same(row, other) for other in needed_rows[:n])]
 
 
-def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    return set(one) == set(other) and bool(selected([one], other))
+def _same(row: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    return set(row) == set(other) and bool(selected([row], other))
 
 
-def verdict_of(claim: Claim, found: float) -> tuple[str, str]:
+def verdict_of(claim: Claim, number: float) -> tuple[str, str]:
     """Verdict on a claim whose rule has given a number or a yes or no, and its reason."""
-    if isinstance(found, bool):
-        agrees, right = found, True
+    if isinstance(number, bool):
+        agrees, right = number, True
     else:
         low, high = claim.bounds
         strict = claim.side != "about"  # above 1 means more than 1
-        agrees = low < found < high if strict else low <= found <= high
-        right = not claim.right or claim.right[0] <= found <= claim.right[1]
+        agrees = low < number < high if strict else low <= number <= high
+        right = not claim.right or claim.right[0] <= number <= claim.right[1]
     if agrees:
         return "agrees", ""
     if claim.erratum and right:
@@ -129,20 +134,20 @@ def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str,
     rule = claim.rule
     source = rule.study or rule.scene or rule.formula
     try:
-        found, behind = number_of(rule, rows) if rule.study else (_computed(rule), "")
+        number, behind = number_of(rule, rows) if rule.study else (_computed(rule), "")
     except EigencontactError as problem:
         why = failures.get(rule.study, str(problem))
         return Judged(name, claim.says, "open", "", text, f"not computed: {why}", source)
-    verdict, why = verdict_of(claim, found)
+    verdict, why = verdict_of(claim, number)
     error = error_of(rule, rows) if rule.study else None
-    if verdict == "disagrees" and error and any(verdict_of(claim, found + way * error)[1] == "" for way in (-1, 1)):
+    if verdict == "disagrees" and error and any(verdict_of(claim, number + way * error)[1] == "" for way in (-1, 1)):
         why = "; ".join(filter(None, ("its error bar reaches the text's bounds", why)))
-    words = behind
-    if not isinstance(found, bool):
+    reason = behind
+    if not isinstance(number, bool):
         bar = f" ± {error:.2g}" if error else ""
-        words = f"{found:.4g}{bar}" + (f" ({behind})" if behind else "")
+        reason = f"{number:.4g}{bar}" + (f" ({behind})" if behind else "")
     size = "full" if rule.full else ""
-    return Judged(name, claim.says, verdict, words, text, why, source, error, size)
+    return Judged(name, claim.says, verdict, reason, text, why, source, error, size)
 
 
 def _computed(rule: Rule) -> float:

@@ -67,23 +67,23 @@ def draw_pictures(
         tell(f"{name}, pictures")
         study, place = STUDIES.find(name), runs / ("quick" if coarse else "full")
         with ExitStack() as opened:
-            found = []
+            pictures = []
             for item in run_study(study, place, coarse=coarse, workers=workers, cluster=cluster):
                 if not isinstance(item, Failed):
                     opened.enter_context(closing(item.dataset))
-                    found.append(item)
-            found.sort(key=lambda one: one.place)
-            if not found:
+                    pictures.append(item)
+            pictures.sort(key=lambda one: one.place)
+            if not pictures:
                 raise SceneError(f"{name}: no variant has results for a picture")
             for entry in entries:
-                figure = _drawn(entry, study, found) if entry.study == name else None
+                figure = _drawn(entry, study, pictures) if entry.study == name else None
                 if figure is not None:
                     files.append(folder / picture_name(entry))
                     _write(figure, files[-1])
     return files
 
 
-def _drawn(entry: Entry, study: Study, found: Sequence[Finished]) -> Figure | None:
+def _drawn(entry: Entry, study: Study, variants: Sequence[Finished]) -> Figure | None:
     """One panel; of one that stands for several variants the last. None without a variant for it."""
     from eigencontact.viz.style import paper_style
     from eigencontact_verification.studies.figure import draw_study, panels_of
@@ -93,20 +93,26 @@ def _drawn(entry: Entry, study: Study, found: Sequence[Finished]) -> Figure | No
         raise SceneError(f"thesis: {entry.number} panel must be below {len(panels)} (got {entry.panel})")
     panel = panels[entry.panel]
     if entry.only:
-        found = [one for one in found if bool(evaluate(entry.only, one.context, f"thesis: {entry.number} only"))]
-    shown = panels_of(study, panel, found) if found else []
+        variants = [
+            variant
+            for variant in variants
+            if bool(evaluate(entry.only, variant.context, f"thesis: {entry.number} only"))
+        ]
+    shown = panels_of(study, panel, variants) if variants else []
     if not shown:  # a first look leaves variants out
         return None
     if "each" in panel:
-        found = shown[-1][1]
+        variants = shown[-1][1]
     small = replace(study, sources=(), figure={"panel": [panel], "size": SIZE, "legend": "none", "columns": 1})
     with paper_style():
-        figure = draw_study(small, found)
+        figure = draw_study(small, variants)
         axes = figure.axes[0]
         labels = dict(reversed(list(zip(*reversed(axes.get_legend_handles_labels()), strict=True))))
         if labels:
             few = list(labels)[:MOST_LABELS]
-            legend = axes.legend([labels[one] for one in few], few, fontsize=6, framealpha=0.7, handlelength=1.5)
+            legend = axes.legend(
+                [labels[variant] for variant in few], few, fontsize=6, framealpha=0.7, handlelength=1.5
+            )
             legend.set_in_layout(False)
     return figure
 

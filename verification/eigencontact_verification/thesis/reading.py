@@ -25,7 +25,7 @@ def thesis_index() -> Index:
     return index_of(read_toml(Path("index.toml"), text, "index of the thesis"))
 
 
-def index_of(given: Mapping[str, Any]) -> Index:
+def index_of(tables: Mapping[str, Any]) -> Index:
     """Index of the tables of its file.
 
     Raises
@@ -33,28 +33,28 @@ def index_of(given: Mapping[str, Any]) -> Index:
     SceneError
         A faulty key, with its rule.
     """
-    entries = {kind: [_entry(one) for one in given.get(kind, [])] for kind in ("figure", "table")}
-    return Index(**entries, erratum=[_made(Erratum, one, "erratum") for one in given.get("erratum", [])])
+    entries = {kind: [_entry(entry) for entry in tables.get(kind, [])] for kind in ("figure", "table")}
+    return Index(**entries, erratum=[_made(Erratum, entry, "erratum") for entry in tables.get("erratum", [])])
 
 
-def _entry(given: Mapping[str, Any]) -> Entry:
+def _entry(table: Mapping[str, Any]) -> Entry:
     claims = []
-    for one in given.get("claim", []):
-        rule = one.get("rule")
+    for claim in table.get("claim", []):
+        rule = claim.get("rule")
         if rule is not None and "formula" not in rule:
-            rule = {"study": given.get("study", ""), **rule}
-        made = None if rule is None else _made(Rule, rule, f"{given.get('number')} rule")
-        claims.append(_made(Claim, {**one, "rule": made}, f"{given.get('number')} claim"))
-    return _made(Entry, {**given, "claim": claims}, str(given.get("number")))
+            rule = {"study": table.get("study", ""), **rule}
+        rule_object = None if rule is None else _made(Rule, rule, f"{table.get('number')} rule")
+        claims.append(_made(Claim, {**claim, "rule": rule_object}, f"{table.get('number')} claim"))
+    return _made(Entry, {**table, "claim": claims}, str(table.get("number")))
 
 
-def _made(kind: type[T], given: Mapping[str, Any], where: str) -> T:
-    known = [one.name for one in fields(kind)]  # type: ignore[arg-type]
-    strange = next((key for key in given if key not in known), None)
+def _made(kind: type[T], table: Mapping[str, Any], where: str) -> T:
+    names = [item.name for item in fields(kind)]  # type: ignore[arg-type]
+    strange = next((key for key in table if key not in names), None)
     if strange is not None:
-        keys = ", ".join(known)
-        raise SceneError(f"thesis: {where} must have the keys {keys} (got {strange!r}){nearest(strange, known)}")
+        keys = ", ".join(names)
+        raise SceneError(f"thesis: {where} must have the keys {keys} (got {strange!r}){nearest(strange, names)}")
     try:
-        return kind(**given)
+        return kind(**table)
     except TypeError as problem:
-        raise SceneError(f"thesis: {where} must be complete (got {given!r}): {problem}") from None
+        raise SceneError(f"thesis: {where} must be complete (got {table!r}): {problem}") from None

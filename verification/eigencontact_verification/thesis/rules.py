@@ -29,7 +29,7 @@ class Row:
         return replace(self, numbers={**self.numbers, name: self.numbers[name] + self.errors[name]})
 
 
-def selected(rows: Iterable[Mapping[str, Any]], wanted: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def selected(rows: Iterable[Mapping[str, Any]], parameters: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Rows of parameters that a rule names.
 
     Examples
@@ -37,7 +37,7 @@ def selected(rows: Iterable[Mapping[str, Any]], wanted: Mapping[str, Any]) -> li
     >>> selected([{"mu": 0.1}, {"mu": 0.2}, {"mu": 0.2, "rate": 2.0}], {"mu": [0.2, 0.3], "rate": "none"})
     [{'mu': 0.2}]
     """
-    return [row for row in rows if all(_matches(row.get(name, "none"), value) for name, value in wanted.items())]
+    return [row for row in rows if all(_matches(row.get(name, "none"), value) for name, value in parameters.items())]
 
 
 def number_of(rule: Rule, rows: Sequence[Row]) -> tuple[float | bool, str]:
@@ -52,20 +52,20 @@ def number_of(rule: Rule, rows: Sequence[Row]) -> tuple[float | bool, str]:
     if rule.take == "at":
         return _one(here, rule, rule.at), ""
     if rule.take in ("ratio", "difference"):
-        one, other = _one(here, rule, rule.at), _one(_read(rule, rows, rule.over), rule, rule.over)
-        return one / other if rule.take == "ratio" else one - other, f"{one:.4g} and {other:.4g}"
+        first, other = _one(here, rule, rule.at), _one(_read(rule, rows, rule.over), rule, rule.over)
+        return first / other if rule.take == "ratio" else first - other, f"{first:.4g} and {other:.4g}"
     if len(here) < 2:
         raise SceneError(f"thesis: rule.at must leave two rows for {rule.take} (got {len(here)} for {dict(rule.at)})")
     ordered = sorted((values.get(rule.along, 0.0), number) for values, number in here)
     numbers = [number for _, number in ordered]
-    words = ", ".join(f"{number:.4g}" for number in numbers)
+    numbers_in_words = ", ".join(f"{number:.4g}" for number in numbers)
     if rule.take in ("rising", "falling"):
         sign = 1 if rule.take == "rising" else -1
-        return all(sign * (b - a) > 0 for a, b in pairwise(numbers)), words
+        return all(sign * (b - a) > 0 for a, b in pairwise(numbers)), numbers_in_words
     if rule.take == "place-of-max":
-        return float(max(ordered, key=lambda one: one[1])[0]), words
+        return float(max(ordered, key=lambda first: first[1])[0]), numbers_in_words
     reductions: dict[str, Callable[[list[float]], float]] = {"max": max, "min": min, "spread": _spread}
-    return reductions[rule.take](numbers), words
+    return reductions[rule.take](numbers), numbers_in_words
 
 
 def error_of(rule: Rule, rows: Sequence[Row]) -> float | None:
@@ -78,39 +78,42 @@ def error_of(rule: Rule, rows: Sequence[Row]) -> float | None:
         (n, name)
         for n, row in enumerate(rows)
         for name in dict.fromkeys((rule.read, rule.per))
-        if name and any(selected([row.values], part) for part in (rule.at, *([rule.over] if rule.over else [])))
+        if name
+        and any(selected([row.values], parameters) for parameters in (rule.at, *([rule.over] if rule.over else [])))
     ]
     if isinstance(value, bool) or any(name not in rows[n].errors for n, name in behind):
         return None
     shifted = ([*rows[:n], rows[n].shifted(name), *rows[n + 1 :]] for n, name in behind)
-    return sum(abs(number_of(rule, one)[0] - value) for one in shifted)
+    return sum(abs(number_of(rule, shifted_rows)[0] - value) for shifted_rows in shifted)
 
 
 def _spread(numbers: list[float]) -> float:
     return (max(numbers) - min(numbers)) * len(numbers) / abs(sum(numbers))
 
 
-def _read(rule: Rule, rows: Sequence[Row], wanted: Mapping[str, Any]) -> list[tuple[Mapping[str, Any], float]]:
-    found = []
+def _read(rule: Rule, rows: Sequence[Row], parameters: Mapping[str, Any]) -> list[tuple[Mapping[str, Any], float]]:
+    numbers = []
     for row in rows:
-        if selected([row.values], wanted):
+        if selected([row.values], parameters):
             missing = next((name for name in (rule.read, rule.per) if name and name not in row.numbers), None)
             if missing is not None:
                 raise SceneError(f"thesis: rule.read must be a number of {rule.study} (got {missing!r})")
             divisor = row.numbers[rule.per] if rule.per else 1.0
-            found.append((row.values, row.numbers[rule.read] / divisor))
-    return found
+            numbers.append((row.values, row.numbers[rule.read] / divisor))
+    return numbers
 
 
-def _one(found: list[tuple[Mapping[str, Any], float]], rule: Rule, wanted: Mapping[str, Any]) -> float:
-    if len(found) != 1:
-        raise SceneError(f"thesis: a rule of {rule.study} must leave one row for {dict(wanted)} (got {len(found)})")
-    return found[0][1]
+def _one(numbers: list[tuple[Mapping[str, Any], float]], rule: Rule, parameters: Mapping[str, Any]) -> float:
+    if len(numbers) != 1:
+        raise SceneError(
+            f"thesis: a rule of {rule.study} must leave one row for {dict(parameters)} (got {len(numbers)})"
+        )
+    return numbers[0][1]
 
 
-def _matches(value: Any, wanted: Any) -> bool:
-    if isinstance(wanted, list):
-        return any(_matches(value, one) for one in wanted)
-    if isinstance(value, str) or isinstance(wanted, str):
-        return bool(value == wanted)
-    return bool(abs(value - wanted) <= NEAR * abs(wanted))
+def _matches(value: Any, pattern: Any) -> bool:
+    if isinstance(pattern, list):
+        return any(_matches(value, item) for item in pattern)
+    if isinstance(value, str) or isinstance(pattern, str):
+        return bool(value == pattern)
+    return bool(abs(value - pattern) <= NEAR * abs(pattern))

@@ -40,16 +40,16 @@ HEADLINES = ("traction field", "pressure field", "displacement field", "max von 
 
 
 def errors(
-    found: Mapping[str, Any], fields: Mapping[str, FloatArray], reference: Mapping[str, Any],
-    wanted: Mapping[str, FloatArray],
+    summary: Mapping[str, Any], fields: Mapping[str, FloatArray], reference: Mapping[str, Any],
+    reference_fields: Mapping[str, FloatArray],
 ) -> dict[str, float]:  # fmt: skip
     """Errors by name.
 
     Parameters
     ----------
-    found, reference : mapping
+    summary, reference : mapping
         Numbers of the two solutions; ``history`` holds the scalars of each step, and its ``time``.
-    fields, wanted : mapping
+    fields, reference_fields : mapping
         Their fields, ``(step, y, x)``, with ``time``, ``y`` and ``x``.
 
     Notes
@@ -59,11 +59,11 @@ def errors(
     """
     out = {}
     for name, scalars in _SCALARS.items():
-        value = _scalar_error(found["history"], reference["history"], scalars)
+        value = _scalar_error(summary["history"], reference["history"], scalars)
         if value is not None:
             out[name] = value
     for name, components in _FIELDS.items():
-        value = field_error(fields, wanted, components)
+        value = field_error(fields, reference_fields, components)
         if value is not None:
             out[name] = value
     if "shear field" not in out:  # pressure is then all the traction there is
@@ -82,9 +82,13 @@ def bars(summary: Mapping[str, Any], fields: Mapping[Any, Any]) -> dict[str, flo
         pairs = [(numbers[member]["error"], abs(numbers[member]["value"])) for member in members if member in numbers]
         out[name] = tuple(max((pair[n] for pair in pairs), default=0.0) for n in (0, 1))
     for name, members in _FIELDS.items():
-        known = [member for member in members if f"{member}_error" in fields]
+        members_with_error = [member for member in members if f"{member}_error" in fields]
         out[name] = tuple(
-            float(np.sqrt(sum(np.nansum(np.square(fields[f"{member}{kind}"], dtype=float)) for member in known)))
+            float(
+                np.sqrt(
+                    sum(np.nansum(np.square(fields[f"{member}{kind}"], dtype=float)) for member in members_with_error)
+                )
+            )
             for kind in ("_error", "")
         )
     if not out["shear field"][1]:  # pressure is then all the traction there is
@@ -93,7 +97,7 @@ def bars(summary: Mapping[str, Any], fields: Mapping[Any, Any]) -> dict[str, flo
 
 
 def field_error(
-    fields: Mapping[str, FloatArray], wanted: Mapping[str, FloatArray], components: Sequence[str]
+    fields: Mapping[str, FloatArray], reference_fields: Mapping[str, FloatArray], components: Sequence[str]
 ) -> float | None:
     """L2 norm of the difference over that of the reference, on the cells of the reference and over all steps.
 
@@ -106,16 +110,16 @@ def field_error(
     edge = [0.5 * (axis[1] - axis[0]) if axis.size > 1 else np.inf for axis in (y, x)]
     rows, columns = (
         (axis > have[0] - half) & (axis < have[-1] + half)
-        for axis, have, half in ((wanted["y"], y, edge[0]), (wanted["x"], x, edge[1]))
+        for axis, have, half in ((reference_fields["y"], y, edge[0]), (reference_fields["x"], x, edge[1]))
     )
-    places = (wanted["y"][rows], wanted["x"][columns])
+    places = (reference_fields["y"][rows], reference_fields["x"][columns])
     difference = size = 0.0
-    steps = _common(fields["time"], wanted["time"])
+    steps = _common(fields["time"], reference_fields["time"])
     for name in components:
-        if name not in wanted:
+        if name not in reference_fields:
             continue
         for mine, theirs in steps:
-            target = wanted[name][theirs][np.ix_(rows, columns)]
+            target = reference_fields[name][theirs][np.ix_(rows, columns)]
             # a displacement or shear that a fidelity leaves out is zero
             value: FloatArray = np.zeros_like(target)
             if name in fields:
@@ -125,21 +129,21 @@ def field_error(
     return float(np.sqrt(difference / size)) if size > 0.0 else None
 
 
-def _common(found: ArrayLike, reference: ArrayLike) -> list[tuple[int, int]]:
+def _common(run_times: ArrayLike, reference: ArrayLike) -> list[tuple[int, int]]:
     """Steps of both at the same time: cycles that wear are not solved one by one, and not the same ones."""
-    times = np.round(np.asarray(found, dtype=float), 9), np.round(np.asarray(reference, dtype=float), 9)
+    times = np.round(np.asarray(run_times, dtype=float), 9), np.round(np.asarray(reference, dtype=float), 9)
     _, mine, theirs = np.intersect1d(*times, return_indices=True)
     return list(zip(mine.tolist(), theirs.tolist(), strict=True))
 
 
 def _scalar_error(
-    found: Sequence[Mapping[str, Any]], reference: Sequence[Mapping[str, Any]], names: Sequence[str]
+    history: Sequence[Mapping[str, Any]], reference: Sequence[Mapping[str, Any]], names: Sequence[str]
 ) -> float | None:
     scale = deviation = 0.0
     common = False
     for name in names:
-        for k, n in _common([step["time"] for step in found], [step["time"] for step in reference]):
-            mine, theirs = found[k], reference[n]
+        for k, n in _common([step["time"] for step in history], [step["time"] for step in reference]):
+            mine, theirs = history[k], reference[n]
             if theirs.get(name) is None or mine.get(name) is None:
                 continue
             common = True

@@ -51,18 +51,18 @@ def number_marks(axes: Any, marks: Sequence[tuple[int, float, float]]) -> None:
         else:
             near[0].append(number)
             near[1].append(at)
-    taken: list[tuple[float, float, float]] = []
-    for numbers, own, data in groups:
+    boxes: list[tuple[float, float, float]] = []
+    for numbers, mark, data in groups:
         text = ", ".join(map(str, numbers))
         half = _DIGIT * len(text)
-        others = [at for _, places, _ in groups if places is not own for at in places]
+        others = [at for _, places, _ in groups if places is not mark for at in places]
 
-        def free(offset: tuple[float, float], own: Any = own, others: Any = others, half: float = half) -> float:
+        def free(offset: tuple[float, float], mark: Any = mark, others: Any = others, half: float = half) -> float:
             """Room between a number and all that is not its mark [points]; above zero nothing is confused."""
-            x, y = own[0][0] + offset[0], own[0][1] + offset[1]
+            x, y = mark[0][0] + offset[0], mark[0][1] + offset[1]
             room = min((_gap(x, y, half, at, 6.0) for at in others), default=_DISTANCES[-1])
-            room = min(room, min((_apart((x, y), at) - _apart((x, y), own[0]) for at in others), default=room))
-            for u, v, other in taken:
+            room = min(room, min((_apart((x, y), at) - _apart((x, y), mark[0]) for at in others), default=room))
+            for u, v, other in boxes:
                 room = min(room, max(abs(x - u) - half - other, abs(y - v) - 2.0 * _HEIGHT))
             return room
 
@@ -73,15 +73,15 @@ def number_marks(axes: Any, marks: Sequence[tuple[int, float, float]]) -> None:
             for x, y in _WAYS
         ]
         best = next((offset for offset in offsets if free(offset) > 0.0), max(offsets, key=free))
-        taken.append((own[0][0] + best[0], own[0][1] + best[1], half))
+        boxes.append((mark[0][0] + best[0], mark[0][1] + best[1], half))
         axes.annotate(
             text, data, xytext=best, textcoords="offset points", fontsize=8, ha="center", va="center",
             annotation_clip=False,
         )  # fmt: skip
 
 
-def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
-    return hypot(one[0] - other[0], one[1] - other[1])
+def _apart(first: tuple[float, float], other: tuple[float, float]) -> float:
+    return hypot(first[0] - other[0], first[1] - other[1])
 
 
 def _gap(x: float, y: float, half: float, mark: tuple[float, float], size: float) -> float:

@@ -97,9 +97,13 @@ def plan_table(predictions: Sequence[Prediction]) -> Table:
 
     head = ("", "varied", "variant", "cells", "time [s]", "memory [MB]", "refused")
     table = Table(*map(escape, head), box=None, pad_edge=False)
-    for k, one in enumerate(predictions):
-        numbers = (_cells(one.cells), _number(one.seconds, ".2g"), _number(one.memory, ".0f", 1e-6))
-        table.add_row(str(k), one.variant.key, one.variant.words, *numbers, escape(one.reason))
+    for k, prediction in enumerate(predictions):
+        numbers = (
+            _cells(prediction.cells),
+            _number(prediction.seconds, ".2g"),
+            _number(prediction.memory, ".0f", 1e-6),
+        )
+        table.add_row(str(k), prediction.variant.key, prediction.variant.words, *numbers, escape(prediction.reason))
     return table
 
 
@@ -107,14 +111,14 @@ def plan_data(predictions: Sequence[Prediction]) -> list[dict[str, Any]]:
     """Plain data for JSON of what would be solved; SI units."""
     return [
         {
-            "key": one.variant.key,
-            "words": one.variant.words,
-            "cells": one.cells,
-            "seconds": one.seconds,
-            "memory_bytes": one.memory,
-            "reason": one.reason,
+            "key": prediction.variant.key,
+            "words": prediction.variant.words,
+            "cells": prediction.cells,
+            "seconds": prediction.seconds,
+            "memory_bytes": prediction.memory,
+            "reason": prediction.reason,
         }
-        for one in predictions
+        for prediction in predictions
     ]
 
 
@@ -129,15 +133,15 @@ def remarks(study: Study) -> list[str]:
 def _bars(row: Row, reference: Row) -> str:
     """Error bars of a row; of the scene beside its errors, which they should hold but for the bars of the reference."""
     if row is reference:
-        told = ", ".join(f"{name} {bar:.1e}" for name, bar in row.bars.items())
-        return f"error bars of the reference, below which the table tells nothing apart: {told}"
-    parts = []
+        error_bars = ", ".join(f"{name} {bar:.1e}" for name, bar in row.bars.items())
+        return f"error bars of the reference, below which the table tells nothing apart: {error_bars}"
+    sentences = []
     for name, bar in row.bars.items():
         error = row.errors.get(name)
         holds = error is None or error <= bar + reference.bars.get(name, 0.0)
         beside = "" if error is None else f" ({'holds' if holds else 'does not hold'} the error {error:.1e})"
-        parts.append(f"{name} {bar:.1e}{beside}")
-    return f"error bars of the {row.variant.key}: {', '.join(parts)}"
+        sentences.append(f"{name} {bar:.1e}{beside}")
+    return f"error bars of the {row.variant.key}: {', '.join(sentences)}"
 
 
 def _lines(study: Study, *, brief: bool = False) -> tuple[list[str], list[list[str]]]:

@@ -71,23 +71,23 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
     from eigencontact.errors import EigencontactError
     from eigencontact.planning.memory import run_bytes
 
-    found = []
+    predictions = []
     scene = None
     for variant in variants:
         try:
             plan = app.plan(changed(resolved, variant.changes))
         except EigencontactError as problem:
-            found.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
+            predictions.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
             continue
         scene = plan if variant.key == "scene" else scene
-        seen = None if variant.fidelity is None else variant.fidelity.seen
-        if seen is not None and scene is not None and seen(plan) == seen(scene):
-            found.append(Prediction(variant=variant, reason="the plan is that of the scene"))
+        visible = None if variant.fidelity is None else variant.fidelity.seen
+        if visible is not None and scene is not None and visible(plan) == visible(scene):
+            predictions.append(Prediction(variant=variant, reason="the plan is that of the scene"))
             continue
         memory = run_bytes(plan, stored=False)
         cells = (plan.grid.nx, plan.grid.ny)
-        found.append(Prediction(variant=variant, cells=cells, seconds=plan.seconds, memory=memory))
-    return found
+        predictions.append(Prediction(variant=variant, cells=cells, seconds=plan.seconds, memory=memory))
+    return predictions
 
 
 def study(
@@ -100,7 +100,7 @@ def study(
     repeat: int = 1,
     with_bars: bool = False,
     solve: Callable[[Mapping[str, Any], float], Solved] | None = None,
-    told: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Study:
     """Solve and judge; a variant that is refused, fails or takes too long is a row with its reason.
 
@@ -119,7 +119,7 @@ def study(
         twice the limit. The coarser runs do not count in its time; they need less memory than the run itself.
     solve : callable
         Tables and limit to `Solved`; by default in a fresh process.
-    told : callable
+    tell : callable
         Called before each variant, with its words.
 
     Raises
@@ -134,7 +134,7 @@ def study(
         if reason := _refused(prediction, limit, memory):
             laps = [Solved(status="refused", reason=reason)]
         else:
-            told(f"{prediction.variant.key}: {prediction.variant.words}")
+            tell(f"{prediction.variant.key}: {prediction.variant.words}")
             tables = changed(resolved, prediction.variant.changes)
             barred = with_bars and prediction.variant.key in ("scene", "reference")
             first = {**tables, "output": {**tables["output"], "errors": True}} if barred else tables
@@ -159,12 +159,12 @@ def standing(study: Study) -> list[str]:
     scene = next((row for row in study.rows if row.variant.key == "scene" and row.error is not None), None)
     if scene is None:
         return []
-    found = []
+    sentences = []
     for word, name in _PRICES.items():
         front = sorted((row for row in study.rows if word in row.fronts), key=lambda row: getattr(row, name))
         if scene in front:
             place = f"point {front.index(scene) + 1} of {len(front)} from the cheapest"
-            found.append(f"front of {word}: the scene stands on it, {place}")
+            sentences.append(f"front of {word}: the scene stands on it, {place}")
             continue
         point = scene.error, getattr(scene, name)
         better = [
@@ -172,11 +172,11 @@ def standing(study: Study) -> list[str]:
             for number, row in enumerate(study.rows)
             if row.error is not None and _beats((row.error, getattr(row, name)), point)
         ]
-        for share, number, words in sorted(better)[:1]:
+        for share, number, label in sorted(better)[:1]:
             beside = "within 2 % of it" if share * _SAME > 1.0 else "not on it"
-            cheaper = f"{number} ({words}) is as accurate at {share:.2g} of its {word}"
-            found.append(f"front of {word}: the scene is {beside}; {cheaper}")
-    return found
+            cheaper = f"{number} ({label}) is as accurate at {share:.2g} of its {word}"
+            sentences.append(f"front of {word}: the scene is {beside}; {cheaper}")
+    return sentences
 
 
 def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
@@ -184,12 +184,12 @@ def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
 
     Errors within `_SAME` of each other count as the same, so that rounding puts nothing on the front.
     """
-    found: dict[str, list[bool]] = {}
+    unbeaten: dict[str, list[bool]] = {}
     for word, name in _PRICES.items():
         points = [(row.error, getattr(row, name)) for row in rows]
         whole = [(error, price) for error, price in points if error is not None and price is not None]
-        found[word] = [point in whole and not any(_beats(other, point) for other in whole) for point in points]
-    return [tuple(word for word in found if found[word][k]) for k in range(len(rows))]
+        unbeaten[word] = [point in whole and not any(_beats(other, point) for other in whole) for point in points]
+    return [tuple(word for word in unbeaten if unbeaten[word][k]) for k in range(len(rows))]
 
 
 def _beats(other: tuple[float, float], point: tuple[Any, Any]) -> bool:

@@ -43,30 +43,35 @@ class Variant:
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
     """Keys that can vary in a scene."""
-    return ("grid", *(one.key for one in FIDELITIES if one.has(plan)))
+    return ("grid", *(fidelity.key for fidelity in FIDELITIES if fidelity.has(plan)))
 
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
     """Reference, scene as it stands (at the factor `base`), then one change at a time, of all keys or only of some."""
     base_grid, base_words = refined_grid(plan, fidelities.base)
-    found = _grids(plan, fidelities) if not only or "grid" in only else []
-    for one in FIDELITIES:
-        if not one.has(plan) or (only and one.key not in only):
+    variants_found = _grids(plan, fidelities) if not only or "grid" in only else []
+    for fidelity in FIDELITIES:
+        if not fidelity.has(plan) or (only and fidelity.key not in only):
             continue
-        grid = refined_window(plan, fidelities.base)[0] if one.keeps_window else base_grid
-        found += [
-            Variant(key=one.key, words=one.words(other), changes={**one.of(plan, other), "grid": grid}, fidelity=one)
-            for other in one.others(plan)
+        grid = refined_window(plan, fidelities.base)[0] if fidelity.keeps_window else base_grid
+        variants_found += [
+            Variant(
+                key=fidelity.key,
+                words=fidelity.words(other),
+                changes={**fidelity.of(plan, other), "grid": grid},
+                fidelity=fidelity,
+            )
+            for other in fidelity.others(plan)
         ]
     changes, words = finest(plan, fidelities.reference)
     reference = Variant(key="reference", words=", ".join(words), changes=changes)
-    return (reference, Variant(key="scene", words=base_words, changes={"grid": base_grid}), *found)
+    return (reference, Variant(key="scene", words=base_words, changes={"grid": base_grid}), *variants_found)
 
 
 def _grids(plan: Plan, fidelities: Fidelities) -> list[Variant]:
-    found = []
+    grids = []
     for factor in fidelities.coarser:
         grid, words = refined_grid(plan, factor)
         if grid.get("cells-per-contact-radius", 2.0) >= 2.0:
-            found.append(Variant(key="grid", words=words, changes={"grid": grid}))
-    return found
+            grids.append(Variant(key="grid", words=words, changes={"grid": grid}))
+    return grids

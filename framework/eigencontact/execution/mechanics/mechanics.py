@@ -1,4 +1,4 @@
-"""Block of the mechanics of a load step: contact, interiors, and halving of steps that do not converge."""
+"""Block of the mechanics of a load step: contact and interiors."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.core.peaks import peak_of_means
-from eigencontact.errors import NotConverged, SceneError
+from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
@@ -21,6 +21,7 @@ from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solution
 from eigencontact.execution.mechanics.degree_error import PRESSURE_ERROR, pressure_error
+from eigencontact.execution.mechanics.halving import Halving
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import Solids
@@ -80,9 +81,6 @@ _PLASTIC_ERROR = Number(
     name="plastic_error", unit="1", role="error",
     meaning="estimated error of the strain of yielding cells by halving, relative to the strain of the load",
 )  # fmt: skip
-
-#: Largest number of halvings of a load step.
-_HALVINGS = 5
 
 
 class Mechanics(Block):
@@ -178,10 +176,7 @@ class Mechanics(Block):
 class RunningMechanics:
     """Contact, interiors, or both together, in one run.
 
-    An increment that does not converge is halved; the second half starts from the state after the first. With
-    `numerics.plastic-error`, increments with plastic flow are halved as well. The difference between the whole
-    increment and its halves estimates the remaining error of the halves (implicit steps are of first order). If the
-    error is too large, each half is halved again.
+    A step is solved by one increment or by several, see `Halving`.
 
     Parameters
     ----------
@@ -198,8 +193,6 @@ class RunningMechanics:
         self._contact, self._interiors = contact, list(interiors)
         self._solids = None if plan.interface is None else plan.interface.solids
         self._directions = plan.directions if interiors else ""
-        self._trials: list[Solution] = []
-        self._error = 0.0
         self._couple()
 
     def _couple(self) -> None:
@@ -225,14 +218,14 @@ class RunningMechanics:
         """See `Running.advance`."""
         began = perf_counter()
         self._follow(step.surface.solids)
-        increments = self._with_enough_cells(step)
+        increments, halving = self._with_enough_cells(step)
         last = increments[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.records
         scalars: dict[str, float] = {}
         for increment in increments:
             accumulate(self._declared, scalars, increment.scalars)
-        for increment in self._trials:
+        for increment in halving.rejected:
             efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
             accumulate(self._declared, scalars, efforts)
         answers = [increment.contact for increment in increments if increment.contact is not None]
@@ -244,7 +237,7 @@ class RunningMechanics:
             scalars["solve_seconds"] = perf_counter() - began
             scalars["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
-            scalars["plastic_error"] = self._error
+            scalars["plastic_error"] = halving.error
         step.scalars |= scalars
         if "z" in last.displacement:
             displacement_z = last.displacement["z"]
@@ -282,8 +275,8 @@ class RunningMechanics:
         assert self._contact is not None
         return self._contact.softness
 
-    def _with_enough_cells(self, step: Step) -> list[Solution]:
-        """Solved increments of the step; the cells of the interiors are extended if necessary."""
+    def _with_enough_cells(self, step: Step) -> tuple[list[Solution], Halving]:
+        """Solved increments of the step, and their solver; the cells of the interiors are extended if necessary."""
         while True:
             try:
                 increment = Increment.of(step)
@@ -291,10 +284,8 @@ class RunningMechanics:
                 memory = None
                 if self._contact is not None:
                     memory = self._contact.recall(step.previous, before.displacement, increment.bulk[0])
-                self._trials, self._error = [], 0.0
-                if self._numerics.plastic_error is None:
-                    return self._increments_of(increment, memory, before, 0)
-                return self._accurate(increment, memory, before, None, 0)
+                halving = Halving(self._coupled, self._interiors, self._numerics.plastic_error)
+                return halving.solve(increment, memory, before), halving
             except Outgrown as short:
                 short.larger.start()
                 self._interiors[self._interiors.index(short.interior)] = short.larger
@@ -317,48 +308,6 @@ class RunningMechanics:
         fields, history = step.previous.fields, step.previous.history
         displaced = {name: fields[f"residual_displacement_{name}"] for name in self._directions}
         return Solution(contact=None, displacement=displaced, records=dict(history))
-
-    def _increments_of(self, increment: Increment, memory: Any, before: Solution, depth: int) -> list[Solution]:
-        """Solved increments: the increment itself, or its halves if it does not converge."""
-        try:
-            return [self._coupled.solve(increment, memory, before)]
-        except NotConverged:
-            if depth == _HALVINGS:
-                raise
-        first, second = increment.halves()
-        increments = self._increments_of(first, memory, before, depth + 1)
-        return increments + self._increments_of(second, _memory(increments), increments[-1], depth + 1)
-
-    def _accurate(
-        self, increment: Increment, memory: Any, before: Solution, whole: list[Solution] | None, depth: int
-    ) -> list[Solution]:
-        """Solve an increment, halved as often as the allowed error of the plastic strain requires.
-
-        `whole` is the undivided increment, if already solved. The work of rejected solutions is counted as well.
-        """
-        limit = self._numerics.plastic_error
-        assert limit is not None
-        whole = whole or self._increments_of(increment, memory, before, depth)
-        flowed = any(interior.flowed(before.records, whole[-1].records) for interior in self._interiors)
-        if depth == _HALVINGS or not flowed:
-            return whole
-        first, second = increment.halves()
-        first_half = self._increments_of(first, memory, before, depth + 1)
-        second_half = self._increments_of(second, _memory(first_half), first_half[-1], depth + 1)
-        error = max(interior.distance(whole[-1].records, second_half[-1].records) for interior in self._interiors)
-        self._trials += whole
-        if error <= limit or depth + 1 == _HALVINGS:
-            self._error = max(self._error, error)
-            return first_half + second_half
-        self._trials += second_half
-        increments = self._accurate(first, memory, before, first_half, depth + 1)
-        return increments + self._accurate(second, _memory(increments), increments[-1], None, depth + 1)
-
-
-def _memory(increments: Sequence[Solution]) -> Any:
-    """Record of solved increments for the contact."""
-    last = increments[-1].contact
-    return None if last is None else last.memory
 
 
 def mechanics_of(model: Model) -> Mechanics | None:

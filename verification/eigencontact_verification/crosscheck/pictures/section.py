@@ -17,6 +17,7 @@ from eigencontact_verification.crosscheck.pictures.subject import (
     elements_in_words,
     outline,
 )
+from eigencontact_verification.fem.model import von_mises
 
 __all__ = ["CELLS", "SAMPLES", "SAMPLES_CUT", "draw_section"]
 
@@ -37,8 +38,8 @@ def draw_section(subject: Subject, solution: Any, file: Path) -> None:
     x, z = (np.arange(subject.samples) + 0.5) * cell, (np.arange(int(np.ceil(deep / cell))) + 0.5) * cell
     points = np.stack([np.tile(x, z.size), np.zeros(x.size * z.size), np.repeat(z, x.size)], axis=1)
     with np.errstate(all="ignore"):
-        closed = _von_mises(subject.field(points, "stress")).reshape(z.size, x.size)
-    elements, right = (_von_mises(solution.stress(points * [s, 1, 1])).reshape(closed.shape) for s in (-1.0, 1.0))
+        closed = von_mises(subject.field(points, "stress")).reshape(z.size, x.size)
+    elements, right = (von_mises(solution.stress(points * [s, 1, 1])).reshape(closed.shape) for s in (-1.0, 1.0))
     top = float(np.nanquantile(closed, _BRIGHTEST))
     error = 100 * np.abs(right - closed) / top
     worst = max(1.0, float(np.nanquantile(error, 0.98)))
@@ -74,8 +75,3 @@ def draw_section(subject: Subject, solution: Any, file: Path) -> None:
             figure.colorbar(shown, cax=beside, label=words, extend="max")
         figure.suptitle(f"{subject.case.words}\n{elements_in_words(solution)}, plane y = 0", fontsize=8.5)
         figure.savefig(file, dpi=200)
-
-
-def _von_mises(stress: FloatArray) -> FloatArray:
-    deviator = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
-    return np.asarray(np.sqrt(1.5 * np.einsum("...ij,...ij->...", deviator, deviator)))

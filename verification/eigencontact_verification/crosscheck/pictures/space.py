@@ -55,16 +55,16 @@ def block(subject: Subject, solution: Any) -> Body:
     import pyvista as pv
 
     grid, (low, high) = solution.grid, subject.window
-    kept = []
+    spans = []
     for line, a, b in zip(grid.lines, low, high, strict=True):
         first, last = (int(np.argmin(np.abs(line - end))) for end in (a, b))
-        kept.append(slice(first, last + 1))
-    x, y, z = (line[part] for line, part in zip(grid.lines, kept, strict=True))
+        spans.append(slice(first, last + 1))
+    x, y, z = (line[span] for line, span in zip(grid.lines, spans, strict=True))
     block = pv.RectilinearGrid(x, y, z)
     counts = [axis.size for axis in grid.axes[::-1]]
     step = slice(None, None, grid.order)
     nodal = solution.nodal.reshape(*counts, 3)[step, step, step]
-    block.point_data["u"] = nodal[kept[2], kept[1], kept[0]].reshape(-1, 3)
+    block.point_data["u"] = nodal[spans[2], spans[1], spans[0]].reshape(-1, 3)
     cuts = ((1, 1), (0, 1)) if x[0] == 0 and y[0] == 0 else ((1, 0),) if y[0] == 0 else ((0, 0),)
     shown = block.cast_to_unstructured_grid()
     if x[0] < 0 and y[0] < 0:
@@ -101,12 +101,12 @@ def revolved(subject: Subject, solution: Any) -> Body:
         used, flat = np.unique(nodes, return_inverse=True)
         flat = flat.reshape(nodes.shape)
         entries = np.insert(flat, 0, nodes.shape[1], axis=1).ravel()
-        made = pv.PolyData(turned(places[used], angle), **{"lines" if lines else "faces": entries})
-        made.point_data["u"] = turned(u[used], angle)
-        return made
+        surface = pv.PolyData(turned(places[used], angle), **{"lines" if lines else "faces": entries})
+        surface.point_data["u"] = turned(u[used], angle)
+        return surface
 
     angles = np.linspace(-np.pi / 2, np.pi, 109)
-    parts = [poly(quads, angles[0]), poly(quads, angles[-1])]
+    surfaces = [poly(quads, angles[0]), poly(quads, angles[-1])]
     strips = np.concatenate([rim[:, :2], rim[:, 1:]])
     used, flat = np.unique(strips, return_inverse=True)
     flat = flat.reshape(strips.shape)
@@ -121,7 +121,7 @@ def revolved(subject: Subject, solution: Any) -> Body:
     edges = pv.merge([poly(borders, angle, lines=True) for angle in (angles[0], angles[-1])], merge_points=False)
     reach = places[cells].reshape(-1, 2).max(axis=0)
     return Body(
-        faces=pv.merge([*parts, skin], merge_points=False),
+        faces=pv.merge([*surfaces, skin], merge_points=False),
         edges=edges,
         cuts=((1, -1), (0, -1)),
         low=np.array([-reach[0], -reach[0], 0.0]),
@@ -140,8 +140,8 @@ def _outlines(subject: Subject, body: Body) -> Iterator[FloatArray]:
             sides[0] = sides[0][sides[0] * sign >= 0]
         for line in outline(subject.contains, normal, 1e-6 * subject.size if normal == 2 else 0.0, sides):
             gone = (line[:, 0] < 0) & (line[:, 1] < 0) if normal == 2 and quarter_gone else np.zeros(len(line), bool)
-            parts = np.split(line, np.flatnonzero(gone[1:] != gone[:-1]) + 1)
-            yield from (part for part in parts if len(part) > 1 and not (quarter_gone and (part[0, :2] < 0).all()))
+            curves = np.split(line, np.flatnonzero(gone[1:] != gone[:-1]) + 1)
+            yield from (curve for curve in curves if len(curve) > 1 and not (quarter_gone and (curve[0, :2] < 0).all()))
 
 
 def draw_space(subject: Subject, solution: Any, body: Body, file: Path) -> None:

@@ -40,16 +40,16 @@ def cuboid_in_parts(*edges: float) -> float:
     points = np.array([[0.0, 0.0, 0.0], [0.7, 0.4, 0.0], [0.6 * size[0], 0.1, 0.3], [0.2, 0.3, size[2] + 0.5]])
     strain = np.array([[1.0, 0.3, -0.2], [0.3, -0.5, 0.1], [-0.2, 0.1, 0.8]]) * 1e-3
     constants: Any = {"young_modulus": 1.0, "poisson_ratio": 0.3, "quantity": "stress"}
-    part = size.copy()
-    part[long] /= count
+    piece = size.copy()
+    piece[long] /= count
     shapes = []
     for k in range(count):
         place = middle.copy()
-        place[long] += (k - 0.5 * (count - 1)) * part[long]
-        shapes.append(ec.make("cuboid", center=tuple(place), edges=tuple(part)))
+        place[long] += (k - 0.5 * (count - 1)) * piece[long]
+        shapes.append(ec.make("cuboid", center=tuple(place), edges=tuple(piece)))
     whole = ec.make("cuboid", center=tuple(middle), edges=tuple(size))
-    found = ec.inclusion_field(whole, strain, points, **constants)
-    return apart(found, ec.inclusion_field(shapes, strain, points, **constants))
+    field = ec.inclusion_field(whole, strain, points, **constants)
+    return apart(field, ec.inclusion_field(shapes, strain, points, **constants))
 
 
 PARTS = "fields add up, exactly: round-off of the corner sums, 1e-16 times (size/edge)² = 1e6 at the most"

@@ -27,8 +27,8 @@ def below_a_rectangle(depth: float, load: str) -> float:
     worst = 0.0
     for point, u, s in zip(at, moved, stressed, strict=True):
         right = rectangle(load, point, (1.0, 1.0), NU)
-        found = s[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
-        worst = max(worst, apart(u, right[:3]), apart(found, right[3:]))
+        stress = s[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+        worst = max(worst, apart(u, right[:3]), apart(stress, right[3:]))
     return worst
 
 
@@ -36,8 +36,8 @@ def dilated_ball(clearance: float, quantity: str) -> float:
     """A hot ball of radius 1 whose top is so deep, in the surface, inside and 1e3 below, beside Davies."""
     depth = 1.0 + clearance
     points = [[0, 0.3, 0], [0.7, -0.2, 0.0], [0.3, 0.1, depth], [0.2, 0.0, depth + 3]]
-    found, expected = hot_ball(depth, points, NU, quantity)
-    return max(apart(value, right) for value, right in zip(found, expected, strict=True))
+    field, expected = hot_ball(depth, points, NU, quantity)
+    return max(apart(value, right) for value, right in zip(field, expected, strict=True))
 
 
 def free_surface(clearance: float) -> float:

@@ -42,8 +42,8 @@ def sheared(friction: float, ratio: float, coupling: str = "none", cells: int = 
 
 def in_proportion(friction: float, ratio: float) -> float:
     """Shear over μ beside that of μ = 1/2: with displacements apart the equations are the same."""
-    found, other = (sheared(mu, ratio)["shear_x"].values[-1] / mu for mu in (friction, 0.5))
-    return apart(found, other)
+    shear, other = (sheared(mu, ratio)["shear_x"].values[-1] / mu for mu in (friction, 0.5))
+    return apart(shear, other)
 
 
 def shift(friction: float, ratio: float, cells: int = 24) -> float:
@@ -51,8 +51,8 @@ def shift(friction: float, ratio: float, cells: int = 24) -> float:
     body = steel()
     compliance = (2.0 - NU) / (body["young-modulus"] / (2 * (1 + NU)))
     full = cattaneo.shift_of_sliding(friction, hertz_load(), CONTACT, compliance)
-    found = float(sheared(friction, ratio, cells=cells)["shift_x"][-1])
-    return abs(found / (full * float(cattaneo.shift_of_load(ratio))) - 1.0)
+    computed = float(sheared(friction, ratio, cells=cells)["shift_x"][-1])
+    return abs(computed / (full * float(cattaneo.shift_of_load(ratio))) - 1.0)
 
 
 def limits(friction: float, ratio: float) -> float:

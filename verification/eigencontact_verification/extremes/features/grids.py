@@ -19,13 +19,13 @@ def window(*cells: int) -> float:
         numerics = {"tolerance": 1e-10}
         scene = ball(grid={"cells": [nx, ny], "size": [nx * CELL, ny * CELL]}, numerics=numerics)
         fields.append(run(scene).dataset["pressure"].values[-1])
-    found, right = fields
-    wide = np.zeros_like(right) if found.shape[0] <= right.shape[0] else None
+    pressure, right = fields
+    wide = np.zeros_like(right) if pressure.shape[0] <= right.shape[0] else None
     if wide is None:
-        found, right = right, found
+        pressure, right = right, pressure
         wide = np.zeros_like(right)
-    rows, columns = ((a - b) // 2 for a, b in zip(right.shape, found.shape, strict=True))
-    wide[rows : rows + found.shape[0], columns : columns + found.shape[1]] = found
+    rows, columns = ((a - b) // 2 for a, b in zip(right.shape, pressure.shape, strict=True))
+    wide[rows : rows + pressure.shape[0], columns : columns + pressure.shape[1]] = pressure
     return apart(wide, right)
 
 

@@ -49,8 +49,8 @@ def in_parts(count: int) -> float:
     """Approach on a layer cut into so many beside the one layer."""
     whole = {"thickness": 5e-6, **steel(modulus=2 * MODULUS)}
     load = hertz_load()
-    found = [run(scene([{**whole, "thickness": 5e-6 / n}] * n, load)).summary["approach"] for n in (count, 1)]
-    return off(found[0], found[1])
+    approaches = [run(scene([{**whole, "thickness": 5e-6 / n}] * n, load)).summary["approach"] for n in (count, 1)]
+    return off(approaches[0], approaches[1])
 
 
 def all_but_none(thickness: float) -> float:

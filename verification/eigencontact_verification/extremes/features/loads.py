@@ -27,14 +27,14 @@ def one_cell(share: float) -> float:
 
     edge = 2e-6
     neighbour = edge**2 / (2 * RADIUS)
-    own = rectangle("p", (0.0, 0.0, 0.0), (edge / 2, edge / 2), 0.0, MODULUS / 2)[2]
-    load = share * neighbour / own * edge**2
+    compliance = rectangle("p", (0.0, 0.0, 0.0), (edge / 2, edge / 2), 0.0, MODULUS / 2)[2]
+    load = share * neighbour / compliance * edge**2
     scene = ball(steps={"normal-load": load}, grid={"cells": 9, "size": [9 * edge, 9 * edge]}, numerics=COARSE)
     result = run(scene)
     expected = np.zeros((9, 9))
     expected[4, 4] = load / edge**2
-    found = result.dataset["pressure"].values[-1]
-    return max(apart(found, expected), off(result.summary["approach"], (load / edge**2 * own)))
+    pressure = result.dataset["pressure"].values[-1]
+    return max(apart(pressure, expected), off(result.summary["approach"], (load / edge**2 * compliance)))
 
 
 def hertz(contact: float, size: float, cells: int) -> float:

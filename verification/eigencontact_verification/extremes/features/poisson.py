@@ -25,8 +25,8 @@ DEPTHS = np.array([0.1, 0.3, 0.6, 1.0, 2.0, 5.0])
 
 def pressure_by_modulus(nu: float) -> float:
     """Pressure beside that of another Poisson's ratio and the same E/(1-ν²)."""
-    found, other = (run(ball(body=steel(one))).dataset["pressure"].values for one in (nu, NU))
-    return apart(found, other)
+    pressure, other = (run(ball(body=steel(poisson))).dataset["pressure"].values for poisson in (nu, NU))
+    return apart(pressure, other)
 
 
 def stress_below_a_ball(nu: float) -> float:
@@ -36,8 +36,8 @@ def stress_below_a_ball(nu: float) -> float:
     data = run(scene).dataset
     peak = 1.5 * hertz_load(CONTACT) / (np.pi * CONTACT**2)
     along, across = axis_stress(DEPTHS, nu)
-    found = data["axis_stress"].values[-1] / peak
-    return float(np.abs(found[:3] - np.stack([across, across, along])).max())
+    stress = data["axis_stress"].values[-1] / peak
+    return float(np.abs(stress[:3] - np.stack([across, across, along])).max())
 
 
 def shear_of_pressure(nu: float) -> float:

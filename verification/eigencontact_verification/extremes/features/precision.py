@@ -40,13 +40,13 @@ def medium(thickness: float, ratio: float) -> dict[str, Any]:
 def beside_double(model: str, cells: int) -> float:
     """Largest pressure and approach of single precision beside double, both at the same tolerance."""
     tables = {"cells": cells, **MODELS[model]}
-    found = [
+    results = [
         run(ball(**{**tables, "numerics": {"precision": name, **tables.get("numerics", {})}})).summary
         for name in ("single", "double")
     ]
-    if found[0] == found[1]:
+    if results[0] == results[1]:
         return float("inf")
-    return max(apart(found[0][key], found[1][key]) for key in ("max_pressure", "approach", "contact_radius"))
+    return max(apart(results[0][key], results[1][key]) for key in ("max_pressure", "approach", "contact_radius"))
 
 
 def thin_and_stiff() -> object:

@@ -86,8 +86,8 @@ MODELS = {
 def scaled(model: str, lengths: int, moduli: int) -> float:
     """Pressure beside that of the scene in micrometres, both divided by their moduli."""
     length, stiffness = 2.0**lengths, 2.0**moduli
-    found = run(scene(length, stiffness, MODELS[model])).dataset["pressure"].values / stiffness
-    return apart(found, run(scene(1.0, 1.0, MODELS[model])).dataset["pressure"].values)
+    pressure = run(scene(length, stiffness, MODELS[model])).dataset["pressure"].values / stiffness
+    return apart(pressure, run(scene(1.0, 1.0, MODELS[model])).dataset["pressure"].values)
 
 
 SAME = "powers of two change no digit but in logarithms and transforms, which round anew: 1e-10"

@@ -41,9 +41,9 @@ def bone(hardening: dict[str, Any], *, cells: int = 8, damage: dict[str, Any] | 
     )
 
 
-def softer(part: float) -> dict[str, Any]:
+def softer(fraction: float) -> dict[str, Any]:
     """Linear softening of this part of the shear modulus, down to half of the strength."""
-    return {"type": "linear", "yield-stress": YIELD, "modulus": -part * SHEAR, "least-stress": 0.5 * YIELD}
+    return {"type": "linear", "yield-stress": YIELD, "modulus": -fraction * SHEAR, "least-stress": 0.5 * YIELD}
 
 
 PERFECT = {"type": "perfect", "yield-stress": YIELD}
@@ -58,9 +58,9 @@ def certified(hardening: dict[str, Any], damage: dict[str, Any] | None = None) -
     return max(volume, *(float(result.summary[name]) for name in names))
 
 
-def turned(part: float) -> float:
+def turned(fraction: float) -> float:
     """Pressure beside its mirror images: softening must not break the symmetry of the scene."""
-    pressure = bone(softer(part)).dataset["pressure"].values[-1]
+    pressure = bone(softer(fraction)).dataset["pressure"].values[-1]
     return max(apart(pressure[::-1], pressure), apart(pressure[:, ::-1], pressure), apart(pressure.T, pressure))
 
 

@@ -46,22 +46,22 @@ OUTSIDE = [[1.6e-4, 2e-5, 1e-3], [0.0, 1e-4, 1.12e-3], [8e-5, -9e-5, 9e-4], [0.0
 def alone(ratio: float) -> float:
     """Stress in a whole ball beside Eshelby."""
     expected, _ = sphere_in_body(isotropic_stiffness(ratio * MODULUS, 0.25), MODULUS, NU, np.zeros((3, 3)), PRESTRAIN)
-    found = ball_in_full_space(ratio, "whole", [DEEP, [2e-5, -3e-5, 9.6e-4]])[:3]
-    return float(np.abs(found - np.diag(expected)[:, None]).max() / np.abs(expected).max())
+    stress = ball_in_full_space(ratio, "whole", [DEEP, [2e-5, -3e-5, 9.6e-4]])[:3]
+    return float(np.abs(stress - np.diag(expected)[:, None]).max() / np.abs(expected).max())
 
 
 def in_cells(ratio: float) -> float:
     """Stress about a ball in cells beside that about a whole one."""
-    found, right = (ball_in_full_space(ratio, resolution, OUTSIDE) for resolution in ("cells", "whole"))
-    return apart(found, right)
+    field, right = (ball_in_full_space(ratio, resolution, OUTSIDE) for resolution in ("cells", "whole"))
+    return apart(field, right)
 
 
 def same_material(cells: int) -> float:
     """A region of the body's own constants under a contact beside none."""
     region = {"type": "sphere", "center": [0.0, 0.0, 6e-6], "radius": 4e-6, "material": steel()}
     tight: dict[str, Any] = {"numerics": {"tolerance": 1e-10}}
-    found = run(ball(cells=cells, inclusions=[region], **tight)).dataset["pressure"].values
-    return apart(found, run(ball(cells=cells, **tight)).dataset["pressure"].values)
+    pressure = run(ball(cells=cells, inclusions=[region], **tight)).dataset["pressure"].values
+    return apart(pressure, run(ball(cells=cells, **tight)).dataset["pressure"].values)
 
 
 def rigid_limit() -> float:

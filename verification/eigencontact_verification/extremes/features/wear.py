@@ -62,14 +62,14 @@ def worn_flat() -> float:
     """Largest pressure after 1000 volumes beside load over area of the worn cap."""
     volumes = 1000.0
     size = 2.6 * float(sliding_limit(volumes * CAP, LOAD, RADIUS)[0]) / CONTACT
-    found = slid(volumes, size=size, increments=24, cells=96).summary["max_pressure"]
-    return off(found, float(sliding_limit(volumes * CAP, LOAD, RADIUS)[1]))
+    peak = slid(volumes, size=size, increments=24, cells=96).summary["max_pressure"]
+    return off(peak, float(sliding_limit(volumes * CAP, LOAD, RADIUS)[1]))
 
 
 def in_one_step(volumes: float) -> float:
     """Worn volume of one increment beside that of 32: energy counts, not increments."""
-    one, many = (slid(volumes, increments=n, size=5.0).summary["worn_volume"] for n in (1, 32))
-    return off(one, many)
+    single, many = (slid(volumes, increments=n, size=5.0).summary["worn_volume"] for n in (1, 32))
+    return off(single, many)
 
 
 def next_to_nothing() -> float:
