@@ -186,6 +186,8 @@ def error_bars(
                 varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
+                if not source.on_coarse:  # the least error alone would look like a small one
+                    known = {}
         compared = Comparison(source=source)
         if source.name in varied:
             left_out.pop(source.name, None)

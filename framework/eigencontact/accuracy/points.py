@@ -1,4 +1,4 @@
-"""Errors that follow from the plan: half the distance of the points of regions, and the size of a cell."""
+"""Errors that follow from the plan: half the distance of the points of regions, sizes of cells and parts of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,12 @@ import numpy as np
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["cell_sizes", "half_distances", "has_points"]
+__all__ = ["cell_sizes", "half_distances", "has_points", "parts_of_cells", "places_of_edges"]
+
+#: Parts of a cell by which the edge of a zone is displaced at least, for the radius of the circle of its area and for
+#: its widths. A cell is in the zone or not: widths miss up to half a cell, and over an area this averages out. On
+#: random scenes 95 % of the areas of contact miss less than a sixth, see the page on error bars.
+_OF_AREA, _OF_WIDTH = 1 / 6, 0.5
 
 
 def has_points(plan: Plan) -> bool:
@@ -44,6 +49,27 @@ def cell_sizes(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
     errors = {"m2": area, "m": plan.grid.dx if plan.grid.line else (area / np.pi) ** 0.5}
     units = {name: summary["numbers"][name]["unit"] for name, _ in _declared(summary, "scatters")}
     return {name: errors[unit] for name, unit in units.items() if unit in errors}
+
+
+def places_of_edges(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Least error [m or m2] of each size that is counted in cells; the widths of a line contact are located better."""
+    return {} if plan.grid.line or not plan.scene.geometry else parts_of_cells(plan.grid.mean_edge, summary)
+
+
+def parts_of_cells(edge: float, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Least error of each size that is counted in cells of this edge [m], by the place of the zone's edge in its cells.
+
+    Sizes below half a cell are none: these are distances that are zero by symmetry.
+    """
+    widths = {name for name, _ in _declared(summary, "of_widths")}
+    errors = dict[str, float]()
+    for name, value in _declared(summary, "scatters"):
+        unit = summary["numbers"][name]["unit"]
+        if unit == "m" and value > 0.5 * edge:
+            errors[name] = edge * (_OF_WIDTH if name in widths else _OF_AREA)
+        elif unit == "m2" and value > 0.25 * np.pi * edge**2:
+            errors[name] = _OF_AREA * edge * 2.0 * (np.pi * value) ** 0.5
+    return errors
 
 
 def _declared(summary: Mapping[str, Any], flag: str) -> Iterator[tuple[str, float]]:
