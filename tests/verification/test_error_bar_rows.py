@@ -64,11 +64,11 @@ def test_the_table_counts_bars_that_hold():
 
 
 def test_a_size_that_is_counted_has_the_least_error_of_its_row():
-    """No run changes it: the bar is a sixth of the edge of a cell, or half of it for a width, and the judge is off."""
+    """No run changes it: the bar is a part of the edge of a cell, half of it for a width, and the judge is off."""
     row = solved_row(1.0 + 0.01)
     row["numbers"]["length"]["scatters"] = True
     row["comparisons"][0]["others"] = [[size, {"length": 1.0}] for size in (2.0, 2.5)]
-    assert coverage([row])["ratio"] == close(0.05 / 6.0 / 0.01)
+    assert coverage([row])["ratio"] == close(0.05 * (0.05 / 6.0) ** 0.5 / 0.01)
     assert coverage([row])["share"] == 0.0
     row["numbers"]["length"]["of_widths"] = True
     assert coverage([row])["ratio"] == close(0.025 / 0.01)

@@ -10,10 +10,9 @@ __all__ = ["Estimate", "estimate"]
 
 #: Factor on an extrapolated error, whose order is observed on three discretisations (Roache 1998: 1.25).
 _SAFETY = 1.25
-#: The same where the observed order is above the known ones, and the highest of these is assumed: differences of one
-#: number are small by chance then. Roache (1998) takes 3 for an assumed order of which nothing was observed; on random
-#: scenes 2 is enough, see the page on error bars.
-_ASSUMED = 2.0
+#: The same where the observed order is above the known ones, and the highest of these is assumed (Roache 1998: 3 for an
+#: assumed order): differences of one number may be small by chance.
+_ASSUMED = 3.0
 #: Orders beyond those known by so much still count as observed: three nearby discretisations tell the order poorly.
 _SLACK = 0.5
 #: Factor on the standard error where no order was observed: two differences of a number that scatters with the place of

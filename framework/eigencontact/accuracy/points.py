@@ -12,10 +12,12 @@ if TYPE_CHECKING:
 
 __all__ = ["cell_sizes", "half_distances", "has_points", "parts_of_cells", "places_of_edges"]
 
-#: Parts of a cell by which the edge of a zone is displaced at least, for the radius of the circle of its area and for
-#: its widths. A cell is in the zone or not: widths miss up to half a cell, and over an area this averages out. On
-#: random scenes 95 % of the areas of contact miss less than a sixth, see the page on error bars.
-_OF_AREA, _OF_WIDTH = 1 / 6, 0.5
+#: Error of the widths of a zone, in cells: a cell is in the zone or not.
+_OF_WIDTH = 0.5
+#: Error of the radius of a zone of one cell. In a row of cells the edge may lie anywhere: standard deviation
+#: 1 / sqrt(12). A quarter of the edge, of which symmetry makes the others, crosses 2 R rows and columns, whose errors
+#: average out: twice the standard deviation of their mean is sqrt(1 / (6 R)).
+_OF_RADIUS = 6**-0.5
 
 
 def has_points(plan: Plan) -> bool:
@@ -59,16 +61,17 @@ def places_of_edges(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
 def parts_of_cells(edge: float, summary: Mapping[str, Any]) -> dict[str, float]:
     """Least error of each size that is counted in cells of this edge [m], by the place of the zone's edge in its cells.
 
-    Sizes below half a cell are none: these are distances that are zero by symmetry.
+    A length that is no width counts as the radius of a zone. Sizes below half a cell are none: these are distances that
+    are zero by symmetry.
     """
     widths = {name for name, _ in _declared(summary, "of_widths")}
     errors = dict[str, float]()
     for name, value in _declared(summary, "scatters"):
         unit = summary["numbers"][name]["unit"]
-        if unit == "m" and value > 0.5 * edge:
-            errors[name] = edge * (_OF_WIDTH if name in widths else _OF_AREA)
-        elif unit == "m2" and value > 0.25 * np.pi * edge**2:
-            errors[name] = _OF_AREA * edge * 2.0 * (np.pi * value) ** 0.5
+        radius = (value / np.pi) ** 0.5 if unit == "m2" else value
+        if unit in ("m", "m2") and radius > 0.5 * edge:
+            error = edge * (_OF_WIDTH if name in widths else _OF_RADIUS * (edge / radius) ** 0.5)
+            errors[name] = 2.0 * np.pi * radius * error if unit == "m2" else error
     return errors
 
 
