@@ -289,14 +289,15 @@ def counted(area):
     return {"numbers": declared, "observed": {}, "warnings": [], "area": area}
 
 
-def test_an_area_without_cells_is_known_to_a_cell():
+@pytest.mark.parametrize("area", [0.0, 3e-12])
+def test_an_area_that_no_run_changes_is_known_to_a_cell(area):
     planned = ec.plan(HERTZ)
-    found = error_bars(planned, counted(0.0), lambda tables, _: Run(ec.plan(tables), counted(0.0))).bars["area"]
-    assert found.error == close(planned.grid.dx * planned.grid.dy)
-    assert found.source == "size of a cell"
+    found = error_bars(planned, counted(area), lambda tables, _: Run(ec.plan(tables), counted(area))).bars["area"]
+    assert found.parts["size of a cell"] == close(planned.grid.dx * planned.grid.dy)
+    assert (found.parts["cells"] > 0.0) == (area > 0.0)
 
 
-@pytest.mark.parametrize("change", [0.0, 0.2e-12])
+@pytest.mark.parametrize("change", [1e-14, 0.2e-12])
 def test_an_area_that_changes_little_by_chance_is_known_to_a_part_of_the_cells_at_its_edge(change):
     planned, radius = ec.plan(HERTZ), (3e-12 / pi) ** 0.5
     cells = radius / planned.grid.dx
@@ -320,7 +321,7 @@ def test_without_coarser_cells_the_place_of_the_edge_alone_is_no_error():
 def test_a_least_error_left_out_is_seen(monkeypatch):
     monkeypatch.setattr(points, "_OF_RADIUS", 0.5 * points._OF_RADIUS)
     with pytest.raises(AssertionError):
-        test_an_area_that_changes_little_by_chance_is_known_to_a_part_of_the_cells_at_its_edge(0.0)
+        test_an_area_that_changes_little_by_chance_is_known_to_a_part_of_the_cells_at_its_edge(1e-14)
     with pytest.raises(AssertionError):
         test_the_least_error_holds_for_the_areas_of_circles_and_ellipses()
 
