@@ -3,12 +3,14 @@
 from dataclasses import asdict, replace
 from math import pi
 
+import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
-from eigencontact.accuracy import bars, sources
+from eigencontact.accuracy import bars, points, sources
 from eigencontact.accuracy.bars import Run, error_bars
 from eigencontact.accuracy.changes import refined_steps
 from eigencontact.errors import SceneError
@@ -291,14 +293,73 @@ def counted(area):
 def test_an_area_that_no_run_changes_is_known_to_a_cell(area):
     planned = ec.plan(HERTZ)
     found = error_bars(planned, counted(area), lambda tables, _: Run(ec.plan(tables), counted(area))).bars["area"]
-    assert found.error == close(planned.grid.dx * planned.grid.dy)
-    assert found.source == "size of a cell"
+    assert found.parts["size of a cell"] == close(planned.grid.dx * planned.grid.dy)
+    assert (found.parts["cells"] > 0.0) == (area > 0.0)
+
+
+@pytest.mark.parametrize("change", [1e-14, 0.2e-12])
+def test_an_area_that_changes_little_by_chance_is_known_to_a_part_of_the_cells_at_its_edge(change):
+    planned, radius = ec.plan(HERTZ), (3e-12 / pi) ** 0.5
+    cells = radius / planned.grid.dx
+    found = error_bars(planned, counted(3e-12), lambda tables, _: Run(ec.plan(tables), counted(3e-12 + change)))
+    assert found.bars["area"].parts == {"cells": close(planned.grid.dx**2 * 2.0 * pi * (cells / 6.0) ** 0.5)}
 
 
 def test_an_area_that_changes_has_no_more_than_its_scatter():
     planned = ec.plan(HERTZ)
-    found = error_bars(planned, counted(3e-12), lambda tables, _: Run(ec.plan(tables), counted(3.3e-12))).bars["area"]
-    assert found.parts == {"cells": close(0.3e-12)}
+    found = error_bars(planned, counted(3e-12), lambda tables, _: Run(ec.plan(tables), counted(4e-12))).bars["area"]
+    assert found.parts == {"cells": close(1e-12)}
+
+
+def test_without_coarser_cells_the_place_of_the_edge_alone_is_no_error():
+    def refuse(*_):
+        raise SceneError("grid must be finer")
+
+    assert error_bars(ec.plan(HERTZ), counted(3e-12), refuse, sources=sources.SOURCES[:1]).bars == {}
+
+
+def test_a_least_error_left_out_is_seen(monkeypatch):
+    monkeypatch.setattr(points, "_OF_RADIUS", 0.5 * points._OF_RADIUS)
+    with pytest.raises(AssertionError):
+        test_an_area_that_changes_little_by_chance_is_known_to_a_part_of_the_cells_at_its_edge(1e-14)
+    with pytest.raises(AssertionError):
+        test_the_least_error_holds_for_the_areas_of_circles_and_ellipses()
+
+
+def sizes(**values):
+    """Summary of a zone with radius, half width and distance from the centre [m], all counted in cells."""
+    declared = {name: {"unit": "m", "role": "result", "scatters": True} for name in values}
+    return {"numbers": declared | {"half_width": declared["half_width"] | {"of_widths": True}}, "observed": values}
+
+
+def test_a_width_is_known_to_half_a_cell_and_what_is_smaller_is_no_width():
+    least = points.parts_of_cells(0.2, sizes(radius=1.1, half_width=1.3, distance=1e-17))
+    assert least == {"radius": close(0.2 * (0.2 / 6.6) ** 0.5), "half_width": close(0.1)}
+
+
+def test_the_widths_of_the_stick_zone_are_declared():
+    declared = ec.plan("fretting-mode-1").observed
+    assert {name for name, number in declared.items() if number.of_widths} == {
+        "stick_radius_half_width_x",
+        "stick_radius_half_width_y",
+    }
+
+
+def test_the_least_error_holds_for_the_areas_of_circles_and_ellipses():
+    """Cells whose middle is inside, of zones in the middle of a cell or of a corner, as contacts are."""
+    random, held = default_rng(29), []
+    for radius, ratio, centre in zip(
+        random.uniform(3.0, 25.0, 500), random.uniform(0.5, 1.0, 500), random.choice([0.0, 0.5], 500), strict=True
+    ):
+        places = np.arange(-30, 31) - centre
+        cells = np.count_nonzero(ratio * places**2 + places[:, None] ** 2 / ratio <= radius**2)
+        least = points.parts_of_cells(1.0, counted(float(cells)))["area"]
+        held.append(least >= abs(cells - pi * radius**2))
+    assert 0.93 < np.mean(held) < 0.99
+
+
+def test_widths_of_a_line_contact_have_no_least_error():
+    assert points.places_of_edges(ec.plan("cylinder-fretting"), counted(3e-12)) == {}
 
 
 def test_half_an_estimate_is_seen(monkeypatch):

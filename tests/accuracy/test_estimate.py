@@ -44,6 +44,20 @@ def test_an_order_above_the_known_one_is_not_trusted_to_make_the_bar_smaller(ord
     assert error >= 0.1
 
 
+@pytest.mark.parametrize("order", [2.6, 4.0])
+def test_an_order_far_above_the_known_one_is_assumed_and_has_a_larger_factor(order):
+    found = estimate(1.1, [(size, 1 + 0.1 * size**order) for size in (2.0, 2.5)], 1.0, 2.0)
+    assert found == (close(3 * 0.1 * (2.5**order - 1) / (2.5**2 - 1)), None)
+    mean = estimate(1.1, [(size, 1 + 0.1 * size**order) for size in (2.0, 2.5)], 1.0, 2.0, mean=True)
+    assert mean == (close(1.25 / 3 * found.error), None)
+
+
+def test_the_smaller_factor_is_seen(monkeypatch):
+    monkeypatch.setattr(module, "_ASSUMED", module._SAFETY)
+    with pytest.raises(AssertionError):
+        test_an_order_far_above_the_known_one_is_assumed_and_has_a_larger_factor(2.6)
+
+
 @pytest.mark.parametrize("others", [[(2.0, 1.1), (2.5, 0.9)], [(2.0, 1.1), (2.5, 1.1)], [(2.0, 1.0), (2.5, 1.1)]])
 def test_a_number_that_scatters_has_no_order_and_three_times_its_scatter(others):
     found = estimate(1.0, others, 1.0, 2.0)

@@ -139,7 +139,9 @@ def test_the_sources_of_a_field_are_estimated_alone_and_added():
     inner = slice(3, -3)  # no coarser cells have their middles beyond
     ratio = (variable.values[-1] / true)[inner]
     assert ratio.min() >= 0.99
-    assert ratio.max() <= 1.4
+    largest = int(fine.variables["test"].values[-1][inner].argmax())  # there it has the error of this number
+    assert np.delete(ratio, slice(largest - 1, largest + 2)).max() <= 1.2
+    assert ratio.max() <= 1.5
     assert found.fields["test"].source == "cells"
     assert found.fields["test"].order == close(2.0, 0.02)
     # the third increment is no end of one of half as many: the larger share of its neighbours counts

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from close import close
+from eigencontact.execution.wear import rate as module
 from eigencontact.execution.wear.rate import energy_of, rate_of
 from eigencontact.plugin import WearLaw, WearState
 
@@ -96,3 +97,31 @@ def test_energy_goes_with_the_depth():
     depth, energy = np.array([[0.0, 0.0, 2e-9, 1e-9]]), np.array([[5.0, 0.0, 8.0, 3.0]])
     added = np.array([[0.0, 1e-9, 4e-9, 2e-9]])
     np.testing.assert_allclose(energy_of(added, depth, energy, 7.0), [[35.0, 4.0, 16.0, 6.0]], rtol=1e-14)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_cells_between_two_nearest_take_the_mean_of_both(axis):
+    """A symmetric contact wears symmetrically: no side is preferred at equal distances."""
+    pressure = np.outer([2e8, 2e8, 0.0, 1e8, 1e8], np.ones(6))
+    if axis:
+        pressure = pressure.T
+    rate = rate_of(Power(2.0), replace(STATE, pressure=pressure, worn_depth=0 * pressure)).pressed
+    below, between, above = (rate.T if axis else rate)[1:4, 3]
+    assert between == close(0.5 * (below + above))
+    assert below == close(2.0 * above, 1e-3)
+
+
+def test_a_mirrored_contact_has_the_mirrored_rates():
+    random = np.random.default_rng(4)
+    half = np.maximum(random.normal(size=(12, 7)) * 1e8, 0.0)
+    pressure = np.hstack([half, half[:, ::-1]])
+    rate = rate_of(Power(2.0), replace(STATE, pressure=pressure, worn_depth=0 * pressure)).pressed
+    np.testing.assert_array_equal(rate, rate[:, ::-1])
+
+
+def test_one_search_alone_prefers_a_side(monkeypatch):
+    monkeypatch.setattr(module, "_MIRRORS", 4 * module._MIRRORS[:1])
+    with pytest.raises(AssertionError):
+        test_a_mirrored_contact_has_the_mirrored_rates()
+    with pytest.raises(AssertionError):
+        test_cells_between_two_nearest_take_the_mean_of_both(0)

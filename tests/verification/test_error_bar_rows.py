@@ -16,6 +16,7 @@ def solved_row(true):
     length = {"name": "length", "unit": "m", "meaning": "length", "role": "result", "headline": True}
     others = [[size, {"length": 1.0 + 0.1 * (size - 1.0)}] for size in (2.0, 2.5)]
     return {
+        "edge": 0.05,
         "numbers": {"length": length},
         "warnings": [],
         "values": {"length": 1.0},
@@ -60,6 +61,18 @@ def test_the_table_counts_bars_that_hold():
     assert found["share"] == close(0.5)  # the bar is 1.25 times 0.1 m
     assert found["ratio"] == close(0.5 * (1.25 + 0.625))
     assert found["missed"] == "length 1"
+
+
+def test_a_size_that_is_counted_has_the_least_error_of_its_row():
+    """No run changes it: the bar is a part of the edge of a cell, half of it for a width, and the judge is off."""
+    row = solved_row(1.0 + 0.01)
+    row["numbers"]["length"]["scatters"] = True
+    row["comparisons"][0]["others"] = [[size, {"length": 1.0}] for size in (2.0, 2.5)]
+    assert coverage([row])["ratio"] == close(0.05 * (0.05 / 6.0) ** 0.5 / 0.01)
+    assert coverage([row])["share"] == 0.0
+    row["numbers"]["length"]["of_widths"] = True
+    assert coverage([row])["ratio"] == close(0.025 / 0.01)
+    assert coverage([row])["share"] == 1.0
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5])

@@ -186,6 +186,8 @@ def error_bars(
                 varied[source.name] = runs
             elif reason:
                 left_out[source.name] = reason
+                if not source.on_coarse:  # the least error alone would look like a small one
+                    known = {}
         compared = Comparison(source=source)
         if source.name in varied:
             left_out.pop(source.name, None)
@@ -280,19 +282,24 @@ def joined_bars(summary: Mapping[str, Any], comparisons: Sequence[Comparison]) -
     orders = {name: warning["order"] for name, warning in _slow(summary).items()}
     value_of = {name: value for name, value in _results(summary) if orders.get(name) != 0.0}
     parts: dict[str, dict[str, Estimate]] = {}
-    for comparison in sorted(comparisons, key=lambda one: one.source.least):
+    for comparison in comparisons:
         known = {} if comparison.source.on_coarse else orders
         estimates = dict(_estimates(value_of, summary["numbers"], comparison, known))
         if comparison.source.least:
-            estimates = {name: one for name, one in estimates.items() if not _changes(name, value_of, parts)}
+            estimates = {name: one for name, one in estimates.items() if not _changes(name, comparisons)}
         parts[comparison.source.name] = estimates
     return _joined(value_of, parts)
 
 
-def _changes(name: str, value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Estimate]]) -> bool:
-    """Whether any source changes a number by more than round-off."""
-    errors = [estimates[name].error for estimates in parts.values() if name in estimates]
-    return max(errors, default=0.0) > ROUND_OFF * abs(value_of[name])
+def _changes(name: str, comparisons: Sequence[Comparison]) -> bool:
+    """Whether any coarser run changes a number by more than round-off."""
+    return any(
+        name in comparison.values
+        and abs(other.get(name, comparison.values[name]) - comparison.values[name])
+        > ROUND_OFF * abs(comparison.values[name])
+        for comparison in comparisons
+        for _, other in comparison.others
+    )
 
 
 def _slow(summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:

@@ -136,7 +136,7 @@ def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSourc
     (['0.417', '0.156'], '2.00')
     """
     signed = [norm if size > 1.0 else -norm for norm, size in zip(norms, sizes, strict=True)]
-    found = estimate(0.0, list(zip(sizes, signed, strict=True)), source.lowest, source.highest)
+    found = estimate(0.0, list(zip(sizes, signed, strict=True)), source.lowest, source.highest, mean=True)
     used = source.lowest if found.order is None else min(found.order, source.highest)
     ways = [abs(size**used - 1.0) for size in sizes]
     shares = [norm / way for norm, way in zip(norms, ways, strict=True)]

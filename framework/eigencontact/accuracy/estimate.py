@@ -10,6 +10,9 @@ __all__ = ["Estimate", "estimate"]
 
 #: Factor on an extrapolated error, whose order is observed on three discretisations (Roache 1998: 1.25).
 _SAFETY = 1.25
+#: The same where the observed order is above the known ones, and the highest of these is assumed (Roache 1998: 3 for an
+#: assumed order): differences of one number may be small by chance.
+_ASSUMED = 3.0
 #: Orders beyond those known by so much still count as observed: three nearby discretisations tell the order poorly.
 _SLACK = 0.5
 #: Factor on the standard error where no order was observed: two differences of a number that scatters with the place of
@@ -27,7 +30,13 @@ class Estimate(NamedTuple):
 
 
 def estimate(
-    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool = False
+    value: float,
+    others: Sequence[tuple[float, float]],
+    lowest: float,
+    highest: float,
+    *,
+    scatters: bool = False,
+    mean: bool = False,
 ) -> Estimate:
     """Estimate the error of a value with step size 1.
 
@@ -42,14 +51,16 @@ def estimate(
         Orders between which the error is known to fall.
     scatters : bool
         Whether no order can be read off two differences, as of an area of cells.
+    mean : bool
+        Whether the differences are means over many points, and so not small by chance.
 
     Returns
     -------
     Estimate
         With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety;
-        above them, that by the highest known order and the coarsest value. Without an order: the largest difference
-        over the sum of both step sizes (to the lowest order), times a factor for scatter, or what the lowest order
-        makes of the difference, if that is more.
+        above them, that by the highest known order and the coarsest value, times a larger factor (the same for a mean).
+        Without an order: the largest difference over the sum of both step sizes (to the lowest order), times a factor
+        for scatter, or what the lowest order makes of the difference, if that is more.
 
     Notes
     -----
@@ -80,7 +91,8 @@ def estimate(
         return Estimate(max(_SCATTER * scatter, extrapolated), None)
     used = min(order, highest)
     if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
-        return Estimate(_SAFETY * abs(far_value - value) / (far**highest - 1.0), None)
+        safety = _SAFETY if mean else _ASSUMED
+        return Estimate(safety * abs(far_value - value) / (far**highest - 1.0), None)
     return Estimate(_SAFETY * abs((near_value - value) / (near**used - 1.0)), order)
 
 

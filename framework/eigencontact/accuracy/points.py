@@ -1,4 +1,4 @@
-"""Errors that follow from the plan: half the distance of the points of regions, and the size of a cell."""
+"""Errors that follow from the plan: half the distance of the points of regions, sizes of cells and parts of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,14 @@ import numpy as np
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["cell_sizes", "half_distances", "has_points"]
+__all__ = ["cell_sizes", "half_distances", "has_points", "parts_of_cells", "places_of_edges"]
+
+#: Error of the widths of a zone, in cells: a cell is in the zone or not.
+_OF_WIDTH = 0.5
+#: Error of the radius of a zone of one cell. In a row of cells the edge may lie anywhere: standard deviation
+#: 1 / sqrt(12). A quarter of the edge, of which symmetry makes the others, crosses 2 R rows and columns, whose errors
+#: average out: twice the standard deviation of their mean is sqrt(1 / (6 R)).
+_OF_RADIUS = 6**-0.5
 
 
 def has_points(plan: Plan) -> bool:
@@ -44,6 +51,28 @@ def cell_sizes(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
     errors = {"m2": area, "m": plan.grid.dx if plan.grid.line else (area / np.pi) ** 0.5}
     units = {name: summary["numbers"][name]["unit"] for name, _ in _declared(summary, "scatters")}
     return {name: errors[unit] for name, unit in units.items() if unit in errors}
+
+
+def places_of_edges(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Least error [m or m2] of each size that is counted in cells; the widths of a line contact are located better."""
+    return {} if plan.grid.line or not plan.scene.geometry else parts_of_cells(plan.grid.mean_edge, summary)
+
+
+def parts_of_cells(edge: float, summary: Mapping[str, Any]) -> dict[str, float]:
+    """Least error of each size that is counted in cells of this edge [m], by the place of the zone's edge in its cells.
+
+    A length that is no width counts as the radius of a zone. Sizes below half a cell are none: these are distances that
+    are zero by symmetry.
+    """
+    widths = {name for name, _ in _declared(summary, "of_widths")}
+    errors = dict[str, float]()
+    for name, value in _declared(summary, "scatters"):
+        unit = summary["numbers"][name]["unit"]
+        radius = (value / np.pi) ** 0.5 if unit == "m2" else value
+        if unit in ("m", "m2") and radius > 0.5 * edge:
+            error = edge * (_OF_WIDTH if name in widths else _OF_RADIUS * (edge / radius) ** 0.5)
+            errors[name] = 2.0 * np.pi * radius * error if unit == "m2" else error
+    return errors
 
 
 def _declared(summary: Mapping[str, Any], flag: str) -> Iterator[tuple[str, float]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
-from eigencontact.accuracy.points import cell_sizes, half_distances, has_points
+from eigencontact.accuracy.points import cell_sizes, half_distances, has_points, places_of_edges
 from eigencontact.accuracy.settings import FIDELITIES, resolution_by
 
 if TYPE_CHECKING:
@@ -197,7 +197,14 @@ def _expands_clouds(plan: Plan) -> bool:
 
 
 SOURCES: tuple[ErrorSource, ...] = (
-    ErrorSource(name="cells", applies=lambda _: True, variations=_cells, finer=_finer_cells, on_coarse=False),
+    ErrorSource(
+        name="cells",
+        applies=lambda _: True,
+        variations=_cells,
+        known=places_of_edges,
+        finer=_finer_cells,
+        on_coarse=False,
+    ),
     ErrorSource(name="points of regions", applies=has_points, known=half_distances, on_coarse=False),
     ErrorSource(
         name="size of a cell",

@@ -45,6 +45,8 @@ class Number:
         Of an error: name of the number that it belongs to.
     scatters : bool
         Whether it jumps as cells move, like an area of cells: its error is then not extrapolated.
+    of_widths : bool
+        Whether it is a length between the outermost cells of a zone: it is known to half a cell.
     summed : bool
         Whether it is a sum over the load steps that were solved, without skipped ones.
     of_points : bool
@@ -70,6 +72,7 @@ class Number:
     replaces: str = ""
     estimates: str = ""
     scatters: bool = False
+    of_widths: bool = False
     summed: bool = False
     of_points: bool = False
     in_line: str = ""

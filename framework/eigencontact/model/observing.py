@@ -43,7 +43,7 @@ class Observing:
             Number(
                 name=f"{self.prefix}_{name}", unit=unit, meaning=f"{name} by observer {self.key!r}", headline=True,
                 label=f"{self.key}: {name.replace('_', ' ')}", scatters=name in self.observer.counted,
-                summed=name in self.observer.summed,
+                of_widths=name in self.observer.widths, summed=name in self.observer.summed,
             )
             for name, unit in self.observer.units.items()
         ]  # fmt: skip

@@ -115,6 +115,9 @@ class Observer(Component, ABC):
     counted : sequence of str
         Class attribute: names of numbers that count cells or are positions of cells, and therefore jump with the cells.
         Their errors are not extrapolated.
+    widths : sequence of str
+        Class attribute: those of `counted` that are lengths between the outermost cells of a zone. Their errors are at
+        least half a cell.
     summed : sequence of str
         Class attribute: names of numbers that are sums over the load steps so far. Where wear skips cycles they have
         the solved ones alone, and no error.
@@ -136,6 +139,7 @@ class Observer(Component, ABC):
     kind: ClassVar[str] = "observer"
     remembered: ClassVar[Sequence[str]] = ()
     counted: ClassVar[Sequence[str]] = ()
+    widths: ClassVar[Sequence[str]] = ()
     summed: ClassVar[Sequence[str]] = ()
 
     @abstractmethod

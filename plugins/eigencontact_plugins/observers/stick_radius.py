@@ -37,6 +37,7 @@ class StickRadius(Observer):
         "ratio": "1",
     }
     counted: ClassVar[Sequence[str]] = tuple(units)
+    widths: ClassVar[Sequence[str]] = ("half_width_x", "half_width_y")
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the stick zone.

@@ -54,6 +54,7 @@ def solved(tables: Mapping[str, Any], factor: float = 2.0) -> dict[str, Any]:
     accuracy = error_bars(planned, result.summary, solve)
     truth, seconds, _cpu = timed(lambda: app.run(finer(planned, factor)).summary)
     return {
+        "edge": planned.grid.mean_edge if planned.scene.geometry and not planned.grid.line else 0.0,
         "numbers": result.summary["numbers"],
         "warnings": [dict(warning) for warning in result.summary["warnings"]],
         "values": _values(result.summary),
@@ -81,18 +82,23 @@ def _values(summary: Mapping[str, Any]) -> dict[str, float]:
 def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Value, error bar and difference to the judge of every number of a stored scene."""
     from eigencontact.accuracy.bars import Comparison, joined_bars
+    from eigencontact.accuracy.points import parts_of_cells
     from eigencontact.accuracy.sources import SOURCES
     from eigencontact.accuracy.targets import ZERO
 
     sources = {source.name: source for source in SOURCES}
+    summary = {"numbers": row["numbers"], "warnings": row["warnings"], "observed": row["values"]}
+    known = {"cells": parts_of_cells(row["edge"], summary)}
     comparisons = [
         Comparison(
-            source=sources[one["source"]], values=one["values"], others=one["others"], known=one.get("known", {})
+            source=sources[one["source"]],
+            values=one["values"],
+            others=one["others"],
+            known=known.get(one["source"]) or one.get("known", {}),
         )
         for one in row["comparisons"]
         if one["source"] in sources
     ]
-    summary = {"numbers": row["numbers"], "warnings": row["warnings"], "observed": row["values"]}
     scales, truth = _scales(row), row["judge"]
     found: dict[str, dict[str, Any]] = {}
     for name, bar in joined_bars(summary, comparisons).items():

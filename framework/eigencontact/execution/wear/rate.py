@@ -14,6 +14,8 @@ from eigencontact.plugin.wear import checked_depth
 __all__ = ["Rate", "energy_of", "filled", "quotient", "rate_of"]
 
 
+#: Steps of both axes that mirror a field.
+_MIRRORS = tuple((slice(None, None, y), slice(None, None, x)) for y in (1, -1) for x in (1, -1))
 #: Relative change of pressure, shear and energy for the derivative of a law.
 _NUDGE = 1e-4
 
@@ -87,10 +89,17 @@ def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> Fl
 
 
 def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
-    """Values with those of the nearest valid cell in all other cells."""
+    """Values with those of the nearest valid cell in all other cells.
+
+    Of several cells at the same distance the search takes one by its order. The mean over the mirrored fields makes the
+    result of a symmetric field symmetric.
+    """
     if valid.all() or not valid.any():
         return values
     from scipy.ndimage import distance_transform_edt
 
-    rows, columns = distance_transform_edt(~valid, return_distances=False, return_indices=True)
-    return np.asarray(values[rows, columns])
+    found = []
+    for mirror in _MIRRORS:
+        rows, columns = distance_transform_edt(~valid[mirror], return_distances=False, return_indices=True)
+        found.append(values[mirror][rows, columns][mirror])
+    return np.asarray(0.25 * ((found[0] + found[3]) + (found[1] + found[2])))
