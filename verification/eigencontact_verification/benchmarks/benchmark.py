@@ -1,4 +1,4 @@
-"""What a benchmark is, the loop that measures a code in its process, and the row that the processes make.
+"""Benchmarks: their description, the loop that measures a code in its process, and the row of all processes.
 
 A benchmark has a set-up, a call, a judge of the answer, and the columns of its table; the loop and the medians stand
 here.

@@ -1,4 +1,4 @@
-"""What constitutive laws with optional abilities promise: the law of a place, of a body, and the answer of a cell."""
+"""Checks of optional abilities of constitutive laws: the law of a place, of a body, and the answer of a cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every constitutive law promises of its arrays: shapes, declared variables, points that do not see each other."""
+"""Checks of the arrays of constitutive laws: shapes, declared variables, points that do not see each other."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def stress_check(function: Check) -> Check:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Question:
-    """What a law is asked: strain ``(6, n)``, variables before, where and when."""
+    """Input of a law: strain ``(6, n)``, variables before, where and when."""
 
     strain: FloatArray
     before: Mapping[str, FloatArray]

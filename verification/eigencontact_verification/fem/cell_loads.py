@@ -179,7 +179,7 @@ def damaged(grid: Grid, stuff: Material, boxes: Sequence[Cells]) -> Material:
 
 
 def _cut_more(stuff: Material, elements: IntArray) -> Material:
-    """The same material with more of its elements in sub-cells."""
+    """Material with more of its elements in sub-cells."""
     new = np.setdiff1d(elements, stuff.cut)
     if not new.size:
         return stuff

@@ -124,7 +124,7 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
 
 
 def _away(distance: FloatArray, largest: float, rate: float) -> FloatArray:
-    """What elements are longer at a distance from a source."""
+    """Growth of the elements with the distance from a source."""
     away = np.maximum(distance, 0.0)
     return np.asarray(rate * away * (1 + away / (_DOUBLED * largest)))
 

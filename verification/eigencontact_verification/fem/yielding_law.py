@@ -53,7 +53,7 @@ _STEPS, _LEFT = 200, 1e-13
 
 
 class PointLaw(Protocol):
-    """What the elements ask a material: its state at rest, and its answer to a strain."""
+    """Interface of a material for the elements: its state at rest, and its answer to a strain."""
 
     def state_at_rest(self, components: int, points: int) -> State:
         """State of points that have never been loaded; its entry ``"p"`` is equivalent plastic strain, (n,)."""
