@@ -176,8 +176,8 @@ def budget_for(
 
     least, most = _BUDGETS if ratio == RATIO else _FOLLOWING
     chosen = least if quick else most
-    for parts, points, inner in zip(bodies, watched, read, strict=True):
-        for body in parts:
+    for solved, points, inner in zip(bodies, watched, read, strict=True):
+        for body in solved:
             centre = centred(body)
             far = float(np.abs(points - centre.origin).max(initial=0.0))
             reach = max(reach_of(centre.body, _reaches(body)), 1.25 * far)

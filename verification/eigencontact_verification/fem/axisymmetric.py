@@ -235,8 +235,8 @@ def solve_axisymmetric(
     for basis, material in _bases(model, grid):
         lam, mu = lame(material[0], material[1])
         initial_stress = _stress(material, material[2:] - remote[:, None, None])
-        parts = _assemble(basis, lam, mu, initial_stress + uniform)
-        matrix, load = matrix + parts[0], load + parts[1]
+        contribution = _assemble(basis, lam, mu, initial_stress + uniform)
+        matrix, load = matrix + contribution[0], load + contribution[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
