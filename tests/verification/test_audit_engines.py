@@ -9,13 +9,13 @@ import pytest
 
 from eigencontact_verification.audit.engines import (
     CAUSES,
-    alone,
-    asked,
     effects,
     known_tractions,
     less,
     ratio_for,
+    single_effect,
     smoothed,
+    solved_bodies,
 )
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.loaded_parity import parities
@@ -74,7 +74,7 @@ def test_smoothed_tractions_and_what_is_left_are_the_whole() -> None:
 def test_elements_and_closed_form_share_the_tractions_of_a_homogeneous_body() -> None:
     """What the parts add up to, and what is known, is what acts."""
     body = rough()
-    parts = asked(body)
+    parts = solved_bodies(body)
     assert {sign for sign, _ in parts} == {1.0}
     assert {centred(part).symmetry for _, part in parts} == {(a, b) for a in ("even", "odd") for b in ("even", "odd")}
     known = known_tractions(body)
@@ -92,7 +92,7 @@ def test_every_kind_of_traction_acts_once(coupling: str) -> None:
     assert sorted("".join(kinds for kinds, _ in found)) == ["x", "y", "z"]
     body = rough()
     assert body.tractions is not None
-    forces = [alone(body, kinds).tractions for kinds, _ in found]
+    forces = [single_effect(body, kinds).tractions for kinds, _ in found]
     np.testing.assert_allclose(sum(one.force for one in forces if one), body.tractions.force, rtol=1e-12)
     for kinds, moved in found:
         assert all(set(kinds) <= set(CAUSES[coupling]["xyz".index(name[-1])]) for name in moved)

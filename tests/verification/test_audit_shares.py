@@ -15,10 +15,14 @@ def half_space(depth, remembers, averaged=()):
     return SimpleNamespace(law=law, shape=SimpleNamespace(contains=lambda x, y, z: z > depth + 0 * x * y))
 
 
-def cells(strain=2e-3, kept=None):
+def cells(strain=2e-3, stiffness_factor=None):
     """Two cells by two, four layers of height 1, of one strain."""
     return Cells(
-        x=np.arange(3.0), y=np.arange(3.0), z=np.arange(5.0), eigenstrain=np.full((3, 3, 4, 2, 2), strain), kept=kept
+        x=np.arange(3.0),
+        y=np.arange(3.0),
+        z=np.arange(5.0),
+        eigenstrain=np.full((3, 3, 4, 2, 2), strain),
+        stiffness_factor=stiffness_factor,
     )
 
 
@@ -44,10 +48,10 @@ def test_slivers_belong_to_the_rest_of_their_cell():
 
 
 def test_damage_is_shared_too():
-    damaged = cells(kept=np.full((4, 2, 2), 0.6))
+    damaged = cells(stiffness_factor=np.full((4, 2, 2), 0.6))
     found = mean_of_parts(damaged, None, [half_space(2.5, remembers=True)], own_law=False)
-    assert found.kept[2, 0, 0] == close(0.8)
-    assert found.kept[3, 0, 0] == close(0.6)
+    assert found.stiffness_factor[2, 0, 0] == close(0.8)
+    assert found.stiffness_factor[3, 0, 0] == close(0.6)
 
 
 def test_laws_of_a_neighbourhood_have_whole_cells():

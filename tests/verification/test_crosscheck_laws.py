@@ -140,7 +140,7 @@ def test_the_elements_ask_the_law_itself():
         law=ec.make("j2", hardening=[{"type": "linear", "yield_stress": 3e9, "modulus": 2e10}], **STEEL)
     )
     own = YieldingLaw(**STEEL, hardening=linear(3e9, 2e10))
-    states = [law.rest(4, 30) for law in (asked, own)]
+    states = [law.state_at_rest(4, 30) for law in (asked, own)]
     strain = 0.02 * np.random.default_rng(2).normal(size=(4, 30))
     for factor in (1.0, -0.5, 0.7):
         found = [law.answer(factor * strain, state) for law, state in zip((asked, own), states, strict=True)]

@@ -124,7 +124,7 @@ def block(values: FloatArray, edges: tuple[FloatArray, ...], kept: FloatArray | 
     shape = tuple(e.size - 1 for e in reversed(edges))
     return Cells(
         x=edges[0], y=edges[1], z=edges[2], eigenstrain=np.broadcast_to(values[..., None, None, None], (3, 3, *shape)),
-        kept=kept,
+        stiffness_factor=kept,
     )  # fmt: skip
 
 

@@ -189,7 +189,7 @@ def strained_cells(kept=None):
     middles = (edges[1:] + edges[:-1]) / 2
     amount = np.maximum(0.0, 1.0 - (middles**2 + middles[:, None] ** 2) / 1.2**2) * np.ones((2, 1, 1))
     tensor = np.diag([0.01, 0.01, -0.02])[:, :, None, None, None] * amount
-    return Cells(x=edges, y=edges, z=depths, eigenstrain=tensor, kept=kept)
+    return Cells(x=edges, y=edges, z=depths, eigenstrain=tensor, stiffness_factor=kept)
 
 
 @pytest.mark.slow
@@ -214,7 +214,7 @@ def test_cells_that_keep_a_part_of_the_stiffness_are_a_softer_body():
     edges, depths = np.linspace(-1.0, 1.0, 41), np.array([0.5, 1.0, 1.5])
     samples = np.hypot(*np.meshgrid(*2 * [np.linspace(-1, 1, 401)[:-1] + 0.0025])).reshape(40, 10, 40, 10)
     lost = 0.4 * np.mean(samples <= 0.8, axis=(1, 3)) * np.ones((2, 1, 1))
-    cells = Cells(x=edges, y=edges, z=depths, eigenstrain=np.zeros((3, 3, *lost.shape)), kept=1 - lost)
+    cells = Cells(x=edges, y=edges, z=depths, eigenstrain=np.zeros((3, 3, *lost.shape)), stiffness_factor=1 - lost)
 
     def rod(x, y, z):
         return (x**2 + y**2 <= 0.64) & (z >= 0.5) & (z <= 1.5)

@@ -58,7 +58,7 @@ def test_a_uniform_strain_is_in_balance(name):
     for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
         radial[dofs[0]] = True
     inside = ~((radial & (r == 0)) | (r == r.max()) | (z == 0) | (z == z.max()))
-    states, alone = body.rest(), law.rest(4, 1)
+    states, alone = body.state_at_rest(), law.state_at_rest(4, 1)
     for e_r, e_z in ((0.01, -0.03), (-0.005, 0.02), (0.008, -0.03)):
         u = np.where(radial, e_r * r, e_z * z)
         force, _, after, stress = body.forces(u, states)

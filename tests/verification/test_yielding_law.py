@@ -47,7 +47,7 @@ SCENES = {
 
 def stretched(law, path, before=None):
     """Axial stress, state and strain under axial strains while the other normal stresses are zero."""
-    state = before or law.rest(4, 1)
+    state = before or law.state_at_rest(4, 1)
     strain, stresses = np.zeros((4, 1)), []
     for axial in path:
         strain[2] = axial
@@ -113,7 +113,7 @@ def test_damage_by_both_readings():
 def test_tangent_is_the_derivative_and_flow_keeps_the_volume(name):
     law, rng = LAWS[name], np.random.default_rng(4)
     strain = rng.normal(size=(6, 40)) * np.geomspace(1e-3, 2e-2, 40)
-    _, _, before = law.answer(rng.normal(size=(6, 40)) * 4e-3, law.rest(6, 40))
+    _, _, before = law.answer(rng.normal(size=(6, 40)) * 4e-3, law.state_at_rest(6, 40))
     stress, tangent, after = law.answer(strain, before)
     assert (after["p"] > before["p"]).sum() > 30
     np.testing.assert_allclose(after["plastic"][:3].sum(axis=0), 0.0, atol=1e-15)
@@ -132,7 +132,7 @@ def test_the_law_of_scenes_gives_the_same_stress_on_a_random_path(name):
     law, rng = LAWS[name], np.random.default_rng(7)
     other = ec.make("j2", young_modulus=E, poisson_ratio=NU, **SCENES[name])
     zero = np.zeros(20)
-    mine = law.rest(6, 20)
+    mine = law.state_at_rest(6, 20)
     theirs = {key: np.zeros((entry.components, 20)) for key, entry in other.variables.items()}
     strain = np.zeros((6, 20))
     for _ in range(6):
@@ -147,4 +147,4 @@ def test_the_law_of_scenes_gives_the_same_stress_on_a_random_path(name):
 def test_a_point_that_softens_too_fast_has_no_answer():
     law = YieldingLaw(**STEEL, hardening=linear(500.0, -5 * E))
     with pytest.raises(ArithmeticError, match="must have an answer"):
-        law.answer(np.diag([0.01] * 6)[:, :1], law.rest(6, 1))
+        law.answer(np.diag([0.01] * 6)[:, :1], law.state_at_rest(6, 1))

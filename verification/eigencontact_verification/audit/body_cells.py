@@ -59,7 +59,7 @@ def stored_cells(stored: StoredStep, number: int, *, remembers: bool) -> tuple[t
         stiffness = None
     x, y, z = (_edges(line) for line in stored.lattices[number])
     z[0] = 0.0 if abs(z[0]) < 1e-6 * z[-1] else z[0]
-    return (Cells(x=x, y=y, z=z, eigenstrain=tensor, kept=stiffness),), stiffness is not None
+    return (Cells(x=x, y=y, z=z, eigenstrain=tensor, stiffness_factor=stiffness),), stiffness is not None
 
 
 def smooth_cells(block: Cells, sources: list[Inhomogeneity], material: Any, *, own_law: bool) -> Cells:
@@ -102,9 +102,9 @@ def stress_differences(
 
 def under_bulk(block: Cells, strain: FloatArray) -> Cells:
     """Cells with the eigenstrain by which damaged cells answer the strain (3, 3) of the bulk stress; see `bulk`."""
-    if block.kept is None:
+    if block.stiffness_factor is None:
         return block
-    added = strain[:, :, None, None, None] * (1.0 / block.kept - 1.0)
+    added = strain[:, :, None, None, None] * (1.0 / block.stiffness_factor - 1.0)
     return replace(block, eigenstrain=block.eigenstrain + added)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
 from eigencontact_verification.audit.bulk import bulk_stress_at
-from eigencontact_verification.audit.engines import CAUSES, alone, effects
+from eigencontact_verification.audit.engines import CAUSES, effects, single_effect
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
@@ -62,7 +62,7 @@ class AuditCase(RunCase):
     engine : {"revolution", "solid"}
     lines : tuple of Line
         Their profiles are `profiles`.
-    known : dict
+    closed_form : dict
         What is known in closed form, of a homogeneous body under tractions, by body and profile.
     causes : tuple of str
         Tractions that displace along x, y and z; all cause stress.
@@ -81,14 +81,22 @@ class AuditCase(RunCase):
         *(f"eigencontact_verification.audit.{name}" for name in ("bulk", "engines", "homogeneous")),
         *(
             f"{__name__}:{name}"
-            for name in ("AuditCase.reference", "_asked", "_read", "_read_at", "_as_stored", "_known", "_watched")
+            for name in (
+                "AuditCase.reference",
+                "_solved_bodies",
+                "_read",
+                "_read_at",
+                "_as_stored",
+                "_closed_form",
+                "_watched",
+            )
         ),
     )
 
     bodies: tuple[AuditedBody, ...]
     engine: engines.Engine
     lines: tuple[Line, ...]
-    known: Fields = field(default_factory=dict)
+    closed_form: Fields = field(default_factory=dict)
     causes: tuple[str, ...] = CAUSES["full"]
     budget: int = 0
     window: tuple[float, float] = (0.0, 0.0)
@@ -101,8 +109,8 @@ class AuditCase(RunCase):
         for body in self.bodies:
             lines = _lines_of(self.lines, body.number)
             for line in lines:
-                fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
-            for moved, sign, loaded in _asked(body, self.causes) if lines else ():
+                fields[line.profile.name] += self.closed_form.get(f"{body.number} {line.profile.name}", 0.0)
+            for moved, sign, loaded in _solved_bodies(body, self.causes) if lines else ():
                 solution = engines.solve_body(
                     self.engine, loaded, level=level, outer=outer, watched=_watched(lines), budget=self.budget,
                     ratio=self.ratio, read=_read_at(lines),
@@ -152,7 +160,7 @@ class AuditCase(RunCase):
         total = np.zeros((len(points), len(STRESSES)))
         total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
         total += bulk_stress_at(body.bulk, body.loaded, points)
-        for sign, loaded in engines.asked(body.loaded):
+        for sign, loaded in engines.solved_bodies(body.loaded):
             solved = engines.solve_body(
                 self.engine, loaded, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
                 ratio=self.ratio, read=_read_at(_lines_of(self.lines, body.number)),
@@ -162,14 +170,14 @@ class AuditCase(RunCase):
         return stress
 
 
-def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float, LoadedBody]]:
+def _solved_bodies(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float, LoadedBody]]:
     """Bodies that the elements solve, with the components of displacement that count and the sign in the sum.
 
     Inclusions answer all tractions at every level: the elements are asked for what they change under all.
     """
     loaded = body.loaded
     for kinds, moved in effects(CAUSES["full"] if loaded.regions or loaded.cells else causes):
-        for sign, solved in engines.asked(alone(loaded, kinds)):
+        for sign, solved in engines.solved_bodies(single_effect(loaded, kinds)):
             yield moved, sign, solved
 
 
@@ -219,7 +227,7 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
     return chosen(displacement * side, line.profile)
 
 
-def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
+def _closed_form(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
     """Field of the body along the lines under bulk stress, and the tractions that the elements do not carry."""
     carried = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
     if carried.tractions is None and not np.any(body.bulk):
@@ -234,7 +242,7 @@ def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) ->
         else:
             values = np.zeros(line.values.shape)
             for kinds, moved in effects(causes):
-                by = homogeneous_displacement(alone(carried, kinds).tractions, points, young, nu)
+                by = homogeneous_displacement(single_effect(carried, kinds).tractions, points, young, nu)
                 values += np.isin(line.profile.components, moved) * _as_stored(by, line, body.number)
         fields[f"{body.number} {line.profile.name}"] = values
     return fields
@@ -324,11 +332,11 @@ def _case(
     visible_bodies = [body for body in loaded if _lines_of(lines, body.number)]
     watched = [_watched(_lines_of(lines, body.number)) for body in visible_bodies]
     read = [_read_at(_lines_of(lines, body.number)) for body in visible_bodies]
-    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in visible_bodies]
+    solved = [[solved_body for _, _, solved_body in _solved_bodies(body, causes)] for body in visible_bodies]
     budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
     closed_form: Fields = {}
     for body in loaded:
-        closed_form |= _known(body, lines, causes)
+        closed_form |= _closed_form(body, lines, causes)
     return AuditCase(
         subject=stored.name,
         name=f"step-{stored.step}",
@@ -348,7 +356,7 @@ def _case(
         bodies=loaded,
         engine=engine,
         lines=lines,
-        known=closed_form,
+        closed_form=closed_form,
         causes=causes,
         budget=budget,
         window=stored.window.cell,

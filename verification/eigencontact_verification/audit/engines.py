@@ -27,8 +27,21 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "CAUSES", "Effect", "Engine", "alone", "asked", "base_of", "budget_for", "effects", "engine_for", "known_tractions",
-    "less", "ratio_for", "smoothed", "solve_body", "without_load",
+    "CAUSES",
+    "Effect",
+    "Engine",
+    "base_of",
+    "budget_for",
+    "effects",
+    "engine_for",
+    "known_tractions",
+    "less",
+    "ratio_for",
+    "single_effect",
+    "smoothed",
+    "solve_body",
+    "solved_bodies",
+    "without_load",
 ]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
@@ -96,7 +109,7 @@ def base_of(body: LoadedBody) -> tuple[float, float]:
     return top.young_modulus, top.poisson_ratio
 
 
-def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
+def solved_bodies(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
     """Bodies that the elements solve, each with its sign in the sum."""
     if without_load(body):
         return []
@@ -104,7 +117,7 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
         carried = None if body.tractions is None else smoothed(body.tractions)
         return [(1.0, parity) for parity in parities(replace(body, tractions=carried))]
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
-    if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
+    if not stiff and not body.layers and all(cells.stiffness_factor is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
         return [] if without_load(unloaded) else [(1.0, parity) for parity in parities(unloaded)]
     return [signed for parity in parities(body) for signed in ((1.0, parity), (-1.0, _matrix(parity)))]
@@ -126,7 +139,7 @@ def _matrix(body: LoadedBody) -> LoadedBody:
         replace(
             block,
             eigenstrain=_TRACE * block.eigenstrain,
-            kept=None if block.kept is None else 1.0 - _TRACE * (1.0 - block.kept),
+            stiffness_factor=None if block.stiffness_factor is None else 1.0 - _TRACE * (1.0 - block.stiffness_factor),
         )
         for block in body.cells
     )
@@ -143,7 +156,7 @@ def budget_for(
     Parameters
     ----------
     engine, bodies
-        What solves what: of each body all that `asked` gives.
+        What solves what: of each body all bodies of `solved_bodies`.
     watched, read : sequences of (n, 3) arrays
         For each body where fields are read, and where stress is.
     ratio : float
@@ -163,8 +176,8 @@ def budget_for(
 
     least, most = _BUDGETS if ratio == RATIO else _FOLLOWING
     chosen = least if quick else most
-    for parts, points, inner in zip(bodies, watched, read, strict=True):
-        for body in parts:
+    for solved, points, inner in zip(bodies, watched, read, strict=True):
+        for body in solved:
             centre = centred(body)
             far = float(np.abs(points - centre.origin).max(initial=0.0))
             reach = max(reach_of(centre.body, _reaches(body)), 1.25 * far)
@@ -233,7 +246,7 @@ def effects(causes: tuple[str, ...]) -> tuple[Effect, ...]:
     return tuple((kinds, moved) for moved, kinds in components.items())
 
 
-def alone(body: LoadedBody, kinds: str) -> LoadedBody:
+def single_effect(body: LoadedBody, kinds: str) -> LoadedBody:
     """A body under some kinds of its tractions."""
     if body.tractions is None:
         return body

@@ -1,4 +1,4 @@
-"""What a run of a line contact stores over its steps: loads per length, surface, stress; and what is not judged."""
+"""Stored results of a line contact over its steps: loads per length, surface, stress; and reasons without a verdict."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class StoredStrain:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StoredLine:
-    """What a run of a line contact stores over its steps.
+    """Stored results of a line contact over its steps.
 
     Attributes
     ----------

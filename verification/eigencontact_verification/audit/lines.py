@@ -166,7 +166,7 @@ def stress_lines(
             at, along = _thinned(tuple(index[judged] for index in indices), abscissa[judged])
             name = f"{region.name}, {words}" + (", in what has yielded" if yielded else "")
             profile = Profile(
-                name=name, quantity="stress", points=_settled(region.points[at], body),
+                name=name, quantity="stress", points=_off_interfaces(region.points[at], body),
                 along=along, label=label, components=STRESSES, unit="Pa",
             )  # fmt: skip
             slopes = _slopes(region, at, bases.get(region.body))
@@ -179,7 +179,7 @@ def _thinned(at: tuple[IntArray, ...], along: FloatArray) -> tuple[tuple[IntArra
     return tuple(index[chosen] for index in at), along[chosen]
 
 
-def _settled(points: FloatArray, body: AuditedBody) -> FloatArray:
+def _off_interfaces(points: FloatArray, body: AuditedBody) -> FloatArray:
     """Points off the interfaces of layers, to the side that is meant: at their depth that is the deeper layer's."""
     depth, out = 0.0, points.copy()
     for layer in body.loaded.layers:
@@ -236,14 +236,14 @@ def _on_faces(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
     on_face = np.zeros(points.shape[:-1], dtype=bool)
     for cells in body.loaded.cells:
         content = cells.eigenstrain.reshape(9, *cells.eigenstrain.shape[2:])
-        if cells.kept is not None:
-            content = np.concatenate([content, cells.kept[None]])
+        if cells.stiffness_factor is not None:
+            content = np.concatenate([content, cells.stiffness_factor[None]])
         size = np.abs(content).reshape(len(content), -1).max(axis=1)
         allowed = 1e-3 * np.array([size[:9].max()] * 9 + list(size[9:]))
         edges = (cells.x, cells.y, cells.z)
         outside = np.pad(content, ((0, 0), (1, 1), (1, 1), (1, 1)))
-        if cells.kept is not None:
-            outside[9] = np.pad(cells.kept, 1, constant_values=1.0)
+        if cells.stiffness_factor is not None:
+            outside[9] = np.pad(cells.stiffness_factor, 1, constant_values=1.0)
         index = [np.searchsorted(edges[axis], points[..., axis], side="right") for axis in range(3)]
         inner = outside[:, index[2], index[1], index[0]]
         for axis in range(3):
@@ -264,8 +264,8 @@ def _strained(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
     strained = np.zeros(points.shape[:-1], dtype=bool)
     for cells in body.loaded.cells:
         size = np.abs(cells.eigenstrain).max(axis=(0, 1))
-        if cells.kept is not None:
-            size = np.maximum(size / max(float(size.max()), 1e-300), 1.0 - cells.kept)
+        if cells.stiffness_factor is not None:
+            size = np.maximum(size / max(float(size.max()), 1e-300), 1.0 - cells.stiffness_factor)
         filled = np.pad(size > 1e-9 * max(float(size.max()), 1e-300), 2)
         near = filled.copy()
         for axis in range(3):

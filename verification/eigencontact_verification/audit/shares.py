@@ -51,10 +51,10 @@ def mean_of_parts(block: Cells, beside: FloatArray | None, sources: Sequence[Inh
     strain[..., cut] *= larger
     if beside is not None:
         strain[..., cut] += smaller * beside[..., cut]
-    stiffness = None if block.kept is None else block.kept.copy()
+    stiffness = None if block.stiffness_factor is None else block.stiffness_factor.copy()
     if stiffness is not None:
         stiffness[cut] = 1.0 - larger * (1.0 - stiffness[cut])
-    return replace(block, eigenstrain=strain, kept=stiffness)
+    return replace(block, eigenstrain=strain, stiffness_factor=stiffness)
 
 
 def _labels(sources: Sequence[Inhomogeneity], z: FloatArray, y: FloatArray, x: FloatArray) -> NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""What a benchmark is, the loop that measures a code in its process, and the row that the processes make.
+"""Benchmarks: their description, the loop that measures a code in its process, and the row of all processes.
 
 A benchmark has a set-up, a call, a judge of the answer, and the columns of its table; the loop and the medians stand
 here.
@@ -164,23 +164,23 @@ class Benchmark:
         row["processes"] = len(samples)
         for name, value in samples[-1].items():
             if name.endswith("_s") or name in self.medians:
-                values = _known(samples, name)
+                values = _values(samples, name)
                 row[name] = median(values) if values else None
                 row[f"{name.removesuffix('_s')}_min_s"] = min(values, default=None)
             elif name in ("peak_bytes", *self.worst):
-                row[name] = max(_known(samples, name), default=None)
+                row[name] = max(_values(samples, name), default=None)
             elif name not in _WORDS:
                 row[name] = value
         shares = [s["first_cpu_s"] / s["first_s"] for s in samples if "first_cpu_s" in s]
         row["cores"] = median(shares) if shares else None
         for floor in self.floors:
             for call in ("first", "again"):
-                ratios = [median(times) / s[f"{floor}_s"] for s in samples if (times := _known([s], f"{call}_s"))]
+                ratios = [median(times) / s[f"{floor}_s"] for s in samples if (times := _values([s], f"{call}_s"))]
                 row[f"{call}_per_{floor}"] = median(ratios) if ratios else None
         return row | self.derive(task, row)
 
 
-def _known(samples: list[Sample], name: str) -> list[Any]:
+def _values(samples: list[Sample], name: str) -> list[Any]:
     """Values of all processes in one list, without those that are not known."""
     values = [s.get(name) for s in samples]
     return [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]

@@ -123,7 +123,7 @@ def judged(inclusions: Sequence[dict[str, Any]], degrees: Sequence[int], truth: 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Run:
-    """What is judged of a run: pressure (ny, nx), eigenstrain (6, densities, n), errors; its shapes."""
+    """Judged results of a run: pressure (ny, nx), eigenstrain (6, densities, n), errors; its shapes."""
 
     pressure: FloatArray
     eigenstrain: FloatArray

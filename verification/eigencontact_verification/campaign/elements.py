@@ -63,7 +63,7 @@ def plugins_of(points: Sequence[Point]) -> list[str]:
 
 
 @dataclass(kw_only=True, eq=False)
-class _Asked:
+class _Question:
     """A point with its cases, or the reason where it has none."""
 
     point: Point
@@ -81,29 +81,29 @@ def judge_by_elements(
 
     See `cases_for` and `executor_for`; `progress` learns of the solutions.
     """
-    questions = [_asked(point, folder / "runs", cases_of) for point in points]
+    questions = [_question_of(point, folder / "runs", cases_of) for point in points]
     cases = [case for question in questions for case in question.cases]
     solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=progress)
     by_key = {outcome.case.key: judge(outcome) for outcome in solved}
     return [_judged(campaign, question, [by_key[case.key] for case in question.cases]) for question in questions]
 
 
-def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
+def _question_of(point: Point, runs: Path, cases_of: CasesOf) -> _Question:
     """Cases of a point, named after it."""
     if point.model.failed:
-        return _Asked(point=point, failed=point.model.failed)
+        return _Question(point=point, failed=point.model.failed)
     label = point.model.variant.label
     try:
         point_cases, gaps = cases_of(runs / label)
     except (EigencontactError, ValueError, OSError) as problem:
-        return _Asked(point=point, failed=" ".join(str(problem).split()))
+        return _Question(point=point, failed=" ".join(str(problem).split()))
     reasons = [f"{gap.what}: {gap.reason}" for gap in gaps]
     failed = "" if point_cases else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
     cases = [replace(case, name=f"{label}_{case.name}") for case in point_cases]
-    return _Asked(point=point, cases=cases, gaps=reasons, failed=failed, folder=runs / label)
+    return _Question(point=point, cases=cases, gaps=reasons, failed=failed, folder=runs / label)
 
 
-def _judged(campaign: Campaign, question: _Asked, cases: Sequence[JudgedCase]) -> Judged:
+def _judged(campaign: Campaign, question: _Question, cases: Sequence[JudgedCase]) -> Judged:
     tolerance, claimed = campaign.tolerance, campaign.claimed(question.point.model.names)
     if question.failed:
         nothing = MapFinding(
@@ -118,7 +118,7 @@ def _judged(campaign: Campaign, question: _Asked, cases: Sequence[JudgedCase]) -
     numbers = {finding.quantity: finding for finding in _numbers(question.folder, cases, tolerance, claimed=claimed)}
     of_steps = {name for name, group in groups.items() if any(profile.along.size > 1 for _, profile in group)}
     findings = tuple(
-        _found(name, group, tolerance, claimed=claimed)
+        _finding(name, group, tolerance, claimed=claimed)
         for name, group in groups.items()
         if name in of_steps or name not in numbers
     )
@@ -135,7 +135,7 @@ def _judged(campaign: Campaign, question: _Asked, cases: Sequence[JudgedCase]) -
     )  # fmt: skip
 
 
-def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> MapFinding:
+def _finding(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> MapFinding:
     """Worst of all profiles of a name; errors are parts of the largest value of all."""
     judged_profiles = [(case, profile) for case, profile in group if profile.name in case.estimates]
     if len(judged_profiles) < len(group):

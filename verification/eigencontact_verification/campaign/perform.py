@@ -56,7 +56,7 @@ def perform(
     counted = _Counted(tell, sum(1 + len(point.reference) for point in points))
     counted.labels = {point.model.variant.label: point.label for point in points}
     ran = perform_runs(
-        points, folder / "runs", workers=workers, cluster=cluster, by_itself=campaign.whole_scenes, tell=counted.one
+        points, folder / "runs", workers=workers, cluster=cluster, by_itself=campaign.whole_scenes, tell=counted.count
     )
     if campaign.judge == "scene":
         ratio = campaign.coarse_ratio if coarse else campaign.ratio
@@ -75,15 +75,15 @@ class _Counted:
     """Counts runs and then solutions in one row; a `Progress` of the campaign of solutions."""
 
     def __init__(self, tell: Told | None, total: int) -> None:
-        self._told, self._total, self._done = tell, total, 0
+        self._tell, self._total, self._done = tell, total, 0
         #: Label of each point by the name of its folder, with which the names of its cases begin.
         self.labels: dict[str, str] = {}
 
-    def one(self, label: str) -> None:
+    def count(self, label: str) -> None:
         """Something has ended."""
         self._done += 1
-        if self._told is not None:
-            self._told(label, self._done, self._total)
+        if self._tell is not None:
+            self._tell(label, self._done, self._total)
 
     def started(self, tasks: Sequence[Task]) -> None:
         """Solutions are to come."""
@@ -95,4 +95,4 @@ class _Counted:
         folder = max(folders, key=len, default="")
         name = task.case.name.removeprefix(f"{folder}_").replace("-", " ")
         label = ", ".join(text for text in (self.labels.get(folder, ""), name) if text)
-        self.one(f"{label}: {task.label}{f': {outcome.reason}' if outcome.reason else ''}")
+        self.count(f"{label}: {task.label}{f': {outcome.reason}' if outcome.reason else ''}")

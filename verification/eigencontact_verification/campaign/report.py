@@ -146,7 +146,7 @@ def _gaps(report: MapReport) -> list[str]:
     return [f"{gap} ({gaps.count(gap)} of {len(report.points)} points)" for gap in dict.fromkeys(gaps)]
 
 
-def _told(report: MapReport) -> list[str]:
+def _sentences(report: MapReport) -> list[str]:
     campaign = report.campaign
     words = [totals(campaign, report.points)]
     if campaign.trend:
@@ -159,7 +159,7 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
     """Markdown between the markers of a page: sentences, ranges of agreement, one table; not the whole report."""
     campaign = report.campaign
     blocks = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
-    blocks += _told(report)
+    blocks += _sentences(report)
     said = answers(campaign, report.points)
     if said:
         blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
@@ -171,7 +171,7 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
 
 
 def _markdown(report: MapReport) -> str:
-    blocks = [f"# {report.campaign.title}", *_told(report), _METHOD, "![map](map.png)"]
+    blocks = [f"# {report.campaign.title}", *_sentences(report), _METHOD, "![map](map.png)"]
     said = answers(report.campaign, report.points)
     if said:
         blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
@@ -190,7 +190,7 @@ def _verdicts(report: MapReport, *, words: bool = True) -> str:
 
 def _html(report: MapReport, picture: Path) -> str:
     head, *rows = _rows(report.points)
-    blocks = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
+    blocks = [f"<p>{html.escape(words)}</p>" for words in (*_sentences(report), _METHOD)]
     blocks.append(html_picture(picture, f"map of {report.campaign.title}"))
     said = answers(report.campaign, report.points)
     if said:

@@ -40,7 +40,7 @@ def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: flo
             if quantity.condition and not evaluate(quantity.condition, names, f"{quantity.name}: if"):
                 continue
             try:
-                finding = _failed(quantity, missing) if missing else _found(quantity, contexts, ratio, bars)
+                finding = _failed(quantity, missing) if missing else _finding(quantity, contexts, ratio, bars)
             except SceneError as problem:
                 finding = _failed(quantity, str(problem))
             findings.append(replace(finding, claimed=campaign.claimed(names.names, quantity)))
@@ -61,7 +61,7 @@ def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
     return np.asarray(values, dtype=float).reshape(-1, 1)
 
 
-def _found(quantity: Quantity, contexts: list[Context], ratio: float, bars: Errors) -> MapFinding:
+def _finding(quantity: Quantity, contexts: list[Context], ratio: float, bars: Errors) -> MapFinding:
     model, coarse, medium, fine = values = [_values(quantity, context) for context in contexts]
     sizes = [len(value) for value in values]
     if len(set(sizes)) > 1:

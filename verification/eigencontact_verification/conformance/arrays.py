@@ -21,7 +21,7 @@ def mirror_orders(total: int) -> list[Order]:
     return [order for order in of_total(total) if order[2] <= 1]
 
 
-def _asked(shape: Any) -> Iterator[tuple[str, list[Order]]]:
+def _potentials(shape: Any) -> Iterator[tuple[str, list[Order]]]:
     """Everything the framework asks for, potential by potential."""
     yield "phi", [order for total in (1, 2, 3, 4) for order in of_total(total)]
     yield "psi", [order for total in (3, 4, 5) for order in of_total(total)]
@@ -39,7 +39,7 @@ def _places(shape: Any, which: str) -> FloatArray:
 @check
 def check_potential_arrays(shape: Any) -> None:
     """Answers have shape (len(orders), ...) for 0-d, (1,), (n,), (nz, ny, nx) and no points; each point for itself."""
-    for which, orders in _asked(shape):
+    for which, orders in _potentials(shape):
         some, places = orders[::3], _places(shape, which)[:12]
         flat = potential(shape, which, some, places)
         for form in ((), (1,), (12,), (3, 2, 2), (0,)):
@@ -74,7 +74,7 @@ def check_potential_arrays(shape: Any) -> None:
 @check
 def check_potentials_pure(shape: Any) -> None:
     """Same answer twice; inputs stay as they were, and may be read-only."""
-    for which, orders in _asked(shape):
+    for which, orders in _potentials(shape):
         points = np.ascontiguousarray(_places(shape, which).T)
 
         def ask(which: str = which, orders: list[Order] = orders, points: FloatArray = points) -> Any:
@@ -95,7 +95,7 @@ def check_potentials_finite(shape: Any) -> None:
     lattice = box.center + box.half * np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
     below = lattice[lattice[:, 2] <= 0]
     probes = 1e-6 * box.size * evenly(24)
-    for which, orders in _asked(shape):
+    for which, orders in _potentials(shape):
         # chi belongs to the image: what it is asked at depth Z concerns the place Z above the surface
         points_of_call, real = (below * [1, 1, -1], below) if which == "chi" else (lattice, lattice)
         state = inside(shape, real[:, None, :] + probes)

@@ -1,4 +1,4 @@
-"""What happens on the boundary: displacements are continuous, a face takes the mean, a flush face its own side."""
+"""Checks on the boundary of a region: displacements are continuous, a face takes the mean, a flush face one side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every component promises: a registered key, sources, frozen fields that are its table, refusals by name."""
+"""Checks of every component: a registered key, sources, frozen fields that are its table, refusals by name."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def _spoilt(value: Any, bad: float) -> Iterator[Any]:
 
 
 def _plain(value: Any) -> Any:
-    """What TOML can hold."""
+    """Value in the types of TOML."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, (tuple, list)):

@@ -1,4 +1,4 @@
-"""What every eigenstrain field promises: Mandel vectors that broadcast, the same ones each time, as declared."""
+"""Checks of eigenstrain fields: Mandel vectors that broadcast, the same ones each time, as declared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every fatigue criterion promises: one finite number a point, without a preferred axis, start or point."""
+"""Checks of fatigue criteria: one finite number a point, without a preferred axis, start or point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every friction law promises: a finite shear bound of the shape of the pressure, the same one each time."""
+"""Checks of friction laws: a finite shear bound of the shape of the pressure, the same one each time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every geometry promises: finite separations that broadcast, the same ones each time."""
+"""Checks of geometries: finite separations that broadcast, the same ones each time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hardening and damage laws promise: a curve over strain with its slope, in range, the same each time."""
+"""Checks of hardening and damage laws: a curve over strain with its slope, in range, the same each time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is true of the potentials of any region, without quadrature: Laplacians, one order from the next, symmetry."""
+"""Identities of the potentials of any region, without quadrature: Laplacians, one order from the next, symmetry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What constitutive laws with optional abilities promise: the law of a place, of a body, and the answer of a cell."""
+"""Checks of optional abilities of constitutive laws: the law of a place, of a body, and the answer of a cell."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from eigencontact_verification.conformance.law_questions import (
     history,
     law_check,
     pairs,
-    rest,
     some_strains,
+    state_at_rest,
     stress_check,
     there,
 )
@@ -101,7 +101,7 @@ def check_cell_answer(law: Any) -> None:
             isinstance(strain, np.ndarray) and strain.shape == foreign.shape and bool(np.isfinite(strain).all()),
             "cell_answer", f"finite, of shape {foreign.shape}", getattr(strain, "shape", type(strain).__name__), "",
         )  # fmt: skip
-        stress = foreign - _taken(strain)
+        stress = foreign - _stress_of(strain)
         law_answer = answered(law, Question(_strain(stress) + strain - prestrain, question.before, question.step))
         stiffness = np.abs(law_answer.tangent).max(axis=(0, 1))
         size = np.linalg.norm(foreign, axis=0) + stiffness * np.linalg.norm(prestrain, axis=0)
@@ -122,7 +122,7 @@ def check_means(law: Any) -> None:
     averaged = dict(law.averaged)
     if not averaged:
         return
-    declared: Any = rest(law, 0)
+    declared: Any = state_at_rest(law, 0)
     unknown = sorted(set(averaged) - set(declared))
     ensure(not unknown, "averaged", f"names of variables, {sorted(declared)}", unknown, "declare them")
     for name, radius in averaged.items():
@@ -144,7 +144,7 @@ def check_means(law: Any) -> None:
     ensure(differs, "stress at twice the means", "another one", "the same", "let what is averaged act by step.means")
 
 
-def _taken(eigenstrain: FloatArray) -> FloatArray:
+def _stress_of(eigenstrain: FloatArray) -> FloatArray:
     """Stress of a cell that its own eigenstrain takes away."""
     mean = eigenstrain[:3].mean(axis=0)
     out = _AROUND.shear_stiffness * eigenstrain

@@ -1,4 +1,4 @@
-"""What every constitutive law promises of its arrays: shapes, declared variables, points that do not see each other."""
+"""Checks of the arrays of constitutive laws: shapes, declared variables, points that do not see each other."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from eigencontact_verification.conformance.law_questions import (
     law_check,
     pairs,
     parts,
-    rest,
     some_strains,
+    state_at_rest,
     step_at,
     stress_check,
 )
@@ -65,7 +65,7 @@ def check_response_shapes(law: Any) -> None:
     for count in (0, 1, 2, 24):
         for duration in (1.0, 0.0):
             question = Question(
-                some_strains(count), rest(law, count), step_at(count, time=duration, duration=duration)
+                some_strains(count), state_at_rest(law, count), step_at(count, time=duration, duration=duration)
             )  # fmt: skip
             _complete(law, question, f"{count} points, duration {duration:g}")
     for question, _ in history(law):
@@ -97,7 +97,7 @@ def _formed(values: Any, shapes: list[tuple[int, ...]], what: str) -> None:
 def check_rest(law: Any) -> None:
     """At rest, without strain, there is no stress, the tangent is finite, and what is remembered stays zero."""
     for duration in (1.0, 0.0):
-        question = Question(np.zeros((6, 8)), rest(law, 8), step_at(8, time=1.0, duration=duration))
+        question = Question(np.zeros((6, 8)), state_at_rest(law, 8), step_at(8, time=1.0, duration=duration))
         answer = answered(law, question)
         ensure(
             np.all(answer.stress == 0.0), f"stress without strain at rest, duration {duration:g}", "zero",
@@ -140,7 +140,7 @@ def check_points_alone(law: Any) -> None:
     for question, _ in history(law):
         whole = answered(law, question)
         for point in range(0, question.count, 5):
-            single = answered(law, _one(question, point))
+            single = answered(law, _at_point(question, point))
             for what, many, value in pairs(whole, single):
                 size = float(np.abs(many).max(initial=0.0))
                 ensure(
@@ -150,7 +150,7 @@ def check_points_alone(law: Any) -> None:
                 )  # fmt: skip
 
 
-def _one(question: Question, point: int) -> Question:
+def _at_point(question: Question, point: int) -> Question:
     """One point of a question."""
     columns, step = slice(point, point + 1), question.step
     place = LawStep(x=step.x[columns], y=step.y[columns], z=step.z[columns], time=step.time, duration=step.duration)

@@ -1,4 +1,4 @@
-"""What every linear law promises: a stiffness that stores energy, or where it is infinite, bounded factors."""
+"""Checks of linear laws: a stiffness that stores energy, or where it is infinite, bounded factors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every constitutive law promises of its stress: a true tangent, no preferred axes, no energy out of nothing."""
+"""Checks of the stress of constitutive laws: a true tangent, no preferred axes, no energy out of nothing."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ __all__ = [
     "law_check",
     "pairs",
     "parts",
-    "rest",
     "some_strains",
+    "state_at_rest",
     "step_at",
     "stress_check",
     "there",
@@ -62,7 +62,7 @@ def stress_check(function: Check) -> Check:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Question:
-    """What a law is asked: strain ``(6, n)``, variables before, where and when."""
+    """Input of a law: strain ``(6, n)``, variables before, where and when."""
 
     strain: FloatArray
     before: Mapping[str, FloatArray]
@@ -93,7 +93,7 @@ def step_at(count: int = _POINTS, *, time: float = 1.0, duration: float = 1.0) -
     return LawStep(x=x, y=y, z=np.abs(z), time=time, duration=duration)
 
 
-def rest(law: Any, count: int) -> dict[str, FloatArray]:
+def state_at_rest(law: Any, count: int) -> dict[str, FloatArray]:
     """Variables at rest: zero."""
     return {name: np.zeros((variable.components, count)) for name, variable in law.variables.items()}
 
@@ -124,7 +124,7 @@ def answered(law: Any, question: Question) -> Response:
 
 def history(law: Any, count: int = _POINTS) -> Iterator[tuple[Question, Response]]:
     """Increments that go to a random strain each, with their answers; each begins where the last has ended."""
-    before = rest(law, count)
+    before = state_at_rest(law, count)
     sizes = np.linalg.norm(some_strains(count), axis=0)
     for number in range(1, _INCREMENTS + 1):
         strain = some_strains(count, seed=number)
@@ -138,7 +138,7 @@ def history(law: Any, count: int = _POINTS) -> Iterator[tuple[Question, Response
 
 def along(law: Any, path: FloatArray) -> Iterator[Response]:
     """Answers along paths of strain ``(increments, 6, n)`` that begin at rest."""
-    before = rest(law, path.shape[2])
+    before = state_at_rest(law, path.shape[2])
     for number, strain in enumerate(path, 1):
         question = Question(strain, before, step_at(path.shape[2], time=number / len(path), duration=1.0 / len(path)))
         answer = answered(law, question)

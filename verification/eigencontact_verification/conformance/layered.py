@@ -1,4 +1,4 @@
-"""What every layered medium promises: the elastic field of a load on its surface, wave by wave, at any depth.
+"""Checks of layered media: the elastic field of a load on its surface, wave by wave, at any depth.
 
 The checks know nothing of how the constants depend on depth: they ask the medium for them, and hold its answer against
 the load, equilibrium, Hooke's law, continuity, reciprocity and the half-spaces that short and long waves see.

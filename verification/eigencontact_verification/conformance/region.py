@@ -1,4 +1,4 @@
-"""What every inclusion shape promises: bounds that enclose it, in the body; an indicator that broadcasts."""
+"""Checks of inclusion shapes: bounds that enclose it, in the body; an indicator that broadcasts."""
 
 from __future__ import annotations
 

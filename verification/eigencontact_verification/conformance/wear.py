@@ -1,4 +1,4 @@
-"""What every wear law promises: a finite depth of the shape of the pressure, and that what it says of itself is so."""
+"""Checks of wear laws: a finite depth of the shape of the pressure, and true statements of the law about itself."""
 
 from __future__ import annotations
 

@@ -205,7 +205,7 @@ class Case(ABC):
         """
 
     def refined(self, factor: float) -> Self:
-        """The same case on meshes finer by a factor, or a little more: whole numbers of elements keep their ratio.
+        """Case on meshes finer by a factor, or a little more: whole numbers of elements keep their ratio.
 
         Raises
         ------

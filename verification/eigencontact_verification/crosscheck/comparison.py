@@ -80,8 +80,8 @@ def cells(row: Comparison) -> tuple[str, ...]:
     """Cells of the table under `HEAD`; errors and uncertainties are parts of S."""
     unit = row.unit.replace("m2", "m^2").replace("m3", "m^3")
     values = (readable(value, unit) for value in (row.simulation, row.reference))
-    parts = (row.error, row.u_sa, row.u_fe, row.u_val)
-    shares = (f"{100 * value / abs(row.simulation):.2g} %" for value in parts)
+    numbers = (row.error, row.u_sa, row.u_fe, row.u_val)
+    shares = (f"{100 * value / abs(row.simulation):.2g} %" for value in numbers)
     return (row.profile, *values, *shares, f"{MARKS[row.word]} {row.word}", row.reason)
 
 

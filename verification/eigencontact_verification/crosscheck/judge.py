@@ -136,23 +136,23 @@ def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
 def _row(
     case: Case, profile: Profile, component: str, verdict: Verdict, reference: Estimate, k: int, limit: float
 ) -> Row:
-    parts = {name: float(np.max(values[:, k])) for name, values in reference.parts.items()}
+    contributions = {name: float(np.max(values[:, k])) for name, values in reference.parts.items()}
     reason = verdict.reason
     if verdict.word == "inconclusive" and _finite(verdict.uncertainty):
-        reason += _cause(case, max(parts, key=lambda name: parts[name]), parts, verdict, limit)
+        reason += _cause(case, max(contributions, key=lambda name: contributions[name]), contributions, verdict, limit)
     return Row(
         subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
-        word=verdict.word, reason=reason, difference=_part(verdict.difference, verdict.scale),
-        uncertainty=_part(verdict.uncertainty, verdict.scale), ratio=_finite(verdict.ratio),
-        discretisation=_part(parts["discretisation"], verdict.scale),
-        truncation=_part(parts["truncation"], verdict.scale), scale=_finite(verdict.scale),
+        word=verdict.word, reason=reason, difference=_share(verdict.difference, verdict.scale),
+        uncertainty=_share(verdict.uncertainty, verdict.scale), ratio=_finite(verdict.ratio),
+        discretisation=_share(contributions["discretisation"], verdict.scale),
+        truncation=_share(contributions["truncation"], verdict.scale), scale=_finite(verdict.scale),
         order=_finite(float(reference.order[k])), credible=bool(reference.credible[k]),
     )  # fmt: skip
 
 
-def _cause(case: Case, source: str, parts: Mapping[str, float], verdict: Verdict, limit: float) -> str:
+def _cause(case: Case, source: str, contributions: Mapping[str, float], verdict: Verdict, limit: float) -> str:
     """Largest part of an uncertainty that allows no verdict, and what a user can do about it."""
-    share = _part(parts[source], verdict.scale)
+    share = _share(contributions[source], verdict.scale)
     sentence = f"; its largest part is {SOURCES[source]}" + ("" if share is None else f" ({100 * share:.2g} %)")
     excess = verdict.uncertainty / (limit * verdict.scale) if verdict.scale > 0.0 else 1.0
     remedy = case.remedy(source, excess)
@@ -163,7 +163,7 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def _part(value: float, scale: float) -> float | None:
+def _share(value: float, scale: float) -> float | None:
     return _finite(value / scale) if scale > 0.0 else None
 
 

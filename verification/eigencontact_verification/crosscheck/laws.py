@@ -56,8 +56,8 @@ class LawOfPlugin:
 
     law: Any
 
-    def rest(self, components: int, points: int) -> State:  # noqa: ARG002
-        """See `PointLaw.rest`."""
+    def state_at_rest(self, components: int, points: int) -> State:  # noqa: ARG002
+        """See `PointLaw.state_at_rest`."""
         return {name: np.zeros((variable.components, points)) for name, variable in self.law.variables.items()}
 
     def answer(self, strain: FloatArray, before: State) -> Answer:
@@ -200,7 +200,7 @@ def _refusal(law: Any) -> str:
 def _constants(table: Mapping[str, Any]) -> tuple[float, float]:
     """Young's modulus and Poisson's ratio of the law at rest, for it is that of a whole body."""
     law = _built(table, _YOUNG, _POISSON)
-    tangent = LawOfPlugin(law=law).answer(np.zeros((4, 1)), LawOfPlugin(law=law).rest(4, 1))[1][:, :, 0]
+    tangent = LawOfPlugin(law=law).answer(np.zeros((4, 1)), LawOfPlugin(law=law).state_at_rest(4, 1))[1][:, :, 0]
     shear = 0.5 * tangent[3, 3]
     lame = tangent[0, 1]
     return float(shear * (3 * lame + 2 * shear) / (lame + shear)), float(0.5 * lame / (lame + shear))
@@ -213,7 +213,7 @@ def _onset(law: Any, young: float, nu: float) -> float:
     point = LawOfPlugin(law=law)
 
     def elastic(size: float) -> bool:
-        answer = point.answer(size * strain, point.rest(4, 1))[0][:, 0]
+        answer = point.answer(size * strain, point.state_at_rest(4, 1))[0][:, 0]
         return bool(np.abs(answer - size * young * stress).max() <= _SEEN * size * young)
 
     if not elastic(_LEAST):

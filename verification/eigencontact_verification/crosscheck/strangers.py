@@ -49,7 +49,7 @@ def example_of(component: type, *, clearance: float = 0.75) -> dict[str, Any]:
     if isinstance(declared, Mapping):
         return dict(declared)
     for parameters in _guesses(component):
-        shape = _made(key, parameters)
+        shape = _shape(key, parameters)
         if shape is None:
             continue
         low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
@@ -58,7 +58,7 @@ def example_of(component: type, *, clearance: float = 0.75) -> dict[str, Any]:
             moved = np.asarray(parameters[place]) - (low + high) / 2
             moved[2] += (high[2] - low[2]) / 2 + clearance * float(np.max(high - low))
             parameters[place] = tuple(float(value) for value in moved)
-            shape = _made(key, parameters)
+            shape = _shape(key, parameters)
         if shape is not None and shape.bounds[0][2] >= 0 and point_inside(shape) is not None:
             return parameters
     raise ValueError(
@@ -67,7 +67,7 @@ def example_of(component: type, *, clearance: float = 0.75) -> dict[str, Any]:
     )
 
 
-def _made(key: str, parameters: Mapping[str, Any]) -> Any:
+def _shape(key: str, parameters: Mapping[str, Any]) -> Any:
     try:
         return make(key, kind="inclusion-shape", **parameters)
     except EigencontactError:

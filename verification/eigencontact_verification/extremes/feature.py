@@ -46,15 +46,15 @@ def family(
     """
     pairs = values.items() if isinstance(values, Mapping) else ((value, value) for value in values)
     corners = []
-    for label, given in pairs:
-        several = given if isinstance(given, tuple) else (given,)
+    for label, argument in pairs:
+        several = argument if isinstance(argument, tuple) else (argument,)
         corners.append(
             Corner(
                 name=name.format(*(label if isinstance(label, tuple) else (label,))),
                 error=partial(error, *several),
                 bound=bound(*several) if callable(bound) else bound,
                 reason=reason,
-                quick=quick if isinstance(quick, bool) else given in quick,
+                quick=quick if isinstance(quick, bool) else argument in quick,
             )
         )
     return corners

@@ -148,7 +148,7 @@ def material(model: Model, grid: Grid) -> Material:
         cut.append(near[inside.any(axis=1) & ~inside.all(axis=1)])
     mixed = np.unique(np.concatenate(cut)) if cut else np.empty(0, dtype=np.int64)
     cells = CELLS**3
-    parts: tuple[FloatArray, FloatArray, FloatArray] = (
+    sampled: tuple[FloatArray, FloatArray, FloatArray] = (
         np.empty((mixed.size, cells)),
         np.empty((mixed.size, cells)),
         np.empty((mixed.size, cells, 3, 3)),
@@ -159,12 +159,12 @@ def material(model: Model, grid: Grid) -> Material:
         chunk = slice(start, start + 16)
         some = mixed[chunk]
         points = (grid.low[some, None] + samples * grid.size[some, None]).reshape(-1, 3)
-        for part, value in zip(parts, state(model, points), strict=True):
-            part[chunk] = value.reshape(some.size, cells, SAMPLES**3, *value.shape[1:]).mean(axis=2)
-    for whole, part in zip((lam, mu, stress), parts, strict=True):
-        whole[mixed] = part.mean(axis=1)
+        for target, value in zip(sampled, state(model, points), strict=True):
+            target[chunk] = value.reshape(some.size, cells, SAMPLES**3, *value.shape[1:]).mean(axis=2)
+    for whole, target in zip((lam, mu, stress), sampled, strict=True):
+        whole[mixed] = target.mean(axis=1)
     return Material(
-        lam=lam, mu=mu, eigenstress=stress, cut=mixed, cut_lam=parts[0], cut_mu=parts[1], cut_eigenstress=parts[2]
+        lam=lam, mu=mu, eigenstress=stress, cut=mixed, cut_lam=sampled[0], cut_mu=sampled[1], cut_eigenstress=sampled[2]
     )
 
 

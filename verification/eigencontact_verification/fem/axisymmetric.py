@@ -153,7 +153,7 @@ def _bases(model: AxisymmetricModel, grid: Grid) -> Iterator[tuple[CellBasis, Fl
             yield basis, model.material(places[0], places[1], grid, ids)
 
 
-def _held(
+def _prescribed(
     model: AxisymmetricModel, basis: CellBasis, *, everywhere: bool
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Unknowns with a given displacement, and which unknowns are radial.
@@ -235,14 +235,14 @@ def solve_axisymmetric(
     for basis, material in _bases(model, grid):
         lam, mu = lame(material[0], material[1])
         initial_stress = _stress(material, material[2:] - remote[:, None, None])
-        parts = _assemble(basis, lam, mu, initial_stress + uniform)
-        matrix, load = matrix + parts[0], load + parts[1]
+        contribution = _assemble(basis, lam, mu, initial_stress + uniform)
+        matrix, load = matrix + contribution[0], load + contribution[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
     for disc in model.discs:
         load = load + surface_load(disc, basis)
-    prescribed_unknowns, radial = _held(model, basis, everywhere=prescribed is not None)
+    prescribed_unknowns, radial = _prescribed(model, basis, everywhere=prescribed is not None)
     far = np.zeros(basis.N)  # what the resultant load would do to a half-space, on the outer boundary
     if model.far_field and prescribed is None:
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))

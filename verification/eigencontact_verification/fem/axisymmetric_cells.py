@@ -69,7 +69,7 @@ class CellPressure:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CellField:
-    """Eigenstrain and stiffness that is kept, averaged over the angle.
+    """Eigenstrain and factor of the stiffness, averaged over the angle.
 
     Attributes
     ----------
@@ -79,14 +79,14 @@ class CellField:
         Faces of the rows.
     eigenstrain : (4, nz, n)
         e_rr, e_tt, e_zz, e_rz.
-    kept : (nz, n)
+    stiffness_factor : (nz, n)
         Factor of Young's modulus.
     """
 
     r: FloatArray
     z: FloatArray
     eigenstrain: FloatArray
-    kept: FloatArray
+    stiffness_factor: FloatArray
 
     @property
     def bounds(self) -> tuple[Pair, Pair]:
@@ -106,12 +106,12 @@ class CellField:
         k = np.clip(np.searchsorted(self.r, r) - 1, 0, self.r.size - 2)
         s = np.clip((r - self.r[k]) / (self.r[k + 1] - self.r[k]), 0.0, 1.0)
         strain = (1 - s) * self.eigenstrain[:, row, k] + s * self.eigenstrain[:, row, k + 1]
-        stiffness = (1 - s) * self.kept[row, k] + s * self.kept[row, k + 1]
+        stiffness = (1 - s) * self.stiffness_factor[row, k] + s * self.stiffness_factor[row, k + 1]
         return np.where(inside, strain, 0.0), np.where(inside, stiffness, 1.0)
 
     @classmethod
     def averaged(
-        cls, x: FloatArray, y: FloatArray, z: FloatArray, eigenstrain: FloatArray, kept: FloatArray | None
+        cls, x: FloatArray, y: FloatArray, z: FloatArray, eigenstrain: FloatArray, stiffness: FloatArray | None
     ) -> CellField:
         """Mean over the angle of cells with edges x, y from the axis on and z, eigenstrain (3, 3, nz, ny, nx)."""
         samples = int(np.clip(_SAMPLES // max(x.size, y.size), _LEAST, _MOST))
@@ -147,10 +147,10 @@ class CellField:
             mean(e[2, 2], unit),
             mean(e[0, 2], cosine) + mean(e[1, 2], sine),
         ))  # fmt: skip
-        lost = mean(1 - kept, unit) if kept is not None else np.zeros(tensor.shape[1:])
+        lost = mean(1 - stiffness, unit) if stiffness is not None else np.zeros(tensor.shape[1:])
         middles = np.append((edges[:-1] + edges[1:]) / 2, edges[-1] + width / 2)
         last = np.flatnonzero(np.any(tensor != 0, axis=(0, 1)) | np.any(lost != 0, axis=0))
         stop = int(last[-1]) + 1 if last.size else 1
         tensor = np.concatenate([tensor[..., :stop], np.zeros((4, z.size - 1, 1))], axis=2)
         lost = np.concatenate([lost[:, :stop], np.zeros((z.size - 1, 1))], axis=1)
-        return cls(r=middles[: stop + 1], z=z, eigenstrain=tensor, kept=1 - lost)
+        return cls(r=middles[: stop + 1], z=z, eigenstrain=tensor, stiffness_factor=1 - lost)

@@ -74,7 +74,7 @@ def _disc_load(disc: Disc, basis: CellBasis) -> FloatArray:
 
 
 def _cells_load(cells: CellPressure, basis: CellBasis) -> FloatArray:
-    """The same of cells: the mean over the angle of what they hand to the shape functions.
+    """Load of stored cells: the mean over the angle of their load on the shape functions.
 
     Gauss points in the cells: force and, because quadratic elements hold r^2, the second moment are exact.
     """

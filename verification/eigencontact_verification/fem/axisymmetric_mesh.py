@@ -146,9 +146,9 @@ def _elements(lattice: FloatArray) -> FloatArray:
     return np.stack(nodes, axis=1)
 
 
-def _split(lines: FloatArray, parts: int) -> FloatArray:
+def _split(lines: FloatArray, count: int) -> FloatArray:
     """Every interval in ``parts`` equal ones; the given lines are kept to the last bit."""
-    inner = lines[:-1, None] + np.diff(lines)[:, None] * np.arange(parts) / parts
+    inner = lines[:-1, None] + np.diff(lines)[:, None] * np.arange(count) / count
     return np.append(inner.ravel(), lines[-1])
 
 

@@ -1,4 +1,4 @@
-"""What an axisymmetric finite-element model is made of: bodies of revolution about the z axis in the half plane (r, z).
+"""Data of an axisymmetric finite-element model: bodies of revolution about the z axis, in the half plane (r, z).
 
 Conventions: z into the body, the body is z >= 0 and its surface z = 0; stress positive in tension, pressure positive in
 compression; eigenstrain positive in expansion, ``stress = C : (strain - eigenstrain)``. Any consistent units.

@@ -148,9 +148,9 @@ def _means(grid: Grid, cells: Cells, values: FloatArray, outside: float) -> tupl
 def damaged(grid: Grid, stuff: Material, boxes: Sequence[Cells]) -> Material:
     """Moduli with what damage leaves of them, and the eigenstrain of boxes in the elements that are cut."""
     for cells in boxes:
-        if cells.kept is None:
+        if cells.stiffness_factor is None:
             continue
-        number, stiffness = _means(grid, cells, cells.kept, 1.0)
+        number, stiffness = _means(grid, cells, cells.stiffness_factor, 1.0)
         varied = number[np.ptp(stiffness, axis=1) > 1e-12]
         stuff = _cut_more(stuff, varied)
         factor = np.ones((grid.elements, 1))
@@ -179,7 +179,7 @@ def damaged(grid: Grid, stuff: Material, boxes: Sequence[Cells]) -> Material:
 
 
 def _cut_more(stuff: Material, elements: IntArray) -> Material:
-    """The same material with more of its elements in sub-cells."""
+    """Material with more of its elements in sub-cells."""
     new = np.setdiff1d(elements, stuff.cut)
     if not new.size:
         return stuff
@@ -199,13 +199,13 @@ def _cut_more(stuff: Material, elements: IntArray) -> Material:
 
 
 def cell_state(boxes: Sequence[Cells], points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What is kept of the moduli (n,), and the eigenstrain (n, 3, 3) of boxes, at points (n, 3)."""
+    """Factor of the moduli (n,), and the eigenstrain (n, 3, 3) of boxes, at points (n, 3)."""
     stiffness, strain = np.ones(len(points)), np.zeros((len(points), 3, 3))
     for cells in boxes:
         at = [np.searchsorted(edges, points[:, axis], side="right") - 1 for axis, edges in enumerate(_edges(cells))]
         inside = np.logical_and.reduce([(i >= 0) & (i < e.size - 1) for i, e in zip(at, _edges(cells), strict=True)])
         x, y, z = (i[inside] for i in at)
         strain[inside] += np.moveaxis(cells.eigenstrain[:, :, z, y, x], -1, 0)
-        if cells.kept is not None:
-            stiffness[inside] *= cells.kept[z, y, x]
+        if cells.stiffness_factor is not None:
+            stiffness[inside] *= cells.stiffness_factor[z, y, x]
     return stiffness, strain

@@ -1,4 +1,4 @@
-"""What the outer faces of a block get from the half-space beyond: the field of the tractions as point forces.
+"""Loads on the outer faces of a block: the field of the tractions, as point forces on the half-space.
 
 Far away a patch of tractions is its point forces on a homogeneous half-space (Boussinesq, Cerruti), here those of at
 most `BLOCKS` x `BLOCKS` parts of the loaded cells, so that moments and eccentric shear are in it. *Fixed* faces get

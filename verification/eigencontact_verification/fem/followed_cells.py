@@ -88,7 +88,7 @@ def jumps_on_lines(body: LoadedBody, grid: Grid) -> tuple[FloatArray, FloatArray
     for cells in body.cells:
         strain = cells.eigenstrain.reshape(9, *cells.eigenstrain.shape[2:])
         fields = [(strain, _COUNTS * float(np.abs(strain).max()))]
-        fields += [] if cells.kept is None else [(1.0 - cells.kept[None], _COUNTS)]
+        fields += [] if cells.stiffness_factor is None else [(1.0 - cells.stiffness_factor[None], _COUNTS)]
         for axis in range(3):
             edges, along = _edges(cells, axis), 3 - axis
             if edges.size <= FEW:

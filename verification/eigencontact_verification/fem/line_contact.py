@@ -145,7 +145,7 @@ class _Solver:
             stick=zeros > 0,
             displacement=np.zeros(self.size),
             stresses=(None,) * len(self.halves),
-            states=tuple(half.body.rest() for half in self.halves),
+            states=tuple(half.body.state_at_rest() for half in self.halves),
         )
         if any(np.any(half.body.prestrain) for half in self.halves):
             now = self.advance(now, now.step)

@@ -1,4 +1,4 @@
-"""What a contact along a line is made of, in plain numbers: half planes, a gap, friction, loads per length."""
+"""Data of a contact along a line, in plain numbers: half planes, a gap, friction, loads per length."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ class HalfPlane:
     def _condensed(self) -> tuple[Any, IntArray, Any, Any, Any, FloatArray, FloatArray]:
         """Factors of K_ii, the inner unknowns, K, K_si, K_is, S, and the forces of the eigenstrain."""
         body = self.body
-        force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.rest())
+        force, matrix, _, _ = body.forces(np.zeros(body.basis.N), body.state_at_rest())
         unknowns = self.unknowns
         interior = np.setdiff1d(np.flatnonzero(~self.prescribed), unknowns).astype(np.int64)
         rows = matrix.tocsr()
@@ -201,4 +201,4 @@ class HalfPlane:
         displacement = self.far(step)
         displacement[self.unknowns] = condensed
         displacement[interior] = factors.solve(self._right_hand_side(step)[interior] - coupling @ condensed)
-        return self.body.answer(displacement, self.body.rest())[0]
+        return self.body.answer(displacement, self.body.state_at_rest())[0]

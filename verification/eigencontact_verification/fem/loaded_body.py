@@ -62,7 +62,7 @@ class Cells:
         Edges of the cells.
     eigenstrain : (3, 3, nz, ny, nx) float64
         Plastic strain, prestrain; adds to that of the regions.
-    kept : (nz, ny, nx) float64 or None
+    stiffness_factor : (nz, ny, nx) float64 or None
         Factor of the elastic constants, 1 - D; None: 1 everywhere.
     """
 
@@ -70,15 +70,17 @@ class Cells:
     y: FloatArray
     z: FloatArray
     eigenstrain: FloatArray
-    kept: FloatArray | None = None
+    stiffness_factor: FloatArray | None = None
 
     def __post_init__(self) -> None:
         edges = (self.x, self.y, self.z)
         _edges("cells", edges, self.eigenstrain.shape[2:])
-        if self.kept is not None:
-            _edges("cells", edges, self.kept.shape)
-            if not np.all(self.kept > 0):
-                raise ValueError(f"cells.kept must be positive (got {self.kept.min()}); bound the damage below 1")
+        if self.stiffness_factor is not None:
+            _edges("cells", edges, self.stiffness_factor.shape)
+            if not np.all(self.stiffness_factor > 0):
+                raise ValueError(
+                    f"cells.stiffness_factor must be positive (got {self.stiffness_factor.min()}); limit the damage"
+                )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,7 +98,7 @@ class LoadedBody:
     tractions : Tractions or None
         On the surface.
     cells : tuple of Cells
-        Their eigenstrains add; they do not overlap in `kept`.
+        Their eigenstrains add; they do not overlap in `stiffness_factor`.
     """
 
     young_modulus: float

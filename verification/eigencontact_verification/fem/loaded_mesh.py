@@ -68,7 +68,7 @@ def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coordinates along x, y, z where the field has kinks on planes: interfaces, faces of boxes and of large cells."""
     breaks: list[list[float]] = [[], [], np.cumsum([layer.thickness for layer in body.layers]).tolist()]
     for region in body.regions:
-        for axis in (one for one in range(3) if has_flat_ends(region, one)):
+        for axis in (direction for direction in range(3) if has_flat_ends(region, direction)):
             breaks[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
     for cells in body.cells:
         edges = (cells.x, cells.y, cells.z)
@@ -124,7 +124,7 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
 
 
 def _away(distance: FloatArray, largest: float, rate: float) -> FloatArray:
-    """What elements are longer at a distance from a source."""
+    """Growth of the elements with the distance from a source."""
     away = np.maximum(distance, 0.0)
     return np.asarray(rate * away * (1 + away / (_DOUBLED * largest)))
 

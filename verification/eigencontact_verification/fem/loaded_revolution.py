@@ -177,8 +177,8 @@ def _pressure(body: LoadedBody, axis: Point) -> tuple[CellPressure, ...]:
 def _field(cells: Cells, axis: Point) -> CellField | None:
     """Mean over the angle of the rows that hold something."""
     rows = np.any(cells.eigenstrain != 0, axis=(0, 1, 3, 4))
-    if cells.kept is not None:
-        rows |= np.any(cells.kept != 1, axis=(1, 2))
+    if cells.stiffness_factor is not None:
+        rows |= np.any(cells.stiffness_factor != 1, axis=(1, 2))
     if not np.any(rows):
         return None
     used = slice(int(np.flatnonzero(rows)[0]), int(np.flatnonzero(rows)[-1]) + 1)
@@ -187,7 +187,7 @@ def _field(cells: Cells, axis: Point) -> CellField | None:
         cells.y - axis[1],
         cells.z[used.start : used.stop + 1],
         cells.eigenstrain[:, :, used],
-        None if cells.kept is None else cells.kept[used],
+        None if cells.stiffness_factor is None else cells.stiffness_factor[used],
     )
 
 

@@ -86,8 +86,8 @@ def boxes_of(body: LoadedBody, least: float = 0.0) -> Iterator[tuple[str, FloatA
     for cells in body.cells:
         size = np.abs(cells.eigenstrain).max(axis=(0, 1))
         size = size / max(float(size.max()), 1e-300)
-        if cells.kept is not None:
-            lost = np.abs(1 - cells.kept)
+        if cells.stiffness_factor is not None:
+            lost = np.abs(1 - cells.stiffness_factor)
             size = np.maximum(size, lost / max(float(lost.max()), 1e-300))
         size = size > least
         if size.any():
@@ -136,14 +136,14 @@ def _folded(body: LoadedBody, plane: int, kind: str, middle: float) -> LoadedBod
         strain = None if other is None else _symmetric(cells.eigenstrain, tensor[:, :, None, None, None] * other)
         if strain is None:
             return None
-        stiffness = cells.kept
+        stiffness = cells.stiffness_factor
         if stiffness is not None:
             lost = reflected(1 - stiffness, edges, middle, 2 - plane)
             lost = None if lost is None else _symmetric(1 - stiffness, lost)
             if lost is None:
                 return None
             stiffness = 1 - lost
-        boxes.append(replace(cells, eigenstrain=strain, kept=stiffness))
+        boxes.append(replace(cells, eigenstrain=strain, stiffness_factor=stiffness))
     if body.regions and not _regions_fold(body, plane, tensor, middle):
         return None
     return replace(body, tractions=loads, cells=tuple(boxes))

@@ -1,4 +1,4 @@
-"""What a finite-element model is made of: a body with eigenstrained regions, loaded patches and layers.
+"""Data of a finite-element model: a body with eigenstrained regions, loaded patches and layers.
 
 Conventions: z into the body, the body is z >= 0 and its surface z = 0; stress positive in tension; eigenstrain positive
 in expansion, ``stress = C : (strain - eigenstrain)``, which is what anisotropic thermal expansion does. Any consistent

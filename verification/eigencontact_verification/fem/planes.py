@@ -49,7 +49,7 @@ def rigid_motions(points: FloatArray) -> FloatArray:
 
 
 def free_motions(motions: FloatArray, fixed: BoolArray) -> FloatArray:
-    """Those combinations of rigid motions that vanish in all constrained unknowns, (points, 3, count)."""
+    """Combinations of rigid motions that vanish in all constrained unknowns, (points, 3, count)."""
     constrained = motions[fixed]
     if not len(constrained):
         return motions

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 from skfem import FacetBasis, LinearForm
 
-from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _held, _traction
+from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution, _assemble, _bases, _prescribed, _traction
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel
 from eigencontact_verification.fem.model import lame
 
@@ -114,7 +114,7 @@ class CoatedRings:
         for basis, material in _bases(model, grid):
             lam, mu = lame(material[0], material[1])
             stiffness = stiffness + _assemble(basis, lam, mu, np.zeros((4, *lam.shape)))[0]
-        prescribed, radial = _held(model, basis, everywhere=False)
+        prescribed, radial = _prescribed(model, basis, everywhere=False)
         free = np.setdiff1d(np.arange(basis.N), prescribed)
         factors = splu(
             stiffness[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,

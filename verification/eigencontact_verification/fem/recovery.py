@@ -49,7 +49,7 @@ _OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 
 
 class SolidSolution(Protocol):
-    """What is asked of a solution."""
+    """Interface of a solution for the recovery of stress."""
 
     model: Any
     grid: Any

@@ -81,7 +81,7 @@ def _axes(body: LoadedBody) -> Point | None:
         sheets.append((body.tractions.x, body.tractions.y, np.abs(body.tractions.values).sum(axis=0)))
     for cells in body.cells:
         weight = np.abs(cells.eigenstrain).sum(axis=(0, 1, 2))
-        lost = 0.0 if cells.kept is None else np.abs(1 - cells.kept).sum(axis=0)
+        lost = 0.0 if cells.stiffness_factor is None else np.abs(1 - cells.stiffness_factor).sum(axis=0)
         sheets += [(cells.x, cells.y, weight), (cells.x, cells.y, lost + 0 * weight)]
     for edges_x, edges_y, weight in sheets:
         if np.any(weight):
@@ -140,8 +140,8 @@ def _components(cells: Cells, axis: Point) -> tuple[list[FloatArray], list[Float
     tt = s * s * e[0, 0] + c * c * e[1, 1] - 2 * c * s * e[0, 1]
     rt = c * s * (e[1, 1] - e[0, 0]) + (c * c - s * s) * e[0, 1]
     alike = [rr, tt, e[2, 2], c * e[0, 2] + s * e[1, 2]]
-    if cells.kept is not None:
-        alike.append(1 - cells.kept)
+    if cells.stiffness_factor is not None:
+        alike.append(1 - cells.stiffness_factor)
     return alike, [rt, c * e[1, 2] - s * e[0, 2]]
 
 

@@ -124,7 +124,7 @@ def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: Float
 
 
 def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, side_of_points: IntArray) -> FloatArray:
-    """What is continuous, (4, n), by cubics through the nearest Gauss points on the same side."""
+    """Continuous components, (4, n), by cubics through the nearest Gauss points on the same side."""
     nodes = solution.grid.nodes
     gauss, element = section_gauss_points(nodes)
     side = _side(solution, np.abs(gauss[:, 0]), gauss[:, 1])

@@ -198,7 +198,7 @@ Word = Literal["agrees", "disagrees", "inconclusive"]
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What a reference with its uncertainty says about a judged component.
+    """Verdict of a reference and its uncertainty on a judged component.
 
     Attributes
     ----------

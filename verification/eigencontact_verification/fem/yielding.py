@@ -194,7 +194,7 @@ class _Solver:
             shear=np.zeros(len(self.surface.r)),
             displacement=np.zeros(basis.N),
             stress=np.zeros(self.body.prestrain.shape),
-            states=self.body.rest(),
+            states=self.body.state_at_rest(),
             iterations=0,
         )
         touch = 0.0

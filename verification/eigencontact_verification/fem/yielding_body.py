@@ -99,9 +99,9 @@ class YieldingBody:
         strains[:, :, :3] += ((smooth - volume) / 3)[:, :, None]
         return np.ascontiguousarray(strains)
 
-    def rest(self) -> tuple[State, ...]:
+    def state_at_rest(self) -> tuple[State, ...]:
         """State of every law's points before any load."""
-        return tuple(law.rest(4, int((self.material == k).sum())) for k, law in enumerate(self.laws))
+        return tuple(law.state_at_rest(4, int((self.material == k).sum())) for k, law in enumerate(self.laws))
 
     def strain(self, u: FloatArray) -> FloatArray:
         """Strain (4, elements, 9) of a displacement, prestrain included."""

@@ -53,9 +53,9 @@ _STEPS, _LEFT = 200, 1e-13
 
 
 class PointLaw(Protocol):
-    """What the elements ask a material: its state at rest, and its answer to a strain."""
+    """Interface of a material for the elements: its state at rest, and its answer to a strain."""
 
-    def rest(self, components: int, points: int) -> State:
+    def state_at_rest(self, components: int, points: int) -> State:
         """State of points that have never been loaded; its entry ``"p"`` is equivalent plastic strain, (n,)."""
         ...
 
@@ -133,8 +133,8 @@ class YieldingLaw:
     damage: Curve | None = None
     effective: bool = False
 
-    def rest(self, components: int, points: int) -> State:
-        """See `PointLaw.rest`."""
+    def state_at_rest(self, components: int, points: int) -> State:
+        """See `PointLaw.state_at_rest`."""
         backs = (len(self.back_stresses), components, points)
         return {"p": np.zeros(points), "plastic": np.zeros((components, points)), "back": np.zeros(backs)}
 
@@ -159,7 +159,7 @@ class YieldingLaw:
             yielding = {name: values[..., outside] for name, values in before.items()}
             more[outside] = self._increment(trial[:, outside], yielding, G)
         p = before["p"] + more
-        lost, _ = self._lost(p)
+        lost, _ = self._damage_of(p)
         _, slope, along, turn = self._excess(trial, before, more, G)
         yields = more > 0
         flow = np.where(yields, _ROOT * more * along, 0.0)
@@ -179,7 +179,7 @@ class YieldingLaw:
         tangent[:, :, ~yields] *= 1 - lost[~yields]
         return stress, tangent, after
 
-    def _lost(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _damage_of(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         return (np.zeros_like(p), np.zeros_like(p)) if self.damage is None else self.damage(p)
 
     def _backs(self, before: State, more: FloatArray, flow: FloatArray) -> FloatArray:
@@ -192,7 +192,7 @@ class YieldingLaw:
         self, trial: FloatArray, before: State, more: FloatArray, G: float
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, ...]]:
         """Excess f and its derivative, the direction n, and (a, |A|, dA/dΔp, w, dw/dΔp)."""
-        lost, loss = self._lost(before["p"] + more)
+        lost, loss = self._damage_of(before["p"] + more)
         w, dw = 1 - lost, -loss
         a, da = (np.ones_like(w), np.zeros_like(w)) if self.effective else (w, dw)
         A, dA = a * trial, da * trial

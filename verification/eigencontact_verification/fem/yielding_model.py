@@ -1,4 +1,4 @@
-"""What an elastic-plastic indentation is made of: a half-space with regions that yield, below a body of revolution."""
+"""Data of an elastic-plastic indentation: a half-space with regions that yield, below a body of revolution."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def cubic_stiffness(c11: float, c12: float, c44: float) -> FloatArray:
 
 
 def turned(stiffness: ArrayLike, rotation: ArrayLike) -> FloatArray:
-    """The same turned by a rotation (3, 3), whose columns are then the crystal's axes."""
+    """Stiffness turned by a rotation (3, 3), whose columns are then the crystal's axes."""
     R = np.asarray(rotation, dtype=float)
     return np.asarray(np.einsum("ip,jq,kr,ls,pqrs->ijkl", R, R, R, R, np.asarray(stiffness, dtype=float)))
 

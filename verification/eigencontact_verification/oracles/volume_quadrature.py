@@ -173,7 +173,7 @@ def _taylor(field: FloatArray, source: FloatArray, a: FloatArray, b: FloatArray,
 
 
 def volume_moments(points: ArrayLike, rule: Rule, space: str = "half", *, gradient: bool = False) -> FloatArray:
-    """What `boundary_moments` gives, as volume integrals of dN_ij/dx'_k; for points outside the region.
+    """Moments of `boundary_moments` as volume integrals of dN_ij/dx'_k; for points outside the region.
 
     Accuracy 1e-13 of the largest moment where the rule itself has converged.
     """

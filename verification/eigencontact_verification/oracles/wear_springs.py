@@ -175,7 +175,7 @@ def first_energy(
 
 
 def sliding_limit(volume: float, load: float, sphere_radius: float) -> tuple[float, float, float]:
-    """What gross sliding tends to once the worn volume V [m³] is far more than the elastic one.
+    """Limit of gross sliding where the worn volume V [m³] far exceeds the elastic one.
 
     Returns
     -------

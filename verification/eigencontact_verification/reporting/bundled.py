@@ -54,7 +54,7 @@ def text_of(name: str, what: str, folder: str) -> str:
 
 
 def read_toml(path: Path, text: str | None, what: str) -> Mapping[str, Any]:
-    """What a file holds.
+    """Content of a file.
 
     Raises
     ------

@@ -217,23 +217,25 @@ def _value(node: ast.expr, context: Context) -> Value:
             several = (_value(item, context) for item in values)
             return all(several) if isinstance(op, ast.And) else any(several)
         case ast.Subscript(value=value, slice=part):
-            return _value(value, context)[_part(part, context)]
+            return _value(value, context)[_index(part, context)]
         case ast.List(elts=several) | ast.Tuple(elts=several):
             return np.asarray([_value(item, context) for item in several])
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
             return _of_call(name, arguments, context)
         case _:
-            raise SceneError(f"a formula must have only numbers, names, + - * / **, comparisons, {', '.join(_known())}")
+            raise SceneError(
+                f"a formula must have only numbers, names, + - * / **, comparisons, {', '.join(_functions())}"
+            )
 
 
-def _part(node: ast.expr, context: Context) -> Any:
+def _index(node: ast.expr, context: Context) -> Any:
     if isinstance(node, ast.Slice):
         ends = [None if end is None else int(_value(end, context)) for end in (node.lower, node.upper)]
         return slice(*ends)
     return int(_value(node, context))
 
 
-def _known() -> list[str]:
+def _functions() -> list[str]:
     return [*FUNCTIONS, *MOMENTS, "given", "has"]
 
 
@@ -253,7 +255,9 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
         condition, item, other = arguments
         return _value(item if bool(_value(condition, context)) else other, context)
     if name not in FUNCTIONS:
-        raise SceneError(f"function must be one of {', '.join(_known())} (got {name!r}){nearest(name, _known())}")
+        raise SceneError(
+            f"function must be one of {', '.join(_functions())} (got {name!r}){nearest(name, _functions())}"
+        )
     return FUNCTIONS[name][0](*(_value(item, context) for item in arguments))
 
 

@@ -45,11 +45,11 @@ def filled(value: Any, context: Context, place: str) -> Any:
     return value
 
 
-def _entries(one: Any, context: Context, place: str) -> list[Any]:
-    if not isinstance(one, Mapping) or _EACH not in one:
-        return [filled(one, context, place)]
-    ((name, values),) = one[_EACH].items()
-    inner = {key: entry for key, entry in one.items() if key != _EACH}
+def _entries(template: Any, context: Context, place: str) -> list[Any]:
+    if not isinstance(template, Mapping) or _EACH not in template:
+        return [filled(template, context, place)]
+    ((name, values),) = template[_EACH].items()
+    inner = {key: entry for key, entry in template.items() if key != _EACH}
     listed = evaluate(values, context, place) if isinstance(values, str) else values
     entries: list[Any] = []
     for number in listed:

@@ -63,20 +63,20 @@ def draw_pictures(
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = []
-    for name in dict.fromkeys(one.study for one in entries if one.study):
+    for name in dict.fromkeys(each.study for each in entries if each.study):
         tell(f"{name}, pictures")
         study, place = STUDIES.find(name), runs / ("quick" if coarse else "full")
         with ExitStack() as opened:
-            pictures = []
+            variants = []
             for item in run_study(study, place, coarse=coarse, workers=workers, cluster=cluster):
                 if not isinstance(item, Failed):
                     opened.enter_context(closing(item.dataset))
-                    pictures.append(item)
-            pictures.sort(key=lambda one: one.place)
-            if not pictures:
+                    variants.append(item)
+            variants.sort(key=lambda each: each.place)
+            if not variants:
                 raise SceneError(f"{name}: no variant has results for a picture")
             for entry in entries:
-                figure = _drawn(entry, study, pictures) if entry.study == name else None
+                figure = _drawn(entry, study, variants) if entry.study == name else None
                 if figure is not None:
                     files.append(folder / picture_name(entry))
                     _write(figure, files[-1])

@@ -34,7 +34,7 @@ def index_of(tables: Mapping[str, Any]) -> Index:
         A faulty key, with its rule.
     """
     entries = {kind: [_entry(entry) for entry in tables.get(kind, [])] for kind in ("figure", "table")}
-    return Index(**entries, erratum=[_made(Erratum, entry, "erratum") for entry in tables.get("erratum", [])])
+    return Index(**entries, erratum=[_record(Erratum, entry, "erratum") for entry in tables.get("erratum", [])])
 
 
 def _entry(table: Mapping[str, Any]) -> Entry:
@@ -43,12 +43,12 @@ def _entry(table: Mapping[str, Any]) -> Entry:
         rule = claim.get("rule")
         if rule is not None and "formula" not in rule:
             rule = {"study": table.get("study", ""), **rule}
-        rule_object = None if rule is None else _made(Rule, rule, f"{table.get('number')} rule")
-        claims.append(_made(Claim, {**claim, "rule": rule_object}, f"{table.get('number')} claim"))
-    return _made(Entry, {**table, "claim": claims}, str(table.get("number")))
+        rule_record = None if rule is None else _record(Rule, rule, f"{table.get('number')} rule")
+        claims.append(_record(Claim, {**claim, "rule": rule_record}, f"{table.get('number')} claim"))
+    return _record(Entry, {**table, "claim": claims}, str(table.get("number")))
 
 
-def _made(kind: type[T], table: Mapping[str, Any], where: str) -> T:
+def _record(kind: type[T], table: Mapping[str, Any], where: str) -> T:
     names = [item.name for item in fields(kind)]  # type: ignore[arg-type]
     strange = next((key for key in table if key not in names), None)
     if strange is not None:

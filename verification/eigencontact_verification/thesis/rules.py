@@ -50,9 +50,9 @@ def number_of(rule: Rule, rows: Sequence[Row]) -> tuple[float | bool, str]:
     """
     here = _read(rule, rows, rule.at)
     if rule.take == "at":
-        return _one(here, rule, rule.at), ""
+        return _single(here, rule, rule.at), ""
     if rule.take in ("ratio", "difference"):
-        first, other = _one(here, rule, rule.at), _one(_read(rule, rows, rule.over), rule, rule.over)
+        first, other = _single(here, rule, rule.at), _single(_read(rule, rows, rule.over), rule, rule.over)
         return first / other if rule.take == "ratio" else first - other, f"{first:.4g} and {other:.4g}"
     if len(here) < 2:
         raise SceneError(f"thesis: rule.at must leave two rows for {rule.take} (got {len(here)} for {dict(rule.at)})")
@@ -103,7 +103,7 @@ def _read(rule: Rule, rows: Sequence[Row], parameters: Mapping[str, Any]) -> lis
     return numbers
 
 
-def _one(numbers: list[tuple[Mapping[str, Any], float]], rule: Rule, parameters: Mapping[str, Any]) -> float:
+def _single(numbers: list[tuple[Mapping[str, Any], float]], rule: Rule, parameters: Mapping[str, Any]) -> float:
     if len(numbers) != 1:
         raise SceneError(
             f"thesis: a rule of {rule.study} must leave one row for {dict(parameters)} (got {len(numbers)})"

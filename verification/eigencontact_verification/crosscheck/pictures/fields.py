@@ -1,4 +1,4 @@
-"""What a case looks like: its semi-analytical line drawn closely, its coarse mesh in space, its field in a section."""
+"""Pictures of a case: its semi-analytical line, its coarse mesh in space, its field in a section."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is drawn of a case, and what its pictures share."""
+"""Subject of the pictures of a case, and their common settings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ OUTLINE_COLOUR = "#D55E00"
 
 @dataclass(frozen=True, kw_only=True)
 class Subject:
-    """What the pictures of a case need.
+    """Data of the pictures of a case.
 
     Attributes
     ----------

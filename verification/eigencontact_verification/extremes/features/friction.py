@@ -61,8 +61,8 @@ def limits(friction: float, ratio: float) -> float:
     shear = np.hypot(data["shear_x"].values[-1], data["shear_y"].values[-1])
     pressure = data["pressure"].values[-1]
     force = float(data["shear_x"].values[-1].sum()) * (2.6 * CONTACT / 24) ** 2
-    wanted = ratio * friction * hertz_load()
-    return max(float((shear - friction * pressure).max() / (friction * pressure.max())), off(force, wanted))
+    pull = ratio * friction * hertz_load()
+    return max(float((shear - friction * pressure).max() / (friction * pressure.max())), off(force, pull))
 
 
 def plate(contrast: float, coupling: str) -> float:

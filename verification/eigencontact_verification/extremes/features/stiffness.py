@@ -43,7 +43,7 @@ DEEP = [0.0, 0.0, 1e-3]
 OUTSIDE = [[1.6e-4, 2e-5, 1e-3], [0.0, 1e-4, 1.12e-3], [8e-5, -9e-5, 9e-4], [0.0, 0.0, 1.25e-3]]
 
 
-def alone(ratio: float) -> float:
+def in_one(ratio: float) -> float:
     """Stress in a whole ball beside Eshelby."""
     expected, _ = sphere_in_body(isotropic_stiffness(ratio * MODULUS, 0.25), MODULUS, NU, np.zeros((3, 3)), PRESTRAIN)
     stress = ball_in_full_space(ratio, "whole", [DEEP, [2e-5, -3e-5, 9.6e-4]])[:3]
@@ -95,7 +95,7 @@ FEATURE = Feature(
     reference="the joint contact modulus, Eshelby's ball, a region of the body's own constants, equilibrium",
     corners=(
         *family("elastic partner, ratio {:g}", partner, (1e-6, 1e6, 1e12), bound=1e-9, reason=MIRROR, quick={1e6}),
-        *family("ball in full space, whole, ratio {:g}", alone, (1e-6, 1e6), bound=2e-6, reason=ESHELBY, quick={1e6}),
+        *family("ball in full space, whole, ratio {:g}", in_one, (1e-6, 1e6), bound=2e-6, reason=ESHELBY, quick={1e6}),
         *family(
             "about a ball in cells, ratio {:g}", in_cells, (1e-2, 2.0, 1e2, 1e6), bound=0.02,
             reason="ten cells a radius, those of the boundary cut: two parts in a hundred, as the README states",
