@@ -20,8 +20,8 @@ from eigencontact.scene.fatigue import CriticalDistance
 
 __all__ = ["largest_first", "utilisation_of"]
 
-#: Points whose stress is read, and whose bounds are computed, at once: their arrays fit the cache.
-_PART = 4_000
+#: Points at least whose stress is read, and whose bounds are computed, at once: their arrays fit the cache.
+_PART = 1_200
 #: Points with the largest bounds that are evaluated first, and the growth of the parts that follow.
 _FIRST, _GROWTH = 16, 4
 #: Round-off of a bound and of a damage parameter, as a part.
@@ -41,7 +41,7 @@ def utilisation_of(
         The criterion returns no damage parameter, or an upper bound that is too small.
     """
     row = region.shape[-1] if region.shape else 1
-    value = largest_first(criterion, region.at, region.places.shape[1], threads, part=max(1, _PART // row) * row)
+    value = largest_first(criterion, region.at, region.places.shape[1], threads, part=-(-_PART // row) * row)
     if settings.distance:
         asked = np.isneginf(value).reshape(region.shape)
         depth = f"{region.region}_z"

@@ -14,7 +14,7 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tensors import SQRT2
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.plugin.fatigue import StressCycle
-from eigencontact.results.cycles import last_cycle
+from eigencontact.results.cycles import OF_CYCLES, last_cycle
 from eigencontact.scene.fatigue import elastic_constants
 
 if TYPE_CHECKING:
@@ -74,11 +74,7 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
     if cycle == "all":
         return list(range(len(numbers)))
     if cycle == "last":
-        scalars = {
-            name: np.asarray(item.values)
-            for name, item in dataset.data_vars.items()
-            if tuple(item.dims) == ("step",) and np.asarray(item.values).dtype.kind == "f"
-        }
+        scalars = {name: np.asarray(item.values) for name, item in dataset.data_vars.items() if name in OF_CYCLES}
         closed_cycle = last_cycle(scalars) or last_cycle(scalars, "twist")
         if closed_cycle is None:
             raise SceneError(
@@ -169,7 +165,8 @@ def elastic_strain(stress: FloatArray, young_modulus: float, poisson_ratio: floa
     [1e-05, -3e-06, -3e-06]
     """
     strain = (1.0 + poisson_ratio) / young_modulus * stress
-    strain[:, :3] -= poisson_ratio / young_modulus * stress[:, :3].sum(axis=1, keepdims=True)
+    trace = stress[:, 0] + stress[:, 1] + stress[:, 2]
+    strain[:, :3] -= (poisson_ratio / young_modulus * trace)[:, None]
     return np.asarray(strain)
 
 
