@@ -456,3 +456,18 @@ def test_everything_at_once(tmp_path, boundary):
     assert float(last.shift_x) == -1e-7
     assert 0.0 < float(last.slip_fraction) < 1.0
     assert np.all(np.diff(found.dissipated_energy) >= 0)
+
+
+def test_a_force_at_the_limit_of_friction_does_not_converge():
+    """Rigid sliding is then possible in all cells at once, and the shift is not determined."""
+    tables = ec.load_scene("fretting-mode-1", ["observers=[]", "grid.cells-per-contact-radius=8"]).resolved()
+    limit = 0.5 * tables["steps"][0]["normal-load"]
+    tables["steps"] = [tables["steps"][0], {"tangential-load-x": limit, "increments": 2}]
+    tables["numerics"]["max-iterations"] = 40
+    words = (
+        r"steps.1.tangential-load-x, at load step 3, must be below what friction carries, .* prescribe shift-x to slide"
+    )
+    with pytest.raises(NotConverged, match=f"{words}: friction did not converge in"):
+        ec.run(tables)
+    tables["steps"][1]["tangential-load-x"] = (1 - 1e-9) * limit
+    assert ec.run(tables).summary["slip_fraction"] == 1.0

@@ -53,7 +53,7 @@ class StressCycle:
     @property
     def hydrostatic(self) -> FloatArray:
         """Mean normal stress ``(steps, points)`` [Pa], tension positive."""
-        return np.asarray(self.stress[:, :3].sum(axis=1) / 3.0)
+        return np.asarray((self.stress[:, 0] + self.stress[:, 1] + self.stress[:, 2]) / 3.0)
 
     @property
     def deviator(self) -> FloatArray:

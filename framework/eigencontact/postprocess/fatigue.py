@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,6 +15,9 @@ from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, shown
 from eigencontact.execution.fields.fatigue import Damage, damage_of
 from eigencontact.execution.fields.largest_damage import utilisation_of
+from eigencontact.execution.fields.stress_cycle import StressAt
+from eigencontact.execution.fields.stress_cycle import cycle_of_region as stored_cycle
+from eigencontact.execution.fields.stress_of_steps import StressOfSteps
 from eigencontact.plugin.fatigue import FatigueCriterion
 from eigencontact.postprocess.answer import Answer
 from eigencontact.postprocess.plot import opened
@@ -26,6 +29,7 @@ from eigencontact.scene.installed import installed_plugins
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.execution.fields.regions import Region
     from eigencontact.results.stored import Results
 
 __all__ = ["Fatigue", "fatigue", "utilisation"]
@@ -162,7 +166,14 @@ def fatigue(
         )  # fmt: skip
 
 
-def utilisation(results: Any, criterion: Any, *, region: str | None = None, threads: int | None = None) -> float:
+def utilisation(
+    results: Any,
+    criterion: Any,
+    *,
+    region: str | None = None,
+    threads: int | None = None,
+    regions: Iterable[Region] = (),
+) -> float:
     """Largest damage parameter over the limit in the last closed cycle, or that at the critical distance.
 
     The number is that of `fatigue`, which evaluates all points; this evaluates those that can have the largest.
@@ -171,12 +182,19 @@ def utilisation(results: Any, criterion: Any, *, region: str | None = None, thre
     ----------
     criterion : FatigueCriterion, mapping or str
         As of `fatigue`; ``distance`` and ``method`` may be in the table.
+    regions : iterable of Region
+        Regions whose stress is not stored in all steps: it is computed from the surface fields.
     """
     table = dict(criterion) if isinstance(criterion, Mapping) else criterion
     near = {key: table.pop(key) for key in ("distance", "method") if isinstance(table, dict) and key in table}
     component, settings = _component(table), CriticalDistance.of(**near)
     with opened(results) as dataset:
-        cycle_region = cycle_of_region(dataset, region, "last", strain=component.needs_strain, source=None)
+
+        def computed(name: str, steps: list[int]) -> StressAt | None:
+            found = [one for one in regions if one.request.label == name]
+            return StressOfSteps(found[0], dataset, steps) if found else None
+
+        cycle_region = stored_cycle(dataset, region, "last", strain=component.needs_strain, computed=computed)
         return utilisation_of(component, cycle_region, settings, threads or available_threads())
 
 

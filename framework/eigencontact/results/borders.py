@@ -100,7 +100,7 @@ def line_variables(lines: Mapping[str, LineBorders]) -> Iterator[Variable]:
             yield Variable(name=f"{region}_{name}", dims=(f"{region}_point",), values=values, attrs=attrs)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(kw_only=True, slots=True)
 class Variable:
     """Array of a results file: its dimensions (``step`` first if it changes), values and attributes."""
 

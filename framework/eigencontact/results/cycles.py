@@ -14,11 +14,13 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Cycle", "friction_work", "last_cycle", "skips_cycles"]
+__all__ = ["OF_CYCLES", "Cycle", "friction_work", "last_cycle", "skips_cycles"]
 
 #: Loads and what they work on: normal, tangential, torsional.
 _PAIRS = tuple((mode.force, mode.displacement) for mode in (NORMAL_MODES[0], *TANGENTIAL_MODES))
 _MOTIONS = {"shift": _PAIRS[1:3], "twist": _PAIRS[3:]}
+#: Names of the scalars that `last_cycle` reads.
+OF_CYCLES = frozenset({name for pair in _PAIRS for name in pair} | {"dissipated_energy"})
 #: Two states are one if all loads and displacements agree to this part of their ranges.
 _CLOSED = 0.01
 #: Pairs whose ranges of load and displacement have a product below this part of the largest are by-products.

@@ -73,21 +73,21 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
         "references": "\n".join(info.references),
         "scene": info.scene_toml,
         "scene_hash": info.scene_hash,
-        "versions": json.dumps(info.versions, sort_keys=True),
-        **({"plan": json.dumps(info.plan, ensure_ascii=False)} if info.plan else {}),
-        **({"precisions": json.dumps(info.precisions)} if info.precisions else {}),
+        **_listed(info, "versions", "plan", "precisions"),
         **({} if info.contact_modulus is None else {"contact_modulus": info.contact_modulus}),
         "cell_size": np.array([info.grid.dx, info.grid.dy]),
         **({"line": 1} if info.grid.line else {}),
         "load_steps": info.steps,
         "regions": json.dumps(described),
-        **({"inclusions": json.dumps(info.inclusions)} if info.inclusions else {}),
-        **({"layers": json.dumps(info.layers)} if info.layers else {}),
-        **({"exposed_materials": json.dumps(info.exposed)} if info.exposed else {}),
+        **_listed(info, "inclusions", "layers", "exposed_materials"),
         "prestrained": int(info.prestrained),
         "history": json.dumps(sorted(record.history)),
         "comment": "SI units; z points into the body; pressure positive in compression, stress positive in tension",
     }
+
+
+def _listed(info: RunInfo, *names: str) -> dict[str, str]:
+    return {name: info.texts[name] for name in names if name in info.texts}
 
 
 def variables(info: RunInfo, record: StepRecord) -> list[Variable]:

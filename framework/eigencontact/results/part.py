@@ -37,7 +37,7 @@ _MARK = "eigencontact-step-1"
 _LINE = 80
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(kw_only=True, slots=True)
 class Stored:
     """Array of a part; `read` reads it completely."""
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -135,7 +137,7 @@ class StepRecord:
         return {"step": self.index, "time": self.time, **self.scalars, **self.observed}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class RunInfo:
     """Data that all steps of a run share.
 
@@ -211,3 +213,16 @@ class RunInfo:
     observed: dict[str, Number] = field(default_factory=dict)
     precisions: dict[str, str] = field(default_factory=dict)
     plan: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def texts(self) -> dict[str, str]:
+        """Tables as JSON by the name of the attribute of a results file, without empty ones; written once for a run."""
+        tables = {
+            "precisions": self.precisions, "inclusions": self.inclusions, "layers": self.layers,
+            "exposed_materials": self.exposed,
+        }  # fmt: skip
+        return {
+            "versions": json.dumps(self.versions, sort_keys=True),
+            **({"plan": json.dumps(self.plan, ensure_ascii=False)} if self.plan else {}),
+            **{name: json.dumps(table) for name, table in tables.items() if table},
+        }

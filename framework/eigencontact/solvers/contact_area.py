@@ -22,6 +22,16 @@ _MANY = 20
 _APART = 0.08
 
 
+def _powers(cells: NDArray[np.int64]) -> FloatArray:
+    """Values of 1, t, t² and 1/t at cells, ``(len(cells), 4)``; t is the distance from the outermost cell, in cells."""
+    t = cells.astype(float)
+    return np.stack([np.ones_like(t), t, t**2, 1.0 / t], axis=1)
+
+
+#: Inverses for the fits of an end: constant, slope and curvature by the values at the cells.
+_OF_NEAR, _OF_FAR = np.linalg.inv(_powers(_NEAR)[:, :3]), np.linalg.inv(_powers(_FAR))
+
+
 def contact_area(loaded: NDArray[np.bool_], grid: Grid, *, periodic: bool = False) -> float:
     """Area of contact [m^2].
 
@@ -83,11 +93,11 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
         ends = loaded & ~np.roll(loaded, step)
         if not periodic:
             ends[[0, -1]] = False
-        inward = np.array([np.roll(square, -step * number)[ends] for number in range(_MANY)])
+        inward = square[(np.flatnonzero(ends) + step * np.arange(_MANY)[:, None]) % square.size]
         smooth = (inward[2] > 0) & np.all(np.diff(inward[_NEAR], axis=0) > 0, axis=0)
         inward = inward[:, smooth]
-        near = _outward(np.linalg.inv(_powers(_NEAR)[:, :3]) @ inward[_NEAR])
-        far = _outward((np.linalg.inv(_powers(_FAR)) @ inward[_FAR])[:3])
+        near = _outward(_OF_NEAR @ inward[_NEAR])
+        far = _outward((_OF_FAR @ inward[_FAR])[:3])
         far[~np.all(inward[2:] > 0, axis=0)] = np.nan
         outward = np.where(abs(far - near) < _APART, far, near)  # NaN in `far` selects `near`
         cells -= float(np.nansum(0.5 - np.clip(outward, -0.5, 1.0)))
@@ -105,12 +115,6 @@ def _outward(parabola: FloatArray) -> FloatArray:
     out = np.full(constant.shape, np.nan)
     out[real] = 2.0 * constant[real] / (np.sqrt(root[real]) + slope[real])
     return out
-
-
-def _powers(cells: NDArray[np.int64]) -> FloatArray:
-    """Values of 1, t, t² and 1/t at cells, ``(len(cells), 4)``; t is the distance from the outermost cell, in cells."""
-    t = cells.astype(float)
-    return np.stack([np.ones_like(t), t, t**2, 1.0 / t], axis=1)
 
 
 def area_under_pressure(pressure: FloatArray, grid: Grid, *, periodic: bool = False) -> float:

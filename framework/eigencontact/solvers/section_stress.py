@@ -7,7 +7,7 @@ or a quarter for a row midway between cells, and transforms each table in one di
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -99,7 +99,7 @@ class SectionStress:
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]; or displacement, ``(3, ...)`` [m]."""
-        waves = self._waves(tractions)[self._present]
+        waves = self._waves([traction[None] for traction in tractions])[self._present, :, 0]
         components = [np.ascontiguousarray(component) for component in (waves.real, waves.imag)]
         row = self._row
         out = np.zeros((len(self._names), self.depths.size, row.targets))
@@ -114,18 +114,49 @@ class SectionStress:
         in_parallel(self._threads, [partial(superpose, slice(start, start + step)) for start in starts])
         return np.expand_dims(out, 2 + self._across)
 
+    def of_steps(self, tractions: Sequence[FloatArray]) -> Callable[[NDArray[np.intp]], FloatArray]:
+        """Stress of several load steps, at the depths where it is needed.
+
+        Parameters
+        ----------
+        tractions : sequence of (steps, ny, nx)
+            As of `apply`, of each step.
+
+        Returns
+        -------
+        callable
+            Returns the stress at some depths, by their indices ``(n,)``: ``(steps, 6, n, row)``; or displacement.
+        """
+        from eigencontact.solvers.section_loops import sums
+
+        waves, row = np.ascontiguousarray(self._waves(tractions)[self._present]), self._row
+
+        def at(layers: NDArray[np.intp]) -> FloatArray:
+            kernels = self._kernels[layers]
+            out = np.zeros((waves.shape[2], len(self._names), len(layers), row.targets))
+            superposed = np.empty((waves.shape[2], len(layers), row.half), complex)
+            for number, c in enumerate(self._present):
+                sums(np.ascontiguousarray(kernels[:, number]), waves[number], superposed)
+                values = np.fft.irfft(superposed, n=row.length, axis=2)
+                out[:, c] = values[..., row.target_start : row.target_start + row.targets]
+            return out
+
+        return at
+
     def _waves(self, tractions: Sequence[FloatArray]) -> NDArray[np.complex128]:
-        """Transformed tractions ``(components, tractions, rows across, wavenumbers)``, with parities of components."""
+        """Transformed tractions ``(components, tractions, steps, rows across, wavenumbers)``, with parities."""
         row, images = self._row, self._images
-        loads = np.array([np.moveaxis(traction[self.source.slices], self._across, 0) for traction in tractions])
-        loads = loads[:, ::-1]  # offsets (target minus source) ascend
-        padded = np.zeros((*loads.shape[:2], row.length))
+        where = (..., *self.source.slices)
+        loads = np.array([np.moveaxis(traction[where], 1 + self._across, 1) for traction in tractions])
+        loads = loads[:, :, ::-1]  # offsets (target minus source) ascend
+        padded = np.zeros((*loads.shape[:3], row.length))
         padded[..., row.source_start : row.source_start + row.sources] = loads
-        waves = np.fft.rfft(padded, axis=2)
-        out = np.empty((len(self._names), waves.shape[0], waves.shape[1] - images, waves.shape[2]), complex)
+        waves = np.fft.rfft(padded, axis=3)
+        count = waves.shape[2] - images
+        out = np.empty((len(self._names), *waves.shape[:2], count, waves.shape[3]), complex)
         for t, parities in enumerate(self._parities):
             for c, parity in enumerate(parities):
-                out[c, t] = folded(waves[t], images, 0, parity[self._across])
+                out[c, t] = folded(waves[t], images, 1, parity[self._across])
                 if row.symmetric and parity[1 - self._across] < 0:  # an odd sequence: -1j times its sine transform
                     out[c, t] *= -1j
         return out

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +23,8 @@ from eigencontact.sweeps.variants import Variant
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.planning.plan import Plan
+    from eigencontact.results.run_result import RunResult
     from eigencontact.scene.schema import Scene
 
 __all__ = ["FrettingMap", "fretting_map"]
@@ -137,7 +138,7 @@ def fretting_map(
         for i, p in enumerate(axes[0].values)
         for j, d in enumerate(axes[1].values)
     ]
-    measure = partial(_numbers, criterion=criterion, crack=crack, region=region, threads=None if workers == 1 else 1)
+    measure = _Numbers(criterion, crack, region, threads=None if workers == 1 else 1)
     finished = []
     for outcome in outcomes(variants, None, workers=workers, measure=measure):
         finished.append(outcome)
@@ -223,31 +224,56 @@ def _variant(
         return Variant(label, place, named, None, str(problem))
 
 
-def _numbers(
-    result: Any, *, criterion: Any, crack: Mapping[str, Any] | None, region: str | None, threads: int | None
-) -> dict[str, float]:
-    """Numbers of one run, in the process that ran it."""
-    rows = result.summary["history"]
-    history = {name: np.array([row[name] for row in rows], dtype=float) for name in rows[0]}
-    cycle = last_cycle(history)
-    if cycle is None:
-        raise SceneError("steps of a map must end with a closed cycle of the motion (got none)")
-    energy = cycle.dissipated if np.isfinite(cycle.dissipated) else cycle.area
-    ratio = cycle.energy_ratio
-    slips = history.get("slip_fraction")
-    gross = ratio > _GROSS if slips is None else slips[cycle.first + 1 : cycle.last + 1].max() >= 1.0
-    out = {"regime": 2.0 if gross else float(ratio >= _STICK), "cycle_energy": energy, "energy_ratio": ratio}
-    with result.stored() as results:
-        if criterion is not None:
-            from eigencontact.postprocess.fatigue import utilisation
+@dataclass(frozen=True)
+class _Numbers:
+    """Numbers of one run, in the process that ran it; see `eigencontact.sweeps.runner.Measure`."""
 
-            out["utilisation"] = utilisation(results, criterion, region=region, threads=threads)
-        if crack is not None:
-            from eigencontact.postprocess.crack import crack as evaluate
+    criterion: Any
+    crack: Mapping[str, Any] | None
+    region: str | None
+    threads: int | None
 
-            stop = evaluate(results, region=region, **crack).summary["arrest_length"]
-            out["arrest_length"] = float("inf") if stop is None else stop
-    return out
+    def planned(self, plan: Plan) -> Plan:
+        """Plan whose regions have the stress of the last step alone; a criterion has that of its cycle computed."""
+        from eigencontact.execution.fields.regions import Region
+
+        if self.criterion is None or self.crack is not None or plan.conclusions or plan.model.wear is not None:
+            return plan
+        return replace(
+            plan,
+            blocks=[
+                block.of_step(plan.steps) if isinstance(block, Region) and block.stored and block.by_depths else block
+                for block in plan.blocks
+            ],
+        )
+
+    def numbers(self, plan: Plan, result: RunResult) -> dict[str, float]:
+        """Regime, energies, and what was asked for."""
+        rows = result.summary["history"]
+        history = {name: np.array([row[name] for row in rows], dtype=float) for name in rows[0]}
+        cycle = last_cycle(history)
+        if cycle is None:
+            raise SceneError("steps of a map must end with a closed cycle of the motion (got none)")
+        energy = cycle.dissipated if np.isfinite(cycle.dissipated) else cycle.area
+        ratio = cycle.energy_ratio
+        slips = history.get("slip_fraction")
+        gross = ratio > _GROSS if slips is None else slips[cycle.first + 1 : cycle.last + 1].max() >= 1.0
+        out = {"regime": 2.0 if gross else float(ratio >= _STICK), "cycle_energy": energy, "energy_ratio": ratio}
+        with result.stored() as results:
+            if self.criterion is not None:
+                from eigencontact.execution.fields.regions import Region
+                from eigencontact.postprocess.fatigue import utilisation
+
+                regions = [block for block in plan.blocks if isinstance(block, Region) and block.only_step is not None]
+                out["utilisation"] = utilisation(
+                    results, self.criterion, region=self.region, threads=self.threads, regions=regions
+                )
+            if self.crack is not None:
+                from eigencontact.postprocess.crack import crack as evaluate
+
+                stop = evaluate(results, region=self.region, **self.crack).summary["arrest_length"]
+                out["arrest_length"] = float("inf") if stop is None else stop
+        return out
 
 
 def _store(folder: Path, dataset: xarray.Dataset) -> dict[Path, str]:

@@ -7,12 +7,12 @@ damaged one is computed again. A failed variant is reported and recorded; the ot
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from eigencontact.sweeps.folder import AGAIN, checksum, scene_digest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from eigencontact.planning.plan import Plan
+    from eigencontact.results.run_result import RunResult
     from eigencontact.sweeps.variants import Variant
 
 __all__ = ["Outcome", "outcomes"]
@@ -39,8 +41,18 @@ _FAILED = "failed.json"
 _MOST_KEPT = 1e9
 #: Largest part of the memory of a process for these objects.
 _PART_KEPT = 0.1
-#: Further numbers of a run in memory by name, found in the process that ran it; named in a module.
-Measure = Callable[[Any], Mapping[str, float]]
+
+
+class Measure(Protocol):
+    """Further numbers of a run in memory, found in the process that ran it; its class is named in a module."""
+
+    def planned(self, plan: Plan) -> Plan:
+        """Plan with no more than the numbers need."""
+        ...
+
+    def numbers(self, plan: Plan, result: RunResult) -> Mapping[str, float]:
+        """Numbers of the run of a plan, by name."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -108,7 +120,7 @@ def outcomes(
         Who runs them instead, a cluster for one.
     overwrite : bool
         Run finished variants again, and replace other results in their folders.
-    measure : callable, optional
+    measure : Measure, optional
         Further numbers of each run, which the summary then holds as those of an observer; without a folder only.
     """
     assert measure is None or folder is None
@@ -188,7 +200,7 @@ def _record(task: _Task, failed: str) -> None:
 
 def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
     """Summary and fields of a variant, and any damage of its earlier results; runs an unfinished variant."""
-    from eigencontact.app import run
+    from eigencontact.app import plan, run
     from eigencontact.postprocess.stored_run import open_results
 
     scene, folder = task.variant.scene, task.folder
@@ -211,7 +223,10 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
     if threads is not None and scene.numerics.threads is None:
         numerics = scene.numerics.model_copy(update={"threads": threads})
         scene = scene.model_copy(update={"numerics": numerics})
-    result = run(scene, folder, overwrite=replaced)
+    planned = plan(scene)
+    if task.measure is not None:
+        planned = task.measure.planned(planned)
+    result = run(planned, folder, overwrite=replaced)
     fields = _last_fields(result.dataset, task.fields) if task.fields else {}
     if folder is not None:
         if task.fields:
@@ -222,7 +237,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
         (folder / _FAILED).unlink(missing_ok=True)
     summary = result.summary
     if task.measure is not None:
-        summary = {**summary, "observed": {**summary.get("observed", {}), **task.measure(result)}}
+        summary = {**summary, "observed": {**summary.get("observed", {}), **task.measure.numbers(planned, result)}}
     return summary, fields, problem
 
 

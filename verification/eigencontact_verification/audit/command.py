@@ -74,6 +74,7 @@ def audit_results(
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.audit.numbers import compared_numbers
     from eigencontact_verification.audit.stored import bars_of, read_step
+    from eigencontact_verification.audit.table import halved_in_words
     from eigencontact_verification.crosscheck.whole import crosscheck
     from eigencontact_verification.reporting.files import open_folder
 
@@ -102,5 +103,8 @@ def audit_results(
         [case for cases, _ in answers for case in cases], [gap for _, gaps in answers for gap in gaps], output,
         executor=executor, limit=limit, quick=quick, pictures=pictures, show=show,
         beside=beside, method=_METHOD,
-        remarks=lambda judged: [words for run in runs for words in (*gap_in_words(run, judged), *without[run.name])],
+        remarks=lambda judged: [
+            *(words for run in runs for words in (*gap_in_words(run, judged), *without[run.name])),
+            *halved_in_words(judged),
+        ],
     )  # fmt: skip

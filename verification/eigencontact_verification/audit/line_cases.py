@@ -22,7 +22,7 @@ from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import LineProfile, line_profiles
 from eigencontact_verification.audit.line_scene import StoredLine, read_line
 from eigencontact_verification.audit.stored import run_name
-from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import HALVED, Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.line_contact import LineStep, solve_line_contact
 
 if TYPE_CHECKING:
@@ -63,10 +63,11 @@ class LineCase(RunCase):
     method: ClassVar[str] = "finite elements with contact and friction of their own"
 
     def reference(self, level: Level, outer: Outer) -> Fields:
-        """Values of the elements at the points of every line."""
+        """Values of the elements at the points of every line, and the number of halved increments."""
         model = line_model(self.parameters, self.parameters["divisions"][level], outer)
         solution = solve_line_contact(model, line_steps(self.parameters))
-        return {line.profile.name: _read(solution, line, self.parameters["half_width"]) for line in self.lines}
+        fields = {line.profile.name: _read(solution, line, self.parameters["half_width"]) for line in self.lines}
+        return {**fields, HALVED: np.array([sum(moment.increments - 1 for moment in solution.moments)])}
 
     def judged(self) -> Fields:
         """Stored values, with their own error."""

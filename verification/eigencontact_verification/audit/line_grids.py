@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +17,14 @@ from scipy.interpolate import Akima1DInterpolator
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.line_profiles import LineProfile
 from eigencontact_verification.audit.line_scene import StoredLine
+from eigencontact_verification.audit.two_grids import ratio_of_cells, with_index
 
 __all__ = ["run_coarser", "values_at", "with_coarser"]
 
 FloatArray = NDArray[np.float64]
 
-#: Factor of the cells of the second run, and least that is accepted.
-_FACTOR, _LEAST = 2.0, 1.2
-#: Factor of safety of a grid convergence index of two grids, whose order is taken for 1.
-_SAFETY = 1.25
+#: Factor of the cells of the second run.
+_FACTOR = 2.0
 _FIELDS = {"pressure": ("pressure", -1.0), "shear": ("shear_x", 1.0), "slip": ("slip_x", 1.0)}
 
 
@@ -62,21 +60,16 @@ def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
 
 
 def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: StoredLine) -> tuple[LineProfile, ...]:
-    """Lines whose own error is at least the grid convergence index of both runs, and half of its largest value.
+    """Lines with the errors of `eigencontact_verification.audit.two_grids.with_index`.
 
-    The index is ``1.25 |f - g| / (ratio - 1)``, of first order. The error of the half width, which follows from the
-    number of strips, does not change.
+    The error of the half width, which follows from the number of strips, does not change.
 
     Raises
     ------
     NotJudged
         The second run has other loads, or cells that are not coarser by a fifth.
     """
-    ratio = coarser.cell / stored.cell
-    if not ratio >= _LEAST:
-        raise NotJudged(f"the coarser run must have strips wider by a factor of {_LEAST} (got {ratio:.3g})")
-    if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
-        raise NotJudged("the coarser run must have the same loads")
+    ratio = ratio_of_cells(coarser.cell / stored.cell, stored.load, coarser.load)
     return tuple(_widened(line, coarser, ratio) for line in lines)
 
 
@@ -87,14 +80,7 @@ def values_at(run: StoredLine, lines: Sequence[LineProfile]) -> dict[str, FloatA
 
 def _widened(line: LineProfile, coarser: StoredLine, ratio: float) -> LineProfile:
     values = _values(coarser, line)
-    if values is None:
-        return line
-    index = _SAFETY * np.abs(line.values - values) / (ratio - 1)
-    known = np.isfinite(index).all(axis=1)
-    if not known.any():
-        return line
-    index = np.stack([np.interp(line.profile.along, line.profile.along[known], one) for one in index[known].T], axis=1)
-    return replace(line, own=np.maximum(line.own, np.maximum(index, index.max(axis=0) / 2)))
+    return line if values is None else with_index(line, values, ratio)
 
 
 def _values(run: StoredLine, line: LineProfile) -> FloatArray | None:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from eigencontact_verification.audit.cases import AuditCase
-from eigencontact_verification.crosscheck.case import Gap
+from eigencontact_verification.crosscheck.case import HALVED, Gap
 from eigencontact_verification.crosscheck.judge import JudgedCase, Row
 from eigencontact_verification.reporting.machine import describe, facts
 from eigencontact_verification.reporting.page import markdown_table, measured
 from eigencontact_verification.reporting.table import Column, table
 from eigencontact_verification.reporting.verdict import WORDS, worst
 
-__all__ = ["ENOUGH", "SceneAudit", "contacts_of", "line_of", "markdown_of"]
+__all__ = ["ENOUGH", "SceneAudit", "contacts_of", "halved_in_words", "line_of", "markdown_of"]
 
 #: Part of the verdicts of a scene that may be inconclusive where the scene is said to agree.
 ENOUGH = 0.2
@@ -167,7 +167,7 @@ def contacts_of(judged: Sequence[JudgedCase], gaps: Sequence[Gap]) -> str:
     """Table of whole contacts, for a page, with all verdicts that are no agreement and what is left out."""
     rows = [row for case in judged for row in case.rows if row.word != "agrees"]
     disputed = [f"- {row.subject}, {row.profile}, {row.component}: {row.word}, {row.reason}" for row in rows]
-    left_out = [f"- {gap.subject}: {gap.reason}." for gap in gaps]
+    left_out = [f"- {gap.subject}: {gap.reason}." for gap in gaps] + [f"- {words}" for words in halved_in_words(judged)]
     rows_of = [_contact_row(case) for case in judged]
     columns = [
         Column("scene", "scene"),
@@ -181,6 +181,19 @@ def contacts_of(judged: Sequence[JudgedCase], gaps: Sequence[Gap]) -> str:
         if lines:
             sections += [title, "\n".join(lines)]
     return "\n\n".join([*sections, f"{describe(facts())}."])
+
+
+def halved_in_words(judged: Iterable[JudgedCase]) -> list[str]:
+    """Sentences with the largest number of increments that the elements halved in one solution of a case."""
+    words = []
+    for case in judged:
+        count = max((int((outcome.fields or {}).get(HALVED, [0])[0]) for _, outcome in case.outcomes), default=0)
+        if count:
+            words.append(
+                f"{case.case.subject}: the elements halved {count} increment{'s' * (count > 1)} that had no solution "
+                "as a whole; friction and laws of a body depend on the increments, and the run did not halve these."
+            )
+    return words
 
 
 def _contact_row(contact: JudgedCase) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isclose
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,14 @@ from scipy.interpolate import Akima1DInterpolator
 
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact
+from eigencontact_verification.audit.line_profiles import LineProfile
 
 if TYPE_CHECKING:
     from eigencontact.core.numbers import ErrorBar, Number
 
-__all__ = ["with_bars", "with_two_grids"]
+__all__ = ["ratio_of_cells", "with_bars", "with_index", "with_two_grids"]
+
+Line = TypeVar("Line", ContactLine, LineProfile)
 
 FloatArray = NDArray[np.float64]
 
@@ -45,10 +48,7 @@ def with_two_grids(
     *,
     regions: bool = False,
 ) -> tuple[ContactLine, ...]:
-    """Lines whose own error is not less than both runs say; counts, and stress beside regions, stay as they are.
-
-    Both say ``1.25 |f - g| / (ratio - 1)``, an index of first order, and nowhere less than half of the largest on the
-    line, because where the difference happens to vanish the error does not.
+    """Lines with the errors of `with_index`; counts, and stress beside regions, stay as they are.
 
     Parameters
     ----------
@@ -64,11 +64,8 @@ def with_two_grids(
     NotJudged
         The second run has other loads, or cells that are not coarser by a fifth.
     """
-    ratio = min(b / a for a, b in zip((stored.cell, stored.pitch), (coarser.cell, coarser.pitch), strict=True) if a)
-    if not ratio >= _RATIO:
-        raise NotJudged(f"the coarser run must have cells larger by a factor of {_RATIO} (got {ratio:.3g})")
-    if stored.load.shape != coarser.load.shape or not np.allclose(stored.load, coarser.load, rtol=1e-6, atol=0.0):
-        raise NotJudged("the coarser run must have the same loads")
+    edges = zip((stored.cell, stored.pitch), (coarser.cell, coarser.pitch), strict=True)
+    ratio = ratio_of_cells(min(b / a for a, b in edges if a), stored.load, coarser.load)
     named = {line.profile.name: line for line in others}
     kinds = _SMOOTH if regions else _SMOOTH + _WITHOUT_REGIONS
     return tuple(
@@ -76,6 +73,42 @@ def with_two_grids(
         else _estimated(line, named[line.profile.name], ratio)
         for line in lines
     )  # fmt: skip
+
+
+def ratio_of_cells(ratio: float, load: FloatArray, other: FloatArray) -> float:
+    """Ratio of the cells of a coarser run to those of a run, checked; `load` and `other` are the loads of their steps.
+
+    Raises
+    ------
+    NotJudged
+        The second run has other loads, or cells that are not coarser by a fifth.
+    """
+    if not ratio >= _RATIO:
+        raise NotJudged(f"the coarser run must have cells larger by a factor of {_RATIO} (got {ratio:.3g})")
+    if load.shape != other.shape or not np.allclose(load, other, rtol=1e-6, atol=0.0):
+        raise NotJudged("the coarser run must have the same loads")
+    return ratio
+
+
+def with_index(line: Line, found: FloatArray, ratio: float) -> Line:
+    """Line whose own error is at least the grid convergence index of two runs.
+
+    The index is ``1.25 |f - g| / (ratio - 1)``, of first order, and nowhere less than half of the largest on the line:
+    where the difference happens to vanish the error does not.
+
+    Parameters
+    ----------
+    found : (n, components) array
+        Values of the coarser run at the points of the line, nan where it has none.
+    ratio : float
+        Of the cells of both runs.
+    """
+    index, along = _SAFETY * np.abs(line.values - found) / (ratio**_ORDER - 1), line.profile.along
+    known = np.isfinite(index).all(axis=1)
+    if not known.any():
+        return line
+    index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
+    return replace(line, own=np.maximum(line.own, np.maximum(index, 0.5 * index.max(axis=0))))
 
 
 def with_bars(
@@ -124,10 +157,4 @@ def _estimated(line: ContactLine, other: ContactLine, ratio: float) -> ContactLi
         if at.size < _FEWEST:
             return line
         found = Akima1DInterpolator(at, values)(line.profile.along)
-    known = np.isfinite(found).all(axis=1)
-    if not known.any():
-        return line
-    along = line.profile.along
-    index = _SAFETY * np.abs(line.values - found) / (ratio**_ORDER - 1)
-    index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
-    return replace(line, own=np.maximum(line.own, np.maximum(index, 0.5 * index.max(axis=0))))
+    return with_index(line, found, ratio)

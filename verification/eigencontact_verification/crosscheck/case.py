@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = [
+    "HALVED",
     "UNKNOWNS",
     "Case",
     "Curve",
@@ -50,6 +51,8 @@ _LIKELY_ORDER = 1.5
 _ROUNDING = 1e-9
 #: Name under which `Case.reference` may tell how many unknowns it solved for, as one number.
 UNKNOWNS = "number of unknowns"
+#: Name under which `Case.reference` may tell how many increments it halved because they had no solution, as one number.
+HALVED = "number of halved increments"
 #: Values by name of profile, each (n, components).
 Fields = dict[str, NDArray[np.float64]]
 #: Abscissa (n,) and values (n, components) of a line to be drawn; it breaks where values are not finite.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import HALVED, UNKNOWNS, Case, Fields, Level, Outer, own_error
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,8 +124,7 @@ def _checked(case: Case, answer: Fields) -> Fields:
         fields[profile.name] = values
         if own_error(profile.name) in answer:
             fields[own_error(profile.name)] = np.abs(answer[own_error(profile.name)]).reshape(expected)
-    if UNKNOWNS in answer:
-        fields[UNKNOWNS] = np.asarray(answer[UNKNOWNS], dtype=float).reshape(1)
+    fields |= {name: np.asarray(answer[name], dtype=float).reshape(1) for name in (HALVED, UNKNOWNS) if name in answer}
     return fields
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from eigencontact.core.array_types import FloatArray
@@ -67,7 +67,7 @@ class Step:
     fields, scalars, regions, observed, history
         Results, by name.
     looks
-        Regions for observers; they are not stored.
+        Regions for observers, or functions that compute them; they are not stored.
     progress : callable or None
         Receives the residual of each iteration.
     """
@@ -84,7 +84,7 @@ class Step:
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)
     regions: dict[str, RegionRecord] = field(default_factory=dict)
-    looks: dict[str, RegionRecord] = field(default_factory=dict)
+    looks: dict[str, RegionRecord | Callable[[], RegionRecord]] = field(default_factory=dict)
     observed: dict[str, float] = field(default_factory=dict)
     history: dict[str, HistoryRecord] = field(default_factory=dict)
     progress: Progress | None = None

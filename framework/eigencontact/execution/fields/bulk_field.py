@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.bulk import bulk_of, dragged, in_plane_strain, plane_stress, strain_across
@@ -14,7 +16,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.tensors import SQRT2
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.step import Step
-from eigencontact.execution.fields.cause import Cause
+from eigencontact.execution.fields.cause import Cause, StressAtDepths
 from eigencontact.model.kernels import Solid
 from eigencontact.model.regions import RegionLattice
 from eigencontact.scene.schema import StressRequest
@@ -46,18 +48,29 @@ class BulkField(Cause):
 
     def __init__(self, request: StressRequest, lattice: RegionLattice, solid: Solid, grid: Grid) -> None:
         self._body, self._quantities, self._lattice, self._solid = request.body, request.fields, lattice, solid
-        self._grid = grid
+        self._grid, self.by_depths = grid, "stress" in request.fields and lattice.points is None
+
+    @cached_property
+    def _places(self) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
+        """Coordinates x, y of the points, the different depths, and the number of the depth of each point."""
+        x, y, z = self._lattice.flat_points()
+        return (x, y, *np.unique(z, return_inverse=True))
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
-        x, y, z = self._lattice.flat_points()
-        depths, place = np.unique(z, return_inverse=True)
+        x, y, depths, place = self._places
         strain = self._strain(step.bulk[1])
         columns = {quantity: getattr(self, f"_{quantity}_at")(strain, depths) for quantity in self._quantities}
         fields = {quantity: values[:, place] for quantity, values in columns.items()}
         if "displacement" in fields:
             fields["displacement"][:2] += dragged(strain, x - self._grid.center[0], y - self._grid.center[1])
         return {name: values.reshape(-1, *self._lattice.shape) for name, values in fields.items()}
+
+    def of_steps(self, steps: Sequence[Step]) -> StressAtDepths:
+        """See `Cause.of_steps`."""
+        depths = self._lattice.depths + 0.0
+        stress = np.stack([self._stress_at(self._strain(step.bulk[1]), depths) for step in steps])
+        return lambda layers: stress[:, :, layers, None]
 
     def _strain(self, values: Mapping[str, float]) -> FloatArray:
         """Strain (xx, yy, xy), equal at all depths."""
@@ -69,6 +82,8 @@ class BulkField(Cause):
 
     def _stress_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:
         """Mandel stress ``(6, n)`` [Pa] at depths ``(n,)`` [m]."""
+        if isinstance(self._solid, Material):
+            return np.repeat(plane_stress(strain, self._solid)[:, None], depths.size, axis=1)
         return np.stack([plane_stress(strain, self._material(depth)) for depth in depths], axis=1)
 
     def _strain_at(self, strain: FloatArray, depths: FloatArray) -> FloatArray:

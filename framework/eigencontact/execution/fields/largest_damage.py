@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.arrays import real_answer
@@ -19,8 +20,8 @@ from eigencontact.scene.fatigue import CriticalDistance
 
 __all__ = ["largest_first", "utilisation_of"]
 
-#: Points whose stress is read, and whose bounds are computed, at once: their arrays fit the cache.
-_PART = 4_000
+#: Points at least whose stress is read, and whose bounds are computed, at once: their arrays fit the cache.
+_PART = 1_200
 #: Points with the largest bounds that are evaluated first, and the growth of the parts that follow.
 _FIRST, _GROWTH = 16, 4
 #: Round-off of a bound and of a damage parameter, as a part.
@@ -39,7 +40,8 @@ def utilisation_of(
     PluginError
         The criterion returns no damage parameter, or an upper bound that is too small.
     """
-    value = largest_first(criterion, region.at, region.places.shape[1], threads)
+    row = region.shape[-1] if region.shape else 1
+    value = largest_first(criterion, region.at, region.places.shape[1], threads, part=-(-_PART // row) * row)
     if settings.distance:
         asked = np.isneginf(value).reshape(region.shape)
         depth = f"{region.region}_z"
@@ -53,40 +55,44 @@ def utilisation_of(
 
 
 def largest_first(
-    criterion: FatigueCriterion, at: Callable[[Any], StressCycle], points: int, threads: int = 1
+    criterion: FatigueCriterion, at: Callable[[Any], StressCycle], points: int, threads: int = 1, part: int = _PART
 ) -> FloatArray:
     """Damage parameters ``(points,)`` of the points that can have the largest value; minus infinity elsewhere.
 
     The points are evaluated in the order of their upper bounds (`HasUpperBound`) until no bound reaches the largest
     value. The largest value and its first point are therefore those of a search over all points. A criterion without
-    bounds is evaluated at all points. `at` reads the stress of some points.
+    bounds is evaluated at all points. `at` reads the stress of some points, of a `part` of all points at once.
     """
     if not isinstance(criterion, HasUpperBound):
         return checked_damage(criterion, at(slice(None))).value
     where, bound = f"upper_bound of fatigue criterion {criterion.key!r}", np.empty(points)
 
-    def ask(part: Any) -> None:
-        values = real_answer(criterion.upper_bound(at(part)), where)
-        if values.shape != bound[part].shape or not np.all(np.isfinite(values)):
-            raise PluginError(f"{where} must be finite, of shape {bound[part].shape} (got shape {values.shape})")
-        bound[part] = values
+    def ask(some: Any) -> StressCycle:
+        cycle = at(some)
+        values = real_answer(criterion.upper_bound(cycle), where)
+        if values.shape != bound[some].shape or not np.all(np.isfinite(values)):
+            raise PluginError(f"{where} must be finite, of shape {bound[some].shape} (got shape {values.shape})")
+        bound[some] = values
+        return cycle
 
-    in_parallel(threads, [partial(ask, slice(start, start + _PART)) for start in range(0, points, _PART)])
+    in_parallel(threads, [partial(ask, slice(start, start + part)) for start in range(0, points, part)])
     value, best = np.full(points, -np.inf), -np.inf
     order, start, count = np.argsort(-bound), 0, _FIRST
 
-    def able(part: IntArray) -> IntArray:
-        return part[bound[part] >= best - _ROUND_OFF * abs(best)]
+    def able(some: IntArray) -> NDArray[np.bool_]:
+        return bound[some] >= best - _ROUND_OFF * abs(best)
 
-    while (part := able(order[start : start + count])).size:
-        ask(part)  # the bounds of few points may be closer
-        start, count, part = start + count, count * _GROWTH, able(part)
-        if not part.size:
+    while (some := order[start : start + count])[able(some)].size:
+        some = some[able(some)]
+        cycle = ask(some)  # the bounds of few points may be closer
+        start, count, still = start + count, count * _GROWTH, able(some)
+        if not still.any():
             continue
-        value[part] = checked_damage(criterion, at(part)).value
-        excess = value[part] - bound[part] - _ROUND_OFF * np.abs(bound[part])
+        some = some[still]
+        value[some] = checked_damage(criterion, cycle.at(still)).value
+        excess = value[some] - bound[some] - _ROUND_OFF * np.abs(bound[some])
         if excess.max() > 0.0:
-            worst = part[excess.argmax()]
+            worst = some[excess.argmax()]
             raise PluginError(f"{where} must be at least the damage, {value[worst]:.9g} (got {bound[worst]:.9g})")
-        best = max(best, float(value[part].max()))
+        best = max(best, float(value[some].max()))
     return value

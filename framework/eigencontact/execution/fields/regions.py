@@ -52,6 +52,9 @@ class Region(Block):
         None without a contact.
     requester : str, optional
         Observer that requested the region; such a region is not a result of the scene.
+    only_step : int, optional
+        Number of the only step whose fields are stored; by default those of all steps. In the other steps observers
+        that read the region have it computed.
 
     Raises
     ------
@@ -72,11 +75,11 @@ class Region(Block):
 
     def __init__(
         self, request: StressRequest, lattice: RegionLattice, causes: CausesOf, interface: Interface | None,
-        requester: str = "",
+        requester: str = "", only_step: int | None = None,
     ) -> None:  # fmt: skip
         self.numbers = Region.numbers if not requester and "stress" in request.fields else ()
         self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
-        self.stored, label = not requester, request.label
+        self.stored, self.only_step, label = not requester, only_step, request.label
         self.name = f"stress-{label}"
         self.reason = f"{requester or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
@@ -93,6 +96,12 @@ class Region(Block):
         self.reason += f"; {note}" if note else ""
         self.cost = sum((cause.cost for cause in parts), Cost())
         self.precisions = [precision for cause in parts for precision in cause.precisions]
+        #: Whether `eigencontact.execution.fields.stress_of_steps` computes the stress after the run.
+        self.by_depths = all(cause.by_depths for cause in parts) and "strain" not in request.fields
+
+    def of_step(self, number: int) -> Region:
+        """Region that is stored after one step alone."""
+        return Region(self.request, self.lattice, self.causes, self.interface, only_step=number)
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
@@ -108,6 +117,16 @@ class RunningRegion:
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
+        if self._region.only_step not in (None, step.index):
+            step.looks[self._region.request.label] = lambda: self._record(step)[0]
+            return
+        record, stress = self._record(step)
+        (step.regions if self._region.stored else step.looks)[record.name] = record
+        if self._region.stored and stress is not None:
+            note_largest(step, record, stress)
+
+    def _record(self, step: Step) -> tuple[RegionRecord, FloatArray | None]:
+        """Fields for storage after a step, and the stress."""
         fields: dict[str, FloatArray] = {}
         solids, interface = step.surface.solids, self._interface
         if solids is not None and interface is not None and solids != interface.solids:
@@ -124,9 +143,7 @@ class RunningRegion:
             note="; ".join(cause.note for cause in self._causes if cause.note),
             mean_above=max(cause.mean_above for cause in self._causes),
         )
-        (step.regions if self._region.stored else step.looks)[record.name] = record
-        if self._region.stored and stress is not None:
-            note_largest(step, record, stress)
+        return record, stress
 
 
 def region_of(model: Model, request: StressRequest, requester: str = "") -> Region:

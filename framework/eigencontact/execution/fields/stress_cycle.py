@@ -14,18 +14,20 @@ from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tensors import SQRT2
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.plugin.fatigue import StressCycle
-from eigencontact.results.cycles import last_cycle
+from eigencontact.results.cycles import OF_CYCLES, last_cycle
 from eigencontact.scene.fatigue import elastic_constants
 
 if TYPE_CHECKING:
     from eigencontact.results.stored import Results
 
-__all__ = ["Cycle", "CycleOfRegion", "NewRegion", "cycle_of_region", "cycle_steps", "elastic_strain"]
+__all__ = ["Cycle", "CycleOfRegion", "NewRegion", "StressAt", "cycle_of_region", "cycle_steps", "elastic_strain"]
 
 #: Values that `cycle_steps` accepts.
 Cycle = Literal["last", "all"] | tuple[int, int]
 #: Function from step numbers to the name of a new region, and the results with this region by step number.
 NewRegion = Callable[[list[int]], tuple[str, Mapping[int, Any]]]
+#: Function from points, as of `CycleOfRegion.at`, to Mandel stress ``(steps, 6, n)``.
+StressAt = Callable[[Any], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,11 +74,7 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
     if cycle == "all":
         return list(range(len(numbers)))
     if cycle == "last":
-        scalars = {
-            name: np.asarray(item.values)
-            for name, item in dataset.data_vars.items()
-            if tuple(item.dims) == ("step",) and np.asarray(item.values).dtype.kind == "f"
-        }
+        scalars = {name: np.asarray(item.values) for name, item in dataset.data_vars.items() if name in OF_CYCLES}
         closed_cycle = last_cycle(scalars) or last_cycle(scalars, "twist")
         if closed_cycle is None:
             raise SceneError(
@@ -94,7 +92,13 @@ def cycle_steps(dataset: Results, cycle: Any) -> list[int]:
 
 
 def cycle_of_region(
-    dataset: Results, region: str | None, cycle: Any, *, strain: bool, new: NewRegion | None = None
+    dataset: Results,
+    region: str | None,
+    cycle: Any,
+    *,
+    strain: bool,
+    new: NewRegion | None = None,
+    computed: Callable[[str, list[int]], StressAt | None] = lambda _region, _steps: None,
 ) -> CycleOfRegion:
     """Stress, and optionally strain, over a cycle at the points of a region.
 
@@ -106,6 +110,9 @@ def cycle_of_region(
         See `cycle_steps`.
     new : callable, optional
         Computes a missing region; returns its name and the results with it by step number.
+    computed : callable, optional
+        Receives the name of a stored region and the positions of the steps; returns the function that computes the
+        stress there, or None if all steps of the region are stored.
 
     Raises
     ------
@@ -120,6 +127,7 @@ def cycle_of_region(
     else:
         name, parts = new([int(dataset["step"][step]) for step in steps])
         rows = [(number, -1) for number in parts]
+    compute = None if new is not None else computed(name, steps)
     first = parts[rows[0][0]]
     described = json.loads(first.attrs["regions"])[name]
     dims = tuple(f"{name}_{axis}" for axis in described["dims"])
@@ -131,7 +139,7 @@ def cycle_of_region(
         constants = elastic_constants(body, materials, name)
 
     def at(points: Any) -> StressCycle:
-        stress = _paths(parts, f"{name}_stress", rows, points)
+        stress = _paths(parts, f"{name}_stress", rows, points) if compute is None else compute(points)
         if constants is not None:
             return StressCycle(stress=stress, strain=elastic_strain(stress, *constants))
         return StressCycle(stress=stress, strain=_paths(parts, f"{name}_strain", rows, points) if strain else None)
@@ -157,7 +165,8 @@ def elastic_strain(stress: FloatArray, young_modulus: float, poisson_ratio: floa
     [1e-05, -3e-06, -3e-06]
     """
     strain = (1.0 + poisson_ratio) / young_modulus * stress
-    strain[:, :3] -= poisson_ratio / young_modulus * stress[:, :3].sum(axis=1, keepdims=True)
+    trace = stress[:, 0] + stress[:, 1] + stress[:, 2]
+    strain[:, :3] -= (poisson_ratio / young_modulus * trace)[:, None]
     return np.asarray(strain)
 
 

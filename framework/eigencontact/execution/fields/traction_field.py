@@ -6,6 +6,7 @@ from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.array_types import FloatArray
@@ -17,7 +18,7 @@ from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import plane_round_off, settled
 from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost, tables_of_images
 from eigencontact.execution.blocks.step import Step as LoadStep
-from eigencontact.execution.fields.cause import Cause
+from eigencontact.execution.fields.cause import Cause, StressAtDepths
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.interface import Interface
@@ -79,6 +80,7 @@ class TractionField(Cause):
         self._near = {"stress": near, "displacement": far}  # no displacement is infinite
         self.mean_above = depth_of_means(self._grid) if stress and near.any() else 0.0
         self.note = _NOTE.format(self.mean_above) if self.mean_above else ""
+        self.by_depths = stress and lattice.points is None and self._in_section
         self._operators: dict[tuple[str, bool], Any] = {}
         self.cost = Cost()
         self.kernels: tuple[KernelUse, ...] = ()
@@ -146,6 +148,33 @@ class TractionField(Cause):
         evaluate = self._on_lattice if self._lattice.points is None else self._at_points
         fields = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
         return fields | ({"strain": self._strain(fields["stress"])} if "strain" in self._fields else {})
+
+    def of_steps(self, steps: Sequence[LoadStep]) -> StressAtDepths:
+        """See `Cause.of_steps`; one operator covers the contact of all steps."""
+        fields = {item.field: np.stack([step.fields[item.field] for step in steps]) for item in self._tractions}
+        tractions = loads(self._number, self._tractions, fields)
+        box, near = Box.around(tractions[0].max(axis=0) > 0), self._near["stress"]
+        if box is None:
+            return lambda layers: np.zeros((1, 6, len(layers), 1))
+        above = np.empty((len(steps), 6, near.sum(), self._lattice.x.size * self._lattice.y.size))
+        if near.any():
+            means = self._cached_operator("stress", box, near=True)
+            for number, loaded in enumerate(zip(*tractions, strict=True)):
+                above[number] = means.apply(loaded).reshape(above.shape[1:])
+        if near.all():
+            return lambda layers: above[:, :, layers]
+        below: StressAtDepths = self._cached_operator("stress", box, near=False).of_steps(tractions)
+        rows = np.where(near, np.cumsum(near), np.cumsum(~near)) - 1  # of a depth among those of its operator
+
+        def at(layers: NDArray[np.intp]) -> FloatArray:
+            shallow = near[layers]
+            if not shallow.any():
+                return below(rows[layers])
+            out = np.empty((*above.shape[:2], len(layers), above.shape[3]))
+            out[:, :, shallow], out[:, :, ~shallow] = above[:, :, rows[layers[shallow]]], below(rows[layers[~shallow]])
+            return out
+
+        return at
 
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, like the stress."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -47,13 +47,12 @@ class Observe(Stateless):
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
-        records = step.regions | step.looks
         view = StepView(
             index=step.index,
             grid=self._grid,
             fields=_read_only(step.fields),
             scalars=dict(step.scalars),
-            regions={name: _region(records[label]) for name, label in self._regions.items()},
+            regions=_Regions(self._regions, step.regions | step.looks),
             history={
                 name: RememberedView(values=_view(item.values), coords=_read_only(item.coords), unit=item.unit)
                 for name, item in step.history.items()
@@ -77,6 +76,25 @@ def observers_of(model: Model, quantities: frozenset[str]) -> Iterator[Block]:
         for request in observing.regions.values():
             yield region_of(model, request, f"[[observers]] {observing.key!r}")
         yield Observe(number, observing, labels, model.grid, quantities)
+
+
+class _Regions(Mapping[str, RegionView]):
+    """Views of the regions of a step by the names of an observer; a region may be computed when it is read."""
+
+    def __init__(
+        self, labels: Mapping[str, str], records: Mapping[str, RegionRecord | Callable[[], RegionRecord]]
+    ) -> None:
+        self._labels, self._records = labels, records
+
+    def __getitem__(self, name: str) -> RegionView:
+        record = self._records[self._labels[name]]
+        return _region(record() if callable(record) else record)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._labels)
+
+    def __len__(self) -> int:
+        return len(self._labels)
 
 
 def _region(record: RegionRecord) -> RegionView:

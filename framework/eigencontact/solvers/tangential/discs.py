@@ -21,6 +21,8 @@ _FAR = 1e12
 _FLAT = 1e-6
 #: Singular values below this fraction of the largest count as zero.
 _NOTHING = 1e-10
+#: Smaller singular values are zero in any units: their inverse overflows.
+_ZERO = 1e-300
 
 
 class Infeasible(EigencontactError):
@@ -162,5 +164,5 @@ class FittedModes:
         if self._gram is not None:
             return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
         left, size, right = self._basis
-        significant = size > _NOTHING * size[0]
+        significant = size > max(_NOTHING * size[0], _ZERO)
         return np.asarray(right[significant].T @ ((left.T @ field.ravel())[significant] / size[significant]))

@@ -20,6 +20,8 @@ from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve
 
 __all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialSolver"]
 
+#: Part of the largest force of friction from which on a force counts as at its limit.
+_LIMIT = 1.0 - 1e-6
 #: Slip, relative to the largest tangential displacement in contact, that counts as round-off.
 _NOTHING = 1e-12
 
@@ -260,9 +262,10 @@ class TangentialSolver:
         rigid[list(free)] = state.rigid / sizes * length if free else 0.0
         solution = self._certified(state, bound, offset, rigid, free, (box, traction), report, tolerance)
         if report.certificate is None or not report.certificate.holds:
+            words = f"friction did not converge in {report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
             raise NotConverged(
-                f"friction did not converge in {report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
-                f"{report.certificate}; take smaller increments, raise max-iterations or loosen the tolerance"
+                f"{self._at_limit(bound, free, fields)}{words}{report.certificate}; take smaller increments, raise "
+                "max-iterations or loosen the tolerance"
                 + (" or use double precision" if options.precision == "single" else ""),
                 report,
             )
@@ -315,6 +318,18 @@ class TangentialSolver:
         """Largest friction force of each mode alone [N], [N m]."""
         arms = np.sqrt(np.einsum("mkij,mkij->mij", fields, fields))
         return np.asarray(np.einsum("mij,ij->m", arms, bound) * self.grid.cell_area + np.finfo(float).tiny)
+
+    def _at_limit(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> str:
+        """Words for a force at the limit of friction, under which all cells may slip by any amount."""
+        capacity = self._capacity(bound, fields)
+        for mode, value in free.items():
+            if abs(value) >= _LIMIT * capacity[mode]:
+                displacement, force = MODES[mode]
+                return (
+                    f"step.{force} must be below what friction carries, and not equal to it (got {value:.9g} of "
+                    f"{capacity[mode]:.9g}); lower it, or prescribe {displacement} to slide: "
+                )
+        return ""
 
     def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> Overloaded:
         capacity = self._capacity(bound, fields)
