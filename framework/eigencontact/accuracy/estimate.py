@@ -27,7 +27,13 @@ class Estimate(NamedTuple):
 
 
 def estimate(
-    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool = False
+    value: float,
+    others: Sequence[tuple[float, float]],
+    lowest: float,
+    highest: float,
+    *,
+    scatters: bool = False,
+    size: float = 1.0,
 ) -> Estimate:
     """Estimate the error of a value with step size 1.
 
@@ -42,6 +48,8 @@ def estimate(
         Orders between which the error is known to fall.
     scatters : bool
         Whether no order can be read off two differences, as of an area of cells.
+    size : float
+        Step size of `value` in that of the run whose error is sought.
 
     Returns
     -------
@@ -69,6 +77,14 @@ def estimate(
     >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
     True
     """
+    found = _of_value(value, others, lowest, highest, scatters=scatters)
+    return found if size == 1.0 else found._replace(error=found.error / size**lowest)
+
+
+def _of_value(
+    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool
+) -> Estimate:
+    """Error of the value itself; see `estimate`."""
     differences = [(size, abs(other - value)) for size, other in others]
     extrapolated = max(difference / abs(size**lowest - 1.0) for size, difference in differences)
     if len(others) < 2:

@@ -18,7 +18,10 @@ from eigencontact.scene.checks import (
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 from eigencontact.scene.whole import Whole, uniform_or_given
 
-__all__ = ["GridSpec", "Numerics"]
+__all__ = ["MOST_REFINED", "GridSpec", "Numerics"]
+
+#: Finer cells along the edge of a cell at an inclusion, at most.
+MOST_REFINED = 8
 
 
 class GridSpec(Table):
@@ -166,7 +169,7 @@ class Numerics(Table):
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     inclusion_resolution: Annotated[Literal["cells"] | Whole, BeforeValidator(uniform_or_given)] = "cells"
     inclusion_pitch: PositiveLength | None = None
-    inclusion_refinement: Annotated[int, AfterValidator(in_range(1, 8, "finer cells along an edge"))] = 1
+    inclusion_refinement: Annotated[int, AfterValidator(in_range(1, MOST_REFINED, "finer cells along an edge"))] = 1
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.1
     boundary: Annotated[Literal["non-periodic", "periodic", "periodic-y"], BeforeValidator(boundary_of_axes)] = (
         "non-periodic"
