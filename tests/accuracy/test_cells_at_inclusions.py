@@ -8,15 +8,16 @@ import pytest
 import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
 from close import close
-from eigencontact.accuracy import bars, runs
+from eigencontact.accuracy import bars, refinement, runs
 from eigencontact.accuracy.bars import Run, error_bars
 from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pursue
+from eigencontact.accuracy.refinement import with_refinement
 from eigencontact.accuracy.runs import Runs
 from eigencontact.accuracy.sources import SOURCES, apart, error_sources
 from eigencontact.accuracy.targets import Targets
 from eigencontact.core.numbers import ErrorBar
-from eigencontact.errors import SceneError
+from eigencontact.errors import NotConverged, SceneError
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
@@ -26,6 +27,7 @@ BALL = {
     "material": {"young-modulus": 2.0 * E, "poisson-ratio": NU},
 }  # fmt: skip
 BODY = {**STEEL, "law": {"type": "j2", "hardening": {"type": "perfect", "yield-stress": 14e9}}}
+LATE = {"type": "j2", "hardening": {"type": "perfect", "yield-stress": 100e9}}
 SCENE = {
     "body1": BODY,
     "geometry": {"type": "sphere", "radius": RADIUS},
@@ -236,3 +238,60 @@ def test_cells_are_varied_alone_with_the_finer_cells_at_inclusions():
     found.rung(planned(), "first")
     alone = found._with_cells_of(planned(2, steps=[{"normal-load": LOAD, "increments": 9}]))
     assert (alone.plan.steps, alone.plan.numerics.inclusion_refinement) == (1, 2)
+
+
+# --- "auto" ----------------------------------------------------------------------------------------------------------
+
+
+def chosen(there, plan=None, elsewhere=ELSEWHERE):
+    """Number that "auto" takes for an approach with an error at inclusions, and how many runs it solved."""
+    plan, solved = plan or planned("auto"), []
+
+    def solve(other, _):
+        solved.append(other)
+        size = other.grid.dx / plan.grid.dx
+        found = summary(1.0 + elsewhere * size + there * size / other.numerics.refinement)
+        declared = {"approach": {**found["numbers"]["depth"], "name": "approach"}}
+        return Run(other, {**found, "numbers": declared, "approach": found["depth"]})
+
+    return with_refinement(plan, plan_of, solve).numerics.inclusion_refinement, len(solved)
+
+
+@pytest.mark.parametrize(("there", "number"), [(0.0, 1), (0.01, 1), (0.03, 2), (0.05, 3), (0.5, 4)])
+def test_auto_takes_the_smallest_number_within_two_per_cent(there, number):
+    assert chosen(there) == (number, 2)
+
+
+def test_auto_by_the_error_of_coarse_cells_is_seen(monkeypatch):
+    monkeypatch.setattr(refinement, "edge_of", lambda _: 1.0)
+    with pytest.raises(AssertionError):
+        test_auto_takes_the_smallest_number_within_two_per_cent(0.03, 2)
+
+
+@pytest.mark.parametrize("change", [{"inclusions": []}, {"body1": STEEL}, {"accuracy": {"approach": "1 %"}}])
+def test_auto_is_1_without_a_run_where_nothing_has_to_be_chosen(change):
+    assert chosen(0.5, planned("auto", **change)) == (1, 0)
+
+
+def test_auto_whose_runs_fail_is_refused_with_the_reason():
+    def solve(plan, _):
+        if plan.numerics.refinement > 1:
+            raise NotConverged("no convergence")
+        return Run(plan, summary(1.0))
+
+    with pytest.raises(SceneError, match=rf'numerics\.{KEY} must be a number .*\(got "auto": no convergence\)'):
+        with_refinement(planned("auto"), plan_of, solve)
+
+
+def test_results_of_auto_have_its_number(monkeypatch):
+    monkeypatch.setattr(refinement, "_chosen", lambda *_: 1)
+    small = {**SCENE, "grid": {"cells": 11, "size": 2.6 * A}, "body1": {**BODY, "law": LATE}}
+    runs = [ec.run({**small, "numerics": {KEY: number, "allow-coarse": True}}) for number in ("auto", 1)]
+    assert runs[0].summary["approach"] == runs[1].summary["approach"]
+    assert "inclusion-refinement = 1" in runs[0].dataset.attrs["scene"]
+
+
+@pytest.mark.parametrize("value", [0, 9, 1.5, "many"])
+def test_other_values_are_refused(value):
+    with pytest.raises(SceneError, match=rf"numerics\.{KEY} must be a (whole )?number"):
+        planned(value)

@@ -122,7 +122,7 @@ class Runs:
         Cells at inclusions are those of the plan, too.
         """
         assert self._first is not None
-        divided = {"inclusion-refinement": plan.numerics.inclusion_refinement}
+        divided = {"inclusion-refinement": plan.numerics.refinement}
         cells = {"grid": plan.scene.resolved()["grid"], "numerics": divided}
         try:
             tables = changed(self._first.scene.resolved(), cells)

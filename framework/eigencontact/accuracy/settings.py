@@ -148,7 +148,7 @@ def _repeats(plan: Plan) -> bool:
 
 def _divisible(plan: Plan) -> bool:
     """Whether cells can be finer at inclusions of a body that yields, or are finer at any inclusions."""
-    if plan.numerics.inclusion_refinement > 1:
+    if plan.numerics.refinement > 1:
         return True
     members = plan.model.cells.inhomogeneities
     yielding, stiff = ({source.body for source in members if source.guessed is guessed} for guessed in (True, False))
@@ -162,7 +162,7 @@ def _divisible(plan: Plan) -> bool:
 
 
 def _more_divided(plan: Plan, factor: float) -> int | None:
-    own = plan.numerics.inclusion_refinement
+    own = plan.numerics.refinement
     return None if own == MOST_REFINED else min(MOST_REFINED, int(factor * own + 0.5))
 
 
@@ -326,7 +326,7 @@ FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="inclusion-refinement",
         has=_divisible,
-        others=lambda plan: [ratio for ratio in (1, 2) if ratio != plan.numerics.inclusion_refinement],
+        others=lambda plan: [ratio for ratio in (1, 2) if ratio != plan.numerics.refinement],
         finer=_more_divided,
     ),
     Fidelity(

@@ -178,7 +178,7 @@ def _own_pitch(plan: Plan) -> bool:
 
 def _less_divided(plan: Plan) -> list[Variation]:
     """Half of the division of cells at inclusions; twice the division where it cannot be less, which costs more."""
-    own = plan.numerics.inclusion_refinement
+    own = plan.numerics.refinement
     other = own // 2 or 2
     return [Variation(changes={"numerics": {"inclusion-refinement": other}}, ratio=own / other)]
 

@@ -105,7 +105,7 @@ class FinerCells(SweptCells):
         super().__init__(subsurface, "")
         self._stored = _finer(self._stored)
         self.state_names = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
-        ratio = self._numerics.inclusion_refinement
+        ratio = self._numerics.refinement
         self.reason = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer at inclusions, swept together"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None
 
@@ -190,10 +190,10 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
     half_space, members = subsurface.half_space, subsurface.inhomogeneities
     if (reason := unsupported(subsurface)) is not None:
         raise SceneError(
-            f"{_WHERE} must be 1 where {reason} (got {half_space.numerics.inclusion_refinement}); leave it out, or "
+            f"{_WHERE} must be 1 where {reason} (got {half_space.numerics.refinement}); leave it out, or "
             "give a finer grid and numerics.inclusion-pitch"
         )
-    ratio, grid = half_space.numerics.inclusion_refinement, half_space.grid
+    ratio, grid = half_space.numerics.refinement, half_space.grid
     inclusions = [source for source in members if not source.guessed]
     patch = box_of_inhomogeneities(inclusions).lattice
     inner = inner_bounds(patch, grid)
