@@ -128,6 +128,19 @@ def depth_of(first):
     return depth
 
 
+def test_cells_at_inclusions_are_varied_on_few_load_steps():
+    plan, solved = planned(steps=[{"normal-load": LOAD, "increments": 8}]), []
+
+    def solve(tables, _):
+        solved.append(plan_of(tables))
+        return Run(solved[-1], summary(depth_of(plan)(solved[-1])))
+
+    bar = error_bars(plan, summary(depth_of(plan)(plan)), solve).bars["depth"]
+    assert bar.parts[NAME] == close(THERE)
+    assert [one.steps for one in solved if one.numerics.inclusion_refinement == 2] == [4]
+    assert len(solved) == 4
+
+
 @pytest.mark.parametrize("refinement", [1, 2])
 def test_cells_at_inclusions_have_their_own_part_of_the_error_and_no_other(refinement):
     plan = planned(refinement)

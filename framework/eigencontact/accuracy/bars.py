@@ -248,10 +248,14 @@ class Coarser:
         return Varied(start, others, size), ""
 
     def _start(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Mapping[str, Any], Run]:
-        """Tables and run that a source is varied from: coarse cells if it can be."""
+        """Tables and run that a source is varied from: coarse cells if it can be, and few load steps if these exist."""
         tables = self.own.plan.scene.resolved()
         if not source.on_coarse:
             return tables, self.own
+        for ratio, run in varied["load steps"].others if source.of_cells and "load steps" in varied else ():
+            # cells that are divided by more cost as much as the run itself
+            if ratio > 1.0 and run.plan.numerics.refinement == self.own.plan.numerics.refinement:
+                return run.plan.scene.resolved(), run
         if self._coarsest is None and "cells" in varied:
             grid = self.grid or varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
             coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
