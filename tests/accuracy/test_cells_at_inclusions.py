@@ -141,6 +141,22 @@ def test_cells_at_inclusions_are_varied_on_few_load_steps():
     assert len(solved) == 4
 
 
+def test_cells_at_inclusions_are_varied_where_cells_are_as_coarse_along_z():
+    """Half of the error is that of the edge along z, which the scene gives."""
+    pitch = 0.1 * A
+    plan = planned(numerics={"inclusion-pitch": pitch})
+
+    def depth(other):
+        edges = other.grid.dx / plan.grid.dx + other.numerics.inclusion_pitch / pitch
+        return 1.0 + 0.5 * THERE * edges / other.numerics.inclusion_refinement
+
+    def solve(tables, _):
+        other = plan_of(tables)
+        return Run(other, summary(depth(other)))
+
+    assert error_bars(plan, summary(depth(plan)), solve).bars["depth"].parts[NAME] == close(THERE)
+
+
 @pytest.mark.parametrize("refinement", [1, 2])
 def test_cells_at_inclusions_have_their_own_part_of_the_error_and_no_other(refinement):
     plan = planned(refinement)

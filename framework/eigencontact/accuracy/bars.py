@@ -248,19 +248,30 @@ class Coarser:
         return Varied(start, others, size), ""
 
     def _start(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Mapping[str, Any], Run]:
-        """Tables and run that a source is varied from: coarse cells if it can be, and few load steps if these exist."""
+        """Tables and run that a source is varied from: coarse cells if it can be."""
         tables = self.own.plan.scene.resolved()
         if not source.on_coarse:
             return tables, self.own
-        for ratio, run in varied["load steps"].others if source.of_cells and "load steps" in varied else ():
-            # cells that are divided by more cost as much as the run itself
-            if ratio > 1.0 and run.plan.numerics.refinement == self.own.plan.numerics.refinement:
-                return run.plan.scene.resolved(), run
         if self._coarsest is None and "cells" in varied:
             grid = self.grid or varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
             coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
             self._coarsest = self._solved(changed(tables, coarse), "coarse cells")
-        return self._coarsest or (tables, self.own)
+        start = self._coarsest or (tables, self.own)
+        return self._coarse_throughout(*start, varied) if source.of_cells else start
+
+    def _coarse_throughout(
+        self, tables: Mapping[str, Any], run: Run, varied: Mapping[str, Varied]
+    ) -> tuple[Mapping[str, Any], Run]:
+        """Coarse cells with fewer load steps, as divided cells cost much, and as coarse along z as along x and y."""
+        own = self.own.plan
+        for ratio, fewer in varied["load steps"].others if "load steps" in varied else ():
+            if ratio > 1.0 and fewer.plan.numerics.refinement == own.numerics.refinement:
+                tables, run = fewer.plan.scene.resolved(), fewer
+                break
+        pitch, ratio = own.numerics.inclusion_pitch, _edge(run.plan) / _edge(own)
+        if pitch is None or ratio == 1.0:
+            return tables, run
+        return self._solved(changed(tables, {"numerics": {"inclusion-pitch": ratio * pitch}}), "all cells coarse")
 
     def _solved(self, tables: Mapping[str, Any], words: str) -> tuple[Mapping[str, Any], Run]:
         with self._kept.offered():  # runs on the same cells share operators

@@ -59,9 +59,13 @@ def _chosen(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callab
     def coarser(tables: Mapping[str, Any], what: str) -> Run:
         return solve(make(tables), f"{words}: {what}")._replace(kept=None)
 
-    tables = changed(plan.scene.resolved(), {"numerics": {"inclusion-refinement": 1}})
+    numerics: dict[str, float] = {"inclusion-refinement": 1}
+    coarsest = _CELLS.variations(plan)[-1]
+    if plan.numerics.inclusion_pitch is not None:
+        numerics["inclusion-pitch"] = coarsest.ratio * plan.numerics.inclusion_pitch
+    tables = changed(plan.scene.resolved(), {"numerics": numerics})
     try:
-        coarse = coarser(changed(tables, _CELLS.variations(plan)[-1].changes), "coarse cells")
+        coarse = coarser(changed(tables, coarsest.changes), "coarse cells")
         found = error_bars(coarse.plan, coarse.summary, coarser, sources=[_THERE])
     except EigencontactError as problem:
         raise _failed(" ".join(str(problem).split())) from problem
