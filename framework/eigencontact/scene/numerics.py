@@ -178,7 +178,10 @@ class Numerics(Table):
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     inclusion_resolution: Annotated[Literal["cells"] | Whole, BeforeValidator(uniform_or_given)] = "cells"
     inclusion_pitch: PositiveLength | None = None
-    inclusion_refinement: Annotated[Literal["auto"] | int, BeforeValidator(_division)] = 1
+    inclusion_refinement: Annotated[
+        Literal["auto"] | Annotated[int, AfterValidator(in_range(1, MOST_REFINED, "finer cells along an edge"))],
+        BeforeValidator(_division),
+    ] = 1
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.1
     boundary: Annotated[Literal["non-periodic", "periodic", "periodic-y"], BeforeValidator(boundary_of_axes)] = (
         "non-periodic"
