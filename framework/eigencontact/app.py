@@ -215,6 +215,13 @@ def run(
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
 
+    if planned.scene.numerics.inclusion_refinement == "auto":
+        from eigencontact.accuracy.refinement import with_refinement
+
+        if target is not None:
+            _refuse_folder(planned, target)
+        with stopwatch.on("choice of inclusion-refinement"):
+            planned = with_refinement(planned, _maker(planned, registry), solver_in_memory(watcher))
     store: Store
     stored: ResultStore | None = None
     answer = None

@@ -31,7 +31,9 @@ HERTZ = {
     "output": {"pictures": False},
 }
 COARSE = HERTZ | {"grid": {"cells-per-contact-radius": 6}, "stress": LINE}
-CELLS, STEPS = (next(source for source in SOURCES if source.name == name) for name in ("cells", "load steps"))
+CELLS, STEPS, AT_INCLUSIONS = (
+    next(source for source in SOURCES if source.name == name) for name in ("cells", "load steps", "cells at inclusions")
+)
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +149,41 @@ def test_the_sources_of_a_field_are_estimated_alone_and_added():
     # the third increment is no end of one of half as many: the larger share of its neighbours counts
     share = (variable.values[2] - 0.75 * variable.values[3])[inner]
     assert share == close(0.25 * 0.5 * 0.02 / 8, 1e-3)
+
+
+class Divided(Run):
+    """Field with errors of first order in the edges of cells, elsewhere and where cells are divided."""
+
+    def __init__(self, size, ratio=1):
+        self.ratio = ratio
+        super().__init__(size, 8)
+
+    def true(self, _, size, __):
+        return 1e-3 * size + 3e-3 * size / self.ratio
+
+
+def test_an_error_that_two_sources_have_counts_once_in_a_field():
+    fine, coarsest = Divided(1.0), Divided(3.0)
+    found = FieldErrors(fine, fine.summary)
+    found.vary(CELLS, of(fine), [(2.0, of(Divided(2.0))), (3.0, of(coarsest))])
+    found.vary(AT_INCLUSIONS, of(coarsest), [(0.5, of(Divided(3.0, 2)))], 3.0)
+    (variable,) = found.variables({})
+    inner = variable.values[-1][3:-3]
+    assert inner.min() >= 1.2 * 4e-3
+    assert inner.max() <= 1.3 * 4e-3
+    parts = found.fields["test"].parts
+    assert parts[AT_INCLUSIONS.name] / sum(parts.values()) == close(3.0 / 5.0, 0.02)
+
+
+@pytest.mark.parametrize("fault", ["counted twice", "of coarse cells"])
+def test_an_error_that_counts_twice_or_is_of_coarse_cells_is_seen(monkeypatch, fault):
+    if fault == "counted twice":
+        monkeypatch.setattr(fields, "apart", dict)
+    else:
+        honest = FieldErrors.vary
+        monkeypatch.setattr(FieldErrors, "vary", lambda own, *given: honest(own, *given[:3]))
+    with pytest.raises(AssertionError):
+        test_an_error_that_two_sources_have_counts_once_in_a_field()
 
 
 class Cusp(Run):

@@ -61,6 +61,17 @@ def test_the_print_over_a_stiff_ball():
 
 
 @pytest.mark.slow
+def test_auto_brings_the_print_over_a_stiff_ball_within_two_per_cent():
+    """Case EP-12 with a whole ball, on 12 cells a radius elsewhere: about five minutes and 3 GB."""
+    from eigencontact.app import load_scene
+
+    changes = [f"{KEY}=auto", "numerics.inclusion-resolution={whole=4}"]
+    found = ec.run(load_scene("hard-inclusion-in-plastic-matrix", changes))
+    assert found.summary["print_depth"] == close(109.4e-9, rel=0.02)
+    assert "inclusion-refinement = 4" in found.dataset.attrs["scene"]
+
+
+@pytest.mark.slow
 def test_the_print_comes_near_to_that_of_a_finer_grid(refined):
     """One level of 4 and of 8 cells a radius: two levels leave a quarter of their difference at most."""
     coarse, fine = (ec.run(scene(1, n)).summary["print_depth"] for n in (4, 8))

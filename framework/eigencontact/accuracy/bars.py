@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
-from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.accuracy.sources import ErrorSource, apart, error_sources
 from eigencontact.accuracy.targets import ZERO, scales_of
 from eigencontact.core.kept import Kept
 from eigencontact.core.numbers import ROUND_OFF, ErrorBar
@@ -61,10 +61,13 @@ class Varied(NamedTuple):
         The run, or one with coarser cells.
     others : sequence of (float, Run)
         Step size in that of `base`, and the run; the finer first.
+    size : float
+        Step size of `base` in that of the run.
     """
 
     base: Run
     others: Sequence[tuple[float, Run]]
+    size: float = 1.0
 
 
 #: Solves a scene given by its tables, with what differs in words.
@@ -83,6 +86,8 @@ class Comparison:
         Results of the run that is compared with the others.
     others : list of (float, dict of str to float)
         Step size in units of that run, and the results; the finer first.
+    size : float
+        Step size of that run in that of the run with the error.
     known : dict of str to float
         Errors that follow from the plan.
     seconds : float
@@ -92,6 +97,7 @@ class Comparison:
     source: ErrorSource
     values: Mapping[str, float] = field(default_factory=dict)
     others: Sequence[tuple[float, Mapping[str, float]]] = ()
+    size: float = 1.0
     known: Mapping[str, float] = field(default_factory=dict)
     seconds: float = 0.0
 
@@ -169,7 +175,9 @@ def error_bars(
     -----
     The cells of the grid become larger in two runs; see `eigencontact.accuracy.sources`. Every other source is varied
     by itself on the coarsest of these grids that could be solved, whose error from this source stands for that of the
-    run. The errors of all sources are added. They do not contain errors of the model: half-space, small strain, laws.
+    run; where the step size of the source follows the grid, the error is that of the step size of the run. The errors
+    of all sources are added, and an error that two sources have counts once. They do not contain errors of the model:
+    half-space, small strain, laws.
     """
     began = perf_counter()
     coarser = Coarser(Run(plan, summary), solve, coarse)
@@ -221,24 +229,25 @@ class Coarser:
         `notable` decides after the first run of a sparing source whether its second one is made.
         """
         others: list[tuple[float, Run]] = []
-        start = self.own
+        start, size = self.own, 1.0
         try:
             tables, start = self._start(source, varied)
+            size = _edge(start.plan) / _edge(self.own.plan) if source.of_cells else 1.0
             for variation in source.variations(start.plan):
-                if others and source.sparing and not notable(Varied(start, others)):
+                if others and source.sparing and not notable(Varied(start, others, size)):
                     break
                 words = f"{source.name}, step size times {variation.ratio:.3g}"
                 coarse = self._solved(changed(tables, variation.changes), words)
                 # the planner rounds the number of cells: the ratio is that of the edges
                 ratio = variation.ratio if source.on_coarse else _edge(coarse[1].plan) / _edge(self.own.plan)
                 if ratio == 1.0:
-                    return Varied(start, others), "the grid cannot be coarser"
+                    return Varied(start, others, size), "the grid cannot be coarser"
                 others = sorted([*others, (ratio, coarse[1])], key=itemgetter(0))
                 if not source.on_coarse and self.grid is None:
                     self._coarsest = coarse
         except EigencontactError as problem:
-            return Varied(start, others), " ".join(str(problem).split())
-        return Varied(start, others), ""
+            return Varied(start, others, size), " ".join(str(problem).split())
+        return Varied(start, others, size), ""
 
     def _start(self, source: ErrorSource, varied: Mapping[str, Varied]) -> tuple[Mapping[str, Any], Run]:
         """Tables and run that a source is varied from: coarse cells if it can be."""
@@ -249,7 +258,22 @@ class Coarser:
             grid = self.grid or varied["cells"].others[-1][1].plan.scene.resolved()["grid"]
             coarse = {"grid": grid, "numerics": {"allow-coarse": True}}
             self._coarsest = self._solved(changed(tables, coarse), "coarse cells")
-        return self._coarsest or (tables, self.own)
+        start = self._coarsest or (tables, self.own)
+        return self._coarse_throughout(*start, varied) if source.of_cells else start
+
+    def _coarse_throughout(
+        self, tables: Mapping[str, Any], run: Run, varied: Mapping[str, Varied]
+    ) -> tuple[Mapping[str, Any], Run]:
+        """Coarse cells with fewer load steps, as divided cells cost much, and as coarse along z as along x and y."""
+        own = self.own.plan
+        for ratio, fewer in varied["load steps"].others if "load steps" in varied else ():
+            if ratio > 1.0 and fewer.plan.numerics.refinement == own.numerics.refinement:
+                tables, run = fewer.plan.scene.resolved(), fewer
+                break
+        pitch, ratio = own.numerics.inclusion_pitch, _edge(run.plan) / _edge(own)
+        if pitch is None or ratio == 1.0:
+            return tables, run
+        return self._solved(changed(tables, {"numerics": {"inclusion-pitch": ratio * pitch}}), "all cells coarse")
 
     def _solved(self, tables: Mapping[str, Any], words: str) -> tuple[Mapping[str, Any], Run]:
         with self._kept.offered():  # runs on the same cells share operators
@@ -261,7 +285,7 @@ class Coarser:
 def _compared(source: ErrorSource, runs: Varied) -> Comparison:
     """Numbers of the runs of a source."""
     values = [(ratio, dict(_results(coarse.summary))) for ratio, coarse in runs.others]
-    return Comparison(source=source, values=dict(_results(runs.base.summary)), others=values)
+    return Comparison(source=source, values=dict(_results(runs.base.summary)), others=values, size=runs.size)
 
 
 def _is_notable(
@@ -351,7 +375,7 @@ def _estimates(
         if pairs and name in value_of:
             lowest, highest = (orders[name],) * 2 if name in orders else (source.lowest, source.highest)
             scatters = bool(declared[name].get("scatters"))
-            known.append(estimate(value_of[name], pairs, lowest, highest, scatters=scatters))
+            known.append(estimate(value_of[name], pairs, lowest, highest, scatters=scatters, size=comparison.size))
         if known:
             yield name, max(known, key=attrgetter("error"))
 
@@ -363,9 +387,9 @@ def _joined(value_of: Mapping[str, float], parts: Mapping[str, Mapping[str, Esti
         own = {source: estimates[name] for source, estimates in parts.items() if name in estimates}
         if not own:
             continue
-        largest = max(own, key=lambda source: own[source].error)
+        errors = apart({source: part.error for source, part in own.items()})
+        largest = max(errors, key=lambda source: errors[source])
         bars[name] = ErrorBar(
-            value=value, error=sum(part.error for part in own.values()), source=largest,
-            order=own[largest].order, parts={source: part.error for source, part in own.items()},
-        )  # fmt: skip
+            value=value, error=sum(errors.values()), source=largest, order=own[largest].order, parts=errors
+        )
     return bars

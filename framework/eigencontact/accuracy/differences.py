@@ -85,11 +85,17 @@ class Share:
 
 
 def differences(
-    base: Sampled, varied: Sequence[tuple[float, Sampled]], source: ErrorSource, *, last: bool = False
+    base: Sampled,
+    varied: Sequence[tuple[float, Sampled]],
+    source: ErrorSource,
+    *,
+    size: float = 1.0,
+    last: bool = False,
 ) -> Iterator[tuple[float, Share]]:
     """Common times of the steps of all runs, and the errors of a field at these times.
 
-    `varied` has the step size of each coarser run, and the field there; `last` takes the last of the steps alone.
+    `varied` has the step size of each coarser run in that of `base`, and the field there; `size` is the step size of
+    `base` in that of the run with the error. `last` takes the last of the steps alone.
     """
     if any(len(other.axes) != len(base.axes) for _, other in varied):
         return
@@ -97,7 +103,7 @@ def differences(
     for time in times[-1:] if last else times:
         values, *fields = (run.at(time) for run in (base, *(other for _, other in varied)))
         sizes, parts, places, ends = [], [], [], []
-        for (size, other), field in zip(varied, fields, strict=True):
+        for (ratio, other), field in zip(varied, fields, strict=True):
             if values is None or field is None:
                 break
             coarse = without_gaps(field)
@@ -105,11 +111,11 @@ def differences(
             leading = map(np.arange, coarse.shape[: coarse.ndim - len(kept)])
             places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))
             parts.append(np.abs(coarse[np.ix_(*leading, *kept)] - carried(values, base.axes, places[-1], smooth=True)))
-            sizes.append(size)
+            sizes.append(ratio)
             ends.append(_extremes(coarse, len(kept)))
         if len(parts) < len(varied):
             continue
-        factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source)
+        factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source, size)
         errors = [
             (factor * largest_near(part, range(-len(base.axes), 0), _OF_OTHERS)).astype(np.float32)
             for factor, part in zip(factors, parts, strict=True)
@@ -117,16 +123,19 @@ def differences(
         assert values is not None
         own = _extremes(without_gaps(values), len(base.axes))
         extremes = [
-            estimate(value, list(zip(sizes, others, strict=True)), source.lowest, source.highest).error
+            estimate(value, list(zip(sizes, others, strict=True)), source.lowest, source.highest, size=size).error
             for value, *others in zip(*(run.ravel() for run in (own, *ends)), strict=True)
         ]
         yield time, Share(list(zip(places, errors, strict=True)), order, np.reshape(extremes, own.shape))
 
 
-def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSource) -> tuple[list[float], float | None]:
+def shares_of(
+    norms: Sequence[float], sizes: Sequence[float], source: ErrorSource, base: float = 1.0
+) -> tuple[list[float], float | None]:
     """Factors from differences at points to errors, for each coarser run, and the observed order.
 
-    They are those that turn the `norms` of the differences into the error of a number with the same differences.
+    They are those that turn the `norms` of the differences into the error of a number with the same differences. The
+    compared run has the step size `base`.
 
     Examples
     --------
@@ -136,7 +145,8 @@ def shares_of(norms: Sequence[float], sizes: Sequence[float], source: ErrorSourc
     (['0.417', '0.156'], '2.00')
     """
     signed = [norm if size > 1.0 else -norm for norm, size in zip(norms, sizes, strict=True)]
-    found = estimate(0.0, list(zip(sizes, signed, strict=True)), source.lowest, source.highest, mean=True)
+    pairs = list(zip(sizes, signed, strict=True))
+    found = estimate(0.0, pairs, source.lowest, source.highest, mean=True, size=base)
     used = source.lowest if found.order is None else min(found.order, source.highest)
     ways = [abs(size**used - 1.0) for size in sizes]
     shares = [norm / way for norm, way in zip(norms, ways, strict=True)]

@@ -37,6 +37,7 @@ def estimate(
     *,
     scatters: bool = False,
     mean: bool = False,
+    size: float = 1.0,
 ) -> Estimate:
     """Estimate the error of a value with step size 1.
 
@@ -53,6 +54,8 @@ def estimate(
         Whether no order can be read off two differences, as of an area of cells.
     mean : bool
         Whether the differences are means over many points, and so not small by chance.
+    size : float
+        Step size of `value` in that of the run whose error is sought.
 
     Returns
     -------
@@ -80,6 +83,14 @@ def estimate(
     >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
     True
     """
+    found = _of_value(value, others, lowest, highest, scatters=scatters, mean=mean)
+    return found if size == 1.0 else found._replace(error=found.error / size**lowest)
+
+
+def _of_value(
+    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool, mean: bool
+) -> Estimate:
+    """Error of the value itself; see `estimate`."""
     differences = [(size, abs(other - value)) for size, other in others]
     extrapolated = max(difference / abs(size**lowest - 1.0) for size, difference in differences)
     if len(others) < 2:

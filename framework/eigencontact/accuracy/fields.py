@@ -20,6 +20,7 @@ from eigencontact.accuracy.differences import (
     time_of,
 )
 from eigencontact.accuracy.estimate import Estimate, estimate
+from eigencontact.accuracy.sources import apart
 from eigencontact.core.field_error import FieldError, beside_edges, error_name
 from eigencontact.core.numbers import ErrorBar, Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
@@ -42,12 +43,13 @@ _EQUAL = 1e-6
 
 
 class _Varied(NamedTuple):
-    """Coarser runs of one source of error, with their step sizes, and the compared run."""
+    """Coarser runs of one source of error, with their step sizes, and the compared run with its own."""
 
     source: ErrorSource
     summary: Mapping[str, Any]
     results: Results
     others: Sequence[tuple[float, Run]]
+    size: float
 
 
 class FieldErrors:
@@ -85,13 +87,13 @@ class FieldErrors:
         self._summary = summary
         self._varied: list[_Varied] = []
 
-    def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]]) -> None:
+    def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]], size: float = 1.0) -> None:
         """Add the coarser runs of one source of error, with step sizes relative to those of `base`.
 
-        They are compared with `base`: the run itself, or that with the coarsest cells.
+        They are compared with `base`: the run itself, or that with the coarsest cells, of a step size of `size`.
         """
         results = self._run if base.results is None else base.results
-        self._varied.append(_Varied(source, base.summary, results, others))
+        self._varied.append(_Varied(source, base.summary, results, others, size))
 
     def bar(self, name: str) -> ErrorBar | None:
         """Error of the largest value of a field after the last step; None without errors."""
@@ -109,10 +111,10 @@ class FieldErrors:
     def _shares_of(self, name: str, *, last: bool = False) -> dict[str, dict[float, Share]]:
         """Errors of a field by source and time."""
         shares = {}
-        for source, _, base, others in self._varied:
+        for source, _, base, others, size in self._varied:
             try:
-                parts = [(size, Sampled(run.results, name)) for size, run in others if run.results is not None]
-                shares[source.name] = dict(differences(Sampled(base, name), parts, source, last=last))
+                parts = [(ratio, Sampled(run.results, name)) for ratio, run in others if run.results is not None]
+                shares[source.name] = dict(differences(Sampled(base, name), parts, source, size=size, last=last))
             except LookupError:  # not in all runs
                 continue
         return {source: by_time for source, by_time in shares.items() if by_time}
@@ -120,7 +122,8 @@ class FieldErrors:
     def _estimates_of(self, name: str) -> dict[str, dict[float, Estimate]]:
         """Errors of a number by source and time."""
         estimates = {
-            source.name: dict(_histories(name, summary, others, source)) for source, summary, _, others in self._varied
+            source.name: dict(_histories(name, summary, others, source, size))
+            for source, summary, _, others, size in self._varied
         }
         return {source: by_time for source, by_time in estimates.items() if by_time}
 
@@ -179,8 +182,12 @@ class FieldErrors:
         }
         places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
         follow = [n - len(field.axes) for n, at in enumerate(field.axes) if any(not alike(at, ax[n]) for ax in places)]
-        near = [[by_time[at].extremes for at in neighbours(sorted(by_time), time)] for by_time in shares.values()]
-        extremes = np.sum([np.max(errors, axis=0) for errors in near], axis=0)
+        near = {
+            source: np.max([by_time[at].extremes for at in neighbours(sorted(by_time), time)], axis=0)
+            for source, by_time in shares.items()
+        }
+        extremes = np.sum(list(apart(near).values()), axis=0)
+        parts = apart(parts)
         return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, follow), edged
 
     def _number(
@@ -189,7 +196,14 @@ class FieldErrors:
         """Error of a number in every step."""
         number = Number(**self._summary["numbers"][name]).own_error(error_name(name))
         values = [
-            sum(max(errors[at].error for at in neighbours(sorted(errors), time)) for errors in estimates.values())
+            sum(
+                apart(
+                    {
+                        source: max(errors[at].error for at in neighbours(sorted(errors), time))
+                        for source, errors in estimates.items()
+                    }
+                ).values()
+            )
             for time in times[:-1]
         ]
         attrs = {"role": "error", **number.attributes()}
@@ -226,6 +240,7 @@ def _histories(
     summary: Mapping[str, Any],
     others: Sequence[tuple[float, Run]],
     source: ErrorSource,
+    size: float,
 ) -> Iterator[tuple[float, Estimate]]:
     """Times and estimated errors of a number; empty for a number that does not converge."""
     slow = [warning["order"] for warning in summary.get("warnings", ()) if warning.get("number") == name]
@@ -239,7 +254,7 @@ def _histories(
         value, *rest = (by_time[time] for by_time in values)
         if value is not None and all(other is not None for other in rest):
             pairs = [(ratio, other) for (ratio, _), other in zip(others, rest, strict=True)]
-            yield time, estimate(value, pairs, lowest, highest, scatters=scatters)
+            yield time, estimate(value, pairs, lowest, highest, scatters=scatters, size=size)
 
 
 def _bounded(

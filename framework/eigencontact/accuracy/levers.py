@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.runs import memory_of
-from eigencontact.accuracy.sources import ErrorSource, error_sources
+from eigencontact.accuracy.sources import EDGES, ErrorSource, error_sources
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ class Lever:
         """Factor of one decision."""
         if self.source.name == "cells":
             return _CELLS
+        if self.source.of_cells:  # a whole number divides cells
+            return self.source.stride
         return _LEAST if self.source.stride == 2.0 else self.source.stride
 
     @property
@@ -153,12 +155,17 @@ def cheapest(
         for lever in levers
     }
     factors = dict.fromkeys((lever.source.name for lever in levers), 1.0)
+    of_cells = {lever.source.name for lever in levers if lever.source.of_cells}
     later = set[str]()
+
+    def finer(source: str, given: Mapping[str, float]) -> float:
+        everywhere = [given[name] for name in EDGES if name in given]
+        return given.get(source, 1.0) * (min(everywhere, default=1.0) if source in of_cells else 1.0)
 
     def errors(given: Mapping[str, float]) -> dict[str, float]:
         return {
             name: sum(
-                part / given.get(source, 1.0) ** falls.get((name, source), 0.0)
+                part / finer(source, given) ** falls.get((name, source), 0.0)
                 for source, part in bars[name].parts.items()
                 if source not in later
             )
@@ -180,7 +187,7 @@ def cheapest(
     excess = aims.excess(errors(factors))
     while excess > 0.0:
         now, best, gain = price(factors, "seconds"), None, 0.0
-        for lever in levers:
+        for lever in (one for one in levers if one.source.name not in later):
             tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
             within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
             fall = excess - aims.excess(errors(tried))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from eigencontact.accuracy.bars import Accuracy, Coarser, Run, Varied, error_bars
 from eigencontact.accuracy.changes import changed, refined_window
 from eigencontact.accuracy.fields import FieldErrors
-from eigencontact.accuracy.sources import SOURCES, ErrorSource, Variation, error_sources
+from eigencontact.accuracy.sources import EDGES, SOURCES, ErrorSource, Variation, error_sources
 from eigencontact.errors import EigencontactError
 from eigencontact.planning.memory import results_bytes
 
@@ -27,6 +27,8 @@ _NEAR, _FAR, _APART = (1.4, 2.6), 5.0, 1.25
 #: Part of the time of a run below which its cells are varied with the other settings of the first rung.
 _CHEAPER = 0.5
 _CELLS = next(source for source in SOURCES if source.name == "cells")
+#: Sources whose error is a part of that of all cells.
+_OF_CELLS = {source.name for source in SOURCES if source.of_cells}
 
 
 def edge_of(plan: Plan) -> float:
@@ -98,11 +100,15 @@ class Runs:
         return accuracy, fields
 
     def _before(self, run: Run, refined: Collection[str], small: Collection[str]) -> dict[str, Varied]:
-        """Runs of sources that stand for those of a run: of sources that are as before, and of the cells alone."""
+        """Runs of sources that stand for those of a run: of sources that are as before, and of the cells alone.
+
+        All cells are not as before where those at inclusions are finer: their error is of both.
+        """
         if self._last is None:
             return {}
         _, varied = self._last
-        reused = {name: runs for name, runs in varied.items() if name not in refined}
+        others = {*refined, *(EDGES if _OF_CELLS & set(refined) else ())}
+        reused = {name: runs for name, runs in varied.items() if name not in others}
         if "cells" in refined:
             reused = {name: runs for name, runs in reused.items() if name in small}
             if (near := self._with_cells_of(run.plan)) is not None:
@@ -111,10 +117,15 @@ class Runs:
         return reused
 
     def _with_cells_of(self, plan: Plan) -> Run | None:
-        """Run with the cells of a plan and all other settings of the first rung; None where that saves too little."""
+        """Run with the cells of a plan and all other settings of the first rung; None where that saves too little.
+
+        Cells at inclusions are those of the plan, too.
+        """
         assert self._first is not None
+        divided = {"inclusion-refinement": plan.numerics.refinement}
+        cells = {"grid": plan.scene.resolved()["grid"], "numerics": divided}
         try:
-            tables = changed(self._first.scene.resolved(), {"grid": plan.scene.resolved()["grid"]})
+            tables = changed(self._first.scene.resolved(), cells)
             if self.make(tables).seconds > _CHEAPER * plan.seconds:
                 return None
             return self._coarse(tables, "cells alone finer")

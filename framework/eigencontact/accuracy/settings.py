@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import Changes, refined_grid
 from eigencontact.model.whole_degrees import LEAST_DEGREE
+from eigencontact.scene.numerics import MOST_REFINED
 from eigencontact.scene.whole import HIGHEST_DEGREE
 
 if TYPE_CHECKING:
@@ -143,6 +144,26 @@ def _treated(plan: Plan) -> bool:
 def _repeats(plan: Plan) -> bool:
     """Whether the run skips wear cycles."""
     return plan.model.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
+
+
+def _divisible(plan: Plan) -> bool:
+    """Whether cells can be finer at inclusions of a body that yields, or are finer at any inclusions."""
+    if plan.numerics.refinement > 1:
+        return True
+    members = plan.model.cells.inhomogeneities
+    yielding, stiff = ({source.body for source in members if source.guessed is guessed} for guessed in (True, False))
+    if not yielding & stiff:
+        return False
+    from eigencontact.execution.interiors.finer_cells import unsupported
+    from eigencontact.execution.routes.subsurface import subsurfaces_of
+
+    divided = [item for item in subsurfaces_of(plan.model) if item.inhomogeneities and item.in_cells]
+    return all(unsupported(subsurface) is None for subsurface in divided)
+
+
+def _more_divided(plan: Plan, factor: float) -> int | None:
+    own = plan.numerics.refinement
+    return None if own == MOST_REFINED else min(MOST_REFINED, int(factor * own + 0.5))
 
 
 def _worn_layers(plan: Plan) -> bool:
@@ -301,6 +322,12 @@ FIDELITIES: tuple[Fidelity, ...] = (
         finest=lambda plan: 0.5 * _height(plan),
         finer=_divided(lambda plan: plan.numerics.inclusion_pitch, 0.0),
         seen=_lattices,
+    ),
+    Fidelity(
+        key="inclusion-refinement",
+        has=_divisible,
+        others=lambda plan: [ratio for ratio in (1, 2) if ratio != plan.numerics.refinement],
+        finer=_more_divided,
     ),
     Fidelity(
         key="cloud-tolerance",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from numpy.typing import NDArray
 
 from eigencontact.accuracy.changes import Changes, refined_steps, refined_window
 from eigencontact.accuracy.points import cell_sizes, half_distances, has_points, places_of_edges
@@ -13,7 +15,7 @@ from eigencontact.accuracy.settings import FIDELITIES, resolution_by
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["SOURCES", "ErrorSource", "Variation", "error_sources"]
+__all__ = ["EDGES", "SOURCES", "ErrorSource", "Variation", "apart", "error_sources"]
 
 #: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
@@ -27,7 +29,11 @@ _ADAPTIVE = 0.5
 #: Tolerance of the solvers up to which its error is no part of the bars: ten times 1e-6 changed the numbers of random
 #: scenes by at most 2.3 % of their bars (see the page on error bars), at the price of one more run.
 _TIGHT = 1e-6
+#: Sources whose step size is the edges of cells along x and y, and along z where the scene gives this edge.
+EDGES = ("cells", "cells along z")
 _SETTINGS = {setting.key: setting for setting in FIDELITIES}
+#: Error of a number or of a field.
+Error = TypeVar("Error", float, NDArray[Any])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -65,6 +71,9 @@ class ErrorSource:
         Whether it is varied on the coarse cells of the source ``"cells"``, where a run costs a fraction.
     sparing : bool
         Whether its second variation is made only where the first one is a notable part of an error bar.
+    of_cells : bool
+        Whether its step size is a fraction of the edges of all cells: the errors of the sources `EDGES` contain its
+        error, and cells that are finer everywhere lower it. See `apart`.
     """
 
     name: str
@@ -78,11 +87,37 @@ class ErrorSource:
     on_coarse: bool = True
     least: bool = False
     sparing: bool = False
+    of_cells: bool = False
 
 
 def error_sources(plan: Plan) -> list[ErrorSource]:
     """Sources of error in the run of a plan, in the order of their variation."""
     return [source for source in SOURCES if source.applies(plan)]
+
+
+def apart(errors: Mapping[str, Error]) -> dict[str, Error]:
+    """Errors by source, where an error that two sources have counts once.
+
+    Cells that are larger everywhere are larger at inclusions too. Their error is then of both, and what it has beyond
+    the error of the cells at inclusions belongs to the cells elsewhere. Larger cells with a larger division would have
+    the same edges at inclusions, but in their margin of two cells they have more of these finer cells than the run.
+
+    Examples
+    --------
+    >>> apart({"cells": 5.0, "cells at inclusions": 3.0}), apart({"cells": 2.0, "cells at inclusions": 3.0})
+    ({'cells': 2.0, 'cells at inclusions': 3.0}, {'cells': 0.0, 'cells at inclusions': 3.0})
+    >>> apart({"cells": 5.0, "cells along z": 10.0, "cells at inclusions": 3.0})
+    {'cells': 4.0, 'cells along z': 8.0, 'cells at inclusions': 3.0}
+    """
+    out = dict(errors)
+    within = [errors[source.name] for source in SOURCES if source.of_cells and source.name in errors]
+    edges = [name for name in EDGES if name in errors]
+    if within and edges:
+        whole = sum(errors[name] for name in edges)
+        beyond = whole - sum(within)
+        share = 0.5 * (beyond + abs(beyond)) / (whole + (whole == 0.0))
+        out |= {name: errors[name] * share for name in edges}
+    return out
 
 
 def _cells(plan: Plan) -> list[Variation]:
@@ -139,6 +174,13 @@ def _has(key: str) -> Callable[[Plan], bool]:
 def _own_pitch(plan: Plan) -> bool:
     """Whether the height of the cells of inhomogeneities does not follow the grid."""
     return plan.numerics.inclusion_pitch is not None and _SETTINGS["inclusion-pitch"].has(plan)
+
+
+def _less_divided(plan: Plan) -> list[Variation]:
+    """Half of the division of cells at inclusions; twice the division where it cannot be less, which costs more."""
+    own = plan.numerics.refinement
+    other = own // 2 or 2
+    return [Variation(changes={"numerics": {"inclusion-refinement": other}}, ratio=own / other)]
 
 
 def _lower_degree(plan: Plan) -> list[Variation]:
@@ -226,6 +268,14 @@ SOURCES: tuple[ErrorSource, ...] = (
         applies=_own_pitch,
         variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * _pitch(plan), 1.5),
         **_finer("inclusion-pitch"),
+    ),
+    ErrorSource(
+        name="cells at inclusions",
+        applies=_has("inclusion-refinement"),
+        variations=_less_divided,
+        **_finer("inclusion-refinement"),
+        highest=1.0,
+        of_cells=True,
     ),
     ErrorSource(
         name="cells of regions",

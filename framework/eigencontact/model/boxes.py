@@ -104,7 +104,7 @@ def with_cells(
     }
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
     celled = [replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources]
-    if scene.numerics.inclusion_refinement > 1:
+    if scene.numerics.refinement > 1:
         celled = [_with_patches(source, [with_patch(member) for member in celled]) for source in celled]
     return tuple(celled)
 

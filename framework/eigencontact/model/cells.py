@@ -112,7 +112,7 @@ def cut_cells(
         if not all(source.whole for source in members):
             celled = dict(zip(map(id, members), with_cells(members, scene, grid, heights), strict=True))
             inhomogeneities = tuple(celled.get(id(source), source) for source in inhomogeneities)
-    finer = scene.numerics.inclusion_refinement
+    finer = scene.numerics.refinement
     if finer > 1 and not any(_is_refined(inhomogeneities, body) for body in (1, 2)):
         raise SceneError(
             f"numerics.inclusion-refinement must be 1 without inclusions of another material in cells (got {finer}); "

@@ -44,6 +44,8 @@ def left_out(model: Model, blocks: Iterable[Block]) -> list[LeftOut]:
     out += [effect for block in blocks for effect in block.left_out(model)]
     if model.sources:
         out += _of_the_eigenstrain(model)
+    if scene.numerics.inclusion_refinement == "auto":
+        out.append(LeftOut("finer cells at inclusions", "the run chooses them from two runs on coarse cells before it"))
     layer = _layer_that_fills(model)
     if layer is not None:
         reason = (

@@ -30,7 +30,7 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.mean_stress import MeanVolumeField
 from eigencontact.solvers.two_levels import TwoLevels
 
-__all__ = ["CoarseCells", "FinerCells", "Levels", "join_levels", "two_levels"]
+__all__ = ["CoarseCells", "FinerCells", "Levels", "join_levels", "two_levels", "unsupported"]
 
 _WHERE, _FINER = "numerics.inclusion-refinement", "_finer"
 
@@ -105,7 +105,7 @@ class FinerCells(SweptCells):
         super().__init__(subsurface, "")
         self._stored = _finer(self._stored)
         self.state_names = frozenset({self._stored, *(self._name(n) for s in self.sources for n in s.law.variables)})
-        ratio = self._numerics.inclusion_refinement
+        ratio = self._numerics.refinement
         self.reason = f"equivalent eigenstrain in {self.box.words}, {ratio} times finer at inclusions, swept together"
         self._moved: tuple[FloatArray, dict[str, FloatArray]] | None = None
 
@@ -187,9 +187,13 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
     SceneError
         The body has no inclusions or no nonlinear law, or it has a feature that finer cells do not support.
     """
-    _refuse_others(subsurface)
     half_space, members = subsurface.half_space, subsurface.inhomogeneities
-    ratio, grid = half_space.numerics.inclusion_refinement, half_space.grid
+    if (reason := unsupported(subsurface)) is not None:
+        raise SceneError(
+            f"{_WHERE} must be 1 where {reason} (got {half_space.numerics.refinement}); leave it out, or "
+            "give a finer grid and numerics.inclusion-pitch"
+        )
+    ratio, grid = half_space.numerics.refinement, half_space.grid
     inclusions = [source for source in members if not source.guessed]
     patch = box_of_inhomogeneities(inclusions).lattice
     inner = inner_bounds(patch, grid)
@@ -205,8 +209,8 @@ def two_levels(subsurface: Subsurface, directions: str) -> tuple[CoarseCells, Fi
     return coarse, FinerCells(finer, patch, grid)
 
 
-def _refuse_others(subsurface: Subsurface) -> None:
-    """Refuse features that finer cells do not support."""
+def unsupported(subsurface: Subsurface) -> str | None:
+    """Feature of a body that finer cells at inclusions do not support, in words; None without such a feature."""
     half_space, sources = subsurface.half_space, subsurface.inhomogeneities
     numerics = half_space.numerics
     linear = not should_sweep(subsurface)
@@ -219,13 +223,9 @@ def _refuse_others(subsurface: Subsurface) -> None:
         f"the surface of body {subsurface.body} wears": subsurface.recedes,
         f"a law of body {subsurface.body} averages over a neighbourhood": averaged,
         f"numerics.half-space is {numerics.half_space!r}": numerics.half_space not in ("exact", "full-space"),
+        "the contact is a line": half_space.grid.line,
     }
-    reason = next((words for words, holds in reasons.items() if holds), None)
-    if reason is not None:
-        raise SceneError(
-            f"{_WHERE} must be 1 where {reason} (got {numerics.inclusion_refinement}); leave it out, or give a finer "
-            "grid and numerics.inclusion-pitch"
-        )
+    return next((words for words, holds in reasons.items() if holds), None)
 
 
 def _layers(law: ConstitutiveLaw) -> list[ConstitutiveLaw]:

@@ -65,7 +65,7 @@ class Subsurface:
     @property
     def refined(self) -> bool:
         """Whether cells at inclusions are divided into finer ones."""
-        return self.in_cells and self.half_space.numerics.inclusion_refinement > 1
+        return self.in_cells and self.half_space.numerics.refinement > 1
 
     @classmethod
     def of(cls, model: Model, body: int) -> Subsurface:

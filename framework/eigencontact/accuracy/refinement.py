@@ -1,0 +1,90 @@
+"""Division of cells at inclusions that a scene leaves to the program, from two runs on coarse cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.accuracy.bars import Run, error_bars
+from eigencontact.accuracy.changes import changed
+from eigencontact.accuracy.runs import edge_of
+from eigencontact.accuracy.sources import SOURCES
+from eigencontact.accuracy.targets import targets_of
+from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.execution.mechanics.mechanics import Mechanics
+from eigencontact.scene.accuracy import Accuracy
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["with_refinement"]
+
+#: Largest error of a main result by the cells at inclusions, relative to the result.
+_ALLOWED = 0.02
+#: Largest number that is chosen: a run with 4 takes about 20 times the time of a run with 1.
+_MOST = 4
+_CELLS, _THERE = (next(one for one in SOURCES if one.name == name) for name in ("cells", "cells at inclusions"))
+
+
+def with_refinement(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callable[[Plan, str], Run]) -> Plan:
+    """Plan of a scene with a number in place of ``numerics.inclusion-refinement = "auto"``.
+
+    The number is the smallest one for which the error of each main result of the contact by the cells at inclusions is
+    within 2 % of the result, at most 4. The largest stress in a region and numbers of observers do not count: a peak at
+    an inclusion may rise with every refinement. A run on coarse cells, and one with cells divided in two at inclusions,
+    give the error, which is of first order. A scene with an accuracy gets 1, as the accuracy refines all cells. So does
+    a scene that cannot have finer cells or has no body that yields around an inclusion.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the scene.
+    make, solve : callable
+        Tables of a scene to a plan; a plan, and what differs in words, to its run in memory.
+
+    Raises
+    ------
+    SceneError
+        A run on coarse cells fails.
+    """
+    chosen = 1 if plan.scene.accuracy is not None or not _THERE.applies(plan) else _chosen(plan, make, solve)
+    tables = plan.scene.resolved()
+    return make({**tables, "numerics": {**tables["numerics"], "inclusion-refinement": chosen}})
+
+
+def _chosen(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callable[[Plan, str], Run]) -> int:
+    words = "choice of numerics.inclusion-refinement"
+
+    def coarser(tables: Mapping[str, Any], what: str) -> Run:
+        return solve(make(tables), f"{words}: {what}")._replace(kept=None)
+
+    numerics: dict[str, float] = {"inclusion-refinement": 1}
+    coarsest = _CELLS.variations(plan)[-1]
+    if plan.numerics.inclusion_pitch is not None:
+        numerics["inclusion-pitch"] = coarsest.ratio * plan.numerics.inclusion_pitch
+    tables = changed(plan.scene.resolved(), {"numerics": numerics})
+    try:
+        coarse = coarser(changed(tables, coarsest.changes), "coarse cells")
+        found = error_bars(coarse.plan, coarse.summary, coarser, sources=[_THERE])
+    except EigencontactError as problem:
+        raise _failed(" ".join(str(problem).split())) from problem
+    if not found.runs or found.left_out.get(_THERE.name):
+        raise _failed(found.left_out[_THERE.name])
+    of_contact = {number.name for block in plan.blocks if isinstance(block, Mechanics) for number in block.numbers}
+    declared = coarse.summary["numbers"]
+    bars = {name: bar for name, bar in found.bars.items() if name in of_contact and not declared[name].get("scatters")}
+    try:
+        targets = targets_of(Accuracy(numbers=_ALLOWED), coarse.summary, found, bars)
+    except SceneError:  # the cells at inclusions change no main result
+        return 1
+    size = edge_of(coarse.plan) / edge_of(plan)
+    most = max(bars[name].error / (size * allowed) for name, allowed in targets.allowed.items())
+    return min(_MOST, max(1, ceil(most)))
+
+
+def _failed(reason: str) -> SceneError:
+    return SceneError(
+        f'numerics.inclusion-refinement must be a number where the runs that choose it fail (got "auto": {reason}); '
+        "give 2, or leave it out"
+    )
