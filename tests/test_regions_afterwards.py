@@ -38,7 +38,7 @@ SCENES = {
 
 
 #: Scenes beside another one of the same sort.
-SLOW = {"void", "inhomogeneity", "both bodies"}
+SLOW = {"void", "inhomogeneity", "inhomogeneity and friction", "both bodies"}
 
 
 @pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES])
@@ -90,7 +90,8 @@ def test_an_earlier_step_needs_a_run_that_keeps_all(history):
     assert largest[0] < largest[1] < largest[2]
 
 
-@pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [False, True])
 def test_a_run_continues_from_what_is_stored_alone(tmp_path, every, history):
     """Stopped before each step, with no state but the folder: the same to the last bit."""
     kept = "all" if every else "last"

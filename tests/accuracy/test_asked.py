@@ -186,6 +186,7 @@ def test_what_cannot_be_reached_is_refused(accuracy, message):
         ec.run(HERTZ, accuracy=accuracy)
 
 
+@pytest.mark.slow
 def test_a_number_that_does_not_converge_is_refused_with_what_does():
     with pytest.raises(SceneError, match=r"does not converge: .* lies on an edge of .*; "):
         ec.run(ec.load_scene("buried-cuboid", ["grid.cells=31"]), accuracy={"max-von-mises": "1 %"})

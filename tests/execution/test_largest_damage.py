@@ -163,6 +163,7 @@ def test_utilisation_is_that_of_all_points(dims, shape, near):
     assert abs(utilisation_of(ALL[2], section, chosen) * ALL[2].limit / expected - 1.0) < 1e-12
 
 
+@pytest.mark.slow
 def test_map_has_the_utilisation_of_fatigue():
     """Each variant of a line contact against all points of a run of its own, with and without distance."""
     few = ["grid.cells-per-contact-radius=16", "steps.1.increments=2", "steps.2.increments=3", "steps.3.increments=3"]

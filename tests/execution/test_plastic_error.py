@@ -54,6 +54,7 @@ def test_one_step_is_halved_until_its_error_is_small_enough(coarse, fine, within
     assert left < 3.0 * error
 
 
+@pytest.mark.slow
 def test_what_is_tried_counts_as_work(coarse, within):
     found = within(0.03)
     assert found["inclusion_iterations"][0] > 1.5 * coarse["inclusion_iterations"][0]

@@ -152,6 +152,7 @@ def test_a_coating_that_is_worn_through_leaves_the_substrate():
     assert set(np.unique(last.fields["exposed_material"])) == {0.0, 1.0}
 
 
+@pytest.mark.slow
 def test_what_wear_took_off_acts_no_more():
     """Cells that nothing fills any more hold no eigenstrain; the audit of coating-worn-through found what they kept."""
     thin = coating(2.0, 0.02 * H)

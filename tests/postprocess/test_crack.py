@@ -68,6 +68,7 @@ def test_threshold_of_the_caller_decides_the_arrest(folder):
     assert answer.summary["arrest_length"] == close(float(ranges.length[20]), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_hot_spot_gives_the_plane_of_the_criterion(folder):
     criterion = {"type": "findley", "slope": 0.3, "limit-amplitude": "500 MPa"}
     spot = ec.fatigue(folder, criterion, region="section", cycle="all").summary

@@ -249,7 +249,7 @@ FILL = """
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits and signals of POSIX")
-@pytest.mark.parametrize(("how", "code"), [("kill", -9), ("full", 5)])
+@pytest.mark.parametrize(("how", "code"), [("kill", -9), pytest.param("full", 5, marks=pytest.mark.slow)])
 def test_real_kill_and_real_write_failure(tmp_path, how, code):
     folder = tmp_path / "run"
     paths = os.pathsep.join([str(Path(__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])

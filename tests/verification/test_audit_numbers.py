@@ -131,6 +131,7 @@ def test_a_bar_of_another_value_does_not_count(run, tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_what_the_scene_prescribes_is_not_compared(tmp_path):
     _, _, approach = hertz_sphere(LOAD, RADIUS, MODULUS)
     folder = solved(tmp_path / "pressed", cells=8, steps={"approach": approach})

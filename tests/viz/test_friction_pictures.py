@@ -193,6 +193,7 @@ def test_which_pictures_a_run_gets(stored, monkeypatch, case, names):
     assert list(draw_all(stored(**case), Path())) == names
 
 
+@pytest.mark.slow
 def test_all_are_written_and_nothing_is_cut_off(stored, tmp_path):
     before = dict(mpl.rcParams)
     described = draw_all(stored(**CASES["cycle"]), tmp_path)
