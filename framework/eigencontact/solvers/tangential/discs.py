@@ -41,6 +41,11 @@ def length_of(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.einsum("kij,kij->ij", vectors, vectors)))
 
 
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Solution of equations of a few modes; the call of LAPACK takes longer than the division of a single mode."""
+    return right / matrix[0] if len(right) == 1 else np.asarray(np.linalg.solve(matrix, right))
+
+
 class RigidPlane:
     """Rigid modes of the surface plane with prescribed forces.
 
@@ -113,7 +118,7 @@ class RigidPlane:
             reach = 2.0 * float(size.max(initial=0.0) + bound.max(initial=0.0)) + _TINY
             flat = float(np.abs(error).max()) / reach + _TINY  # limits the change to that value if all cells slip
             slope += (1e-13 * np.trace(slope) + flat) * np.eye(len(self))
-            change = -np.linalg.solve(slope, error)
+            change = -_solved(slope, error)
             share, expected = 1.0, float(error @ change)
             for _ in range(40):
                 trial = amounts + share * change
@@ -152,7 +157,7 @@ class FittedModes:
         fields = modes.fields * loaded
         along = np.einsum("mkij,kij->mij", fields, unit)
         gram = np.einsum("mkij,lkij->ml", fields, fields) - np.einsum("mij,lij->ml", along, along)
-        size = np.linalg.eigvalsh(gram)
+        size = gram[0] if len(modes) == 1 else np.linalg.eigvalsh(gram)
         self._gram: FloatArray | None = gram
         if size[0] <= _FLAT * size[-1]:
             self._gram = None
@@ -162,7 +167,7 @@ class FittedModes:
     def amounts(self, field: FloatArray) -> FloatArray:
         """Amounts ``(m,)`` of the modes with the best fit of a field without components along the unit vectors."""
         if self._gram is not None:
-            return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
+            return _solved(self._gram, self._modes.work(field))
         left, size, right = self._basis
         significant = size > max(_NOTHING * size[0], _ZERO)
         return np.asarray(right[significant].T @ ((left.T @ field.ravel())[significant] / size[significant]))
