@@ -61,6 +61,7 @@ CRUDE = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_concrete_is_damaged_for_good_and_gives_way():
     """Damage stays without the load, which sinks deeper than into concrete that does not break."""
     result = ec.run(ec.load_scene("concrete-bars-damage", CRUDE))

@@ -26,6 +26,8 @@ CHANGES = {
 }
 
 
+#: Scenes that run with the slow tests: each takes a second or more.
+LONG = {"peened-layer", "prestressed-bars"}
 #: Scene whose pictures are drawn by default: they cost as much as the run.
 DRAWN = "sphere-near-surface"
 
@@ -49,7 +51,7 @@ def test_every_bundled_scene_without_contact_is_tested():
     assert [name for name in bundled_names() if not ec.load_scene(name).geometry] == sorted(CHANGES) == sorted(PINS)
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in CHANGES])
 def test_summary_and_results(name, finished):
     folder = finished(name)
     summary = read(folder)
@@ -152,6 +154,7 @@ def test_the_cuboid_is_case_cb_2(finished):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-17)  # printed to 1e-8 edges, times the eigenstrain
 
 
+@pytest.mark.slow
 def test_the_bars_are_case_pb(finished):
     """In the middle of each bar: the infinite cylinder with an axial eigenstrain in a full space (Eshelby 1957)."""
     E, nu, e = 50e9, 0.3, -2e-3
@@ -170,6 +173,7 @@ def test_the_bars_are_case_pb(finished):
         np.testing.assert_allclose(surface[[2, 3, 4]], 0.0, atol=1e-12 * axial)
 
 
+@pytest.mark.slow
 def test_the_peened_layer_is_pressed_by_its_own_stretch(finished):
     """Stress minus -E e/(1 - nu), that of an endless layer, is a smooth tension that balances it."""
     E, nu, width = 210e9, 0.3, 150e-6

@@ -94,7 +94,8 @@ def test_inclusion_under_contact(finished):
     assert inside > 1.2 * beside
 
 
-@pytest.mark.parametrize("changes", [(), pytest.param(None, marks=pytest.mark.slow)], ids=["coarse", "as bundled"])
+@pytest.mark.slow
+@pytest.mark.parametrize("changes", [(), None], ids=["coarse", "as bundled"])
 def test_inclusion_cluster(changes, finished):
     """IC-1: 22 % above the peak of a homogeneous body, within 10 %; a peak above the ball in the middle."""
     if changes is None:
@@ -135,9 +136,8 @@ def middle_of(pressure):
     return value
 
 
-@pytest.mark.parametrize(
-    ("changes", "bound"), [((), 0.015), pytest.param(None, 8e-3, marks=pytest.mark.slow)], ids=["coarse", "as bundled"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("changes", "bound"), [((), 0.015), (None, 8e-3)], ids=["coarse", "as bundled"])
 def test_void_near_surface(changes, bound, finished):
     """The roof carries 0.1767 of p0 in the middle, by the oracle of degree 16; nothing is stressed within the void."""
     if changes is None:
@@ -201,6 +201,7 @@ def test_ellipsoid_under_contact(finished):
     assert 0.85 < result.summary["contact_radius"] / 20e-6 < 1.0
 
 
+@pytest.mark.slow
 def test_prestressed_concrete(finished):
     """As in PB-2 two extrema of the pressure across the bars, one along them."""
     pressure = last(finished("prestressed-concrete"))
@@ -217,6 +218,7 @@ def test_prestressed_concrete(finished):
     assert 1.1 < pressure.max() / 55.96e6 < 1.5  # stresses that concrete bears
 
 
+@pytest.mark.slow
 def test_rolling_over_inclusion(finished):
     """The history there mirrors that away; above the ball it is the sphere at rest on it (IC-3), far away Hertz."""
     result = finished("rolling-over-inclusion")

@@ -62,6 +62,8 @@ COARSER = {
     "rolling-line": ["grid.cells=81", "grid.spacing=26.25 um", "stress.0.depth-cells=30"],
     "rounded-line-punch": ["grid.cells=256", "stress.0.depth-cells=40"],
 }
+#: Scenes that run with the slow tests: each takes a second or more.
+LONG = {"coated-cylinder", "cylinder-fretting-plastic", "cylinder-on-bone"}
 
 
 def test_every_bundled_line_contact_is_tested():
@@ -83,7 +85,7 @@ def finished(finished):
     return run
 
 
-@pytest.mark.parametrize("name", COARSER)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in COARSER])
 def test_certificates_and_units(name, finished):
     summary = finished(name).summary
     assert max(summary[f"{residual}_residual"] for residual in ("gap", "penetration", "load")) <= 1e-6
@@ -165,6 +167,7 @@ def test_fretting_fatigue_out_of_phase(finished):
         assert np.ptp(sticks) / (2 * a) == close(half_width, abs=1.5 / 64)
 
 
+@pytest.mark.slow
 def test_coated_cylinder_lies_between_its_materials(finished):
     summary = finished("coated-cylinder").summary
     substrate, coating = (hertz_cylinder(200e3, 0.01, E / (1 - nu**2)) for E, nu in ((210e9, 0.3), (400e9, 0.25)))
@@ -192,6 +195,7 @@ def test_a_print_stays_below_a_cylinder(finished):
     assert float(data.section_von_mises[-1].max()) < yield_stress  # at cell centres; on their faces strain steps
 
 
+@pytest.mark.slow
 def test_fretting_beyond_yield(finished):
     """The surface flows at both ends of the stick zone, and most in the first strokes; the loop takes up all work."""
     result = finished("cylinder-fretting-plastic")
@@ -209,6 +213,7 @@ def test_fretting_beyond_yield(finished):
     assert panel.get_legend_handles_labels()[1] == ["uplift $-u_z$", "$u_x$"]  # u_y is zero in plane strain
 
 
+@pytest.mark.slow
 def test_damage_below_a_cylinder(finished):
     """The first step is elastic, at 49 of 49.5 N/mm; damage is that of the strain; it leaves less stress and print."""
     modulus = 18.6e9 / (1 - 0.3**2)

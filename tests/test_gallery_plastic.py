@@ -172,6 +172,7 @@ def test_below_a_layer_that_does_not_yield(finished):
     assert 5e-9 < float(data["max_sink"][-1]) < 25e-9
 
 
+@pytest.mark.slow
 def test_each_pass_adds_less(finished):
     data = finished("repeated-rolling").dataset
     volume = data["plastic_zone_volume"].values
@@ -185,6 +186,7 @@ def test_each_pass_adds_less(finished):
     np.testing.assert_array_equal(data["normal_load"][[4, 9, 14]], 0.0)
 
 
+@pytest.mark.slow
 def test_impacts_leave_compression_below_the_surface(finished):
     result = finished("shot-peening")
     data = result.dataset

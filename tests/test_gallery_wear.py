@@ -48,6 +48,8 @@ COARSER = {
         "stress=[]",
     ],
 }
+#: Scenes that run with the slow tests: each takes a second or more.
+LONG = {"fretting-loop-evolution", "fretting-wear-gross-slip", "worn-rough-surface"}
 #: Sphere of 200 um on steel under 12.307 N: contact radius, radius of the sphere [m], load [N], p0 [Pa].
 A, RADIUS, LOAD = 20e-6, 200e-6, 12.307
 P0 = 1.5 * LOAD / (np.pi * A * A)
@@ -66,7 +68,7 @@ def test_every_bundled_scene_of_wear_is_tested():
     assert [name for name in worn if name != "coating-worn-through"] == sorted(COARSER)
 
 
-@pytest.mark.parametrize("name", COARSER)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in COARSER])
 def test_volume_by_energy_or_by_load_and_path(name, finished):
     """What holds for any contact."""
     result = finished(name)
@@ -133,6 +135,7 @@ def test_partial_slip_wears_a_ring(finished):
     np.testing.assert_allclose(worn, worn[::-1], atol=1e-4 * worn.max())
 
 
+@pytest.mark.slow
 def test_gross_slip_opens_the_loop_under_a_load(finished):
     """WR-6: deepest in the middle; a cycle costs 4 μ P (u0 - elastic shift), which shrinks as the contact grows."""
     data = finished("fretting-wear-gross-slip").dataset
@@ -148,6 +151,7 @@ def test_gross_slip_opens_the_loop_under_a_load(finished):
     assert float(data.max_pressure[-1]) < 0.6 * P0
 
 
+@pytest.mark.slow
 def test_loops_close_under_an_approach(finished):
     """All of the sphere beyond the flat is worn off in the end, and carries nothing: V = π R d², depth d."""
     data = finished("fretting-loop-evolution").dataset
@@ -175,6 +179,7 @@ def test_pin_on_disc(finished):
     assert float((data.worn_depth_1[-1] > 0).any("y").sum()) == along + 20
 
 
+@pytest.mark.slow
 def test_a_rough_ball_runs_in(finished):
     """The peaks go first; volume by load and path."""
     data = finished("worn-rough-surface").dataset

@@ -10,6 +10,8 @@ from eigencontact.viz.surface import exposed_map, several_exposed
 
 LOAD, THICKNESS = 12.307, 1e-6
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def data():

@@ -334,6 +334,7 @@ def test_the_curves_of_a_sweep_have_error_bars(tmp_path):
     assert draw_sweep(swept.drop_vars("max_pressure_error"), "max_pressure").axes[0].containers == []
 
 
+@pytest.mark.slow
 def test_the_report_lists_the_errors_of_fields(tmp_path):
     ec.run(COARSE | {"steps": {"normal-load": 0.65, "increments": 3}}, tmp_path / "run", errors=True)
     page = ec.report(tmp_path / "run").read_text(encoding="utf-8")

@@ -79,12 +79,13 @@ def test_a_soft_ball_yields_with_its_own_volume():
     assert 0.5 < float(data["plastic_work"][0]) / (density.sum() * cell) < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("per_radius", "increments", "depth", "approach_error"),
     [
         (6, 4, 89.9, 2e-3),
-        pytest.param(8, 8, 94.4, 1e-3, marks=pytest.mark.slow),
-        pytest.param(12, 8, 100.4, 1e-3, marks=pytest.mark.slow),
+        (8, 8, 94.4, 1e-3),
+        (12, 8, 100.4, 1e-3),
     ],
     ids=["6", "8", "12"],
 )

@@ -29,6 +29,7 @@ def volume_of_a_cell(data):
     return np.prod([float(np.diff(data[f"cells_1_{name}"])[0]) for name in "xyz"])
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_the_stored_fields(run):
     data, summary = run.dataset, run.summary
     strain = data["equivalent_plastic_strain_1"].values[-1]

@@ -111,6 +111,7 @@ def test_of_two_materials_the_later_one_counts_with_its_prestrain():
     same(stress(other, one), stress(one))
 
 
+@pytest.mark.slow
 def test_a_material_written_later_takes_its_part_of_another():
     """A stiff core in a soft ball, and the ball over the core."""
     ball, core = {**BALL, "material": SOFT, "eigenstrain": STRAIN}, {**SMALL, "material": STIFF}

@@ -79,7 +79,7 @@ def test_densities_of_a_degree_are_orthogonal_to_lower_degrees_and_of_mean_squar
 
 
 @every_shape
-@pytest.mark.parametrize("order", range(6))
+@pytest.mark.parametrize("order", [*range(5), pytest.param(5, marks=pytest.mark.slow)])
 def test_outside_the_potentials_equal_quadrature_over_the_volume(semi_axes, order):
     shape = Ellipsoid(center=CENTER, semi_axes=semi_axes, rotation=TURN)
     nodes, weights = shape.density_rule((16, 16, 32))

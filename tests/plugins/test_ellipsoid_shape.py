@@ -263,7 +263,9 @@ def test_eshelby_tensor_of_a_spheroid(ratio):
 
 
 @every_shape
-@pytest.mark.parametrize(("potential", "order"), [("phi", 2), ("phi", 4), ("psi", 3), ("psi", 5)])
+@pytest.mark.parametrize(
+    ("potential", "order"), [("phi", 2), ("phi", 4), ("psi", 3), pytest.param("psi", 5, marks=pytest.mark.slow)]
+)
 def test_far_field(semi_axes, potential, order):
     shape = Ellipsoid(center=CENTER, semi_axes=semi_axes, rotation=TURN)
     levels = shape.far_field().levels

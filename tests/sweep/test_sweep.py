@@ -543,6 +543,7 @@ def test_the_command_writes_and_tells(command, tmp_path):
     assert (refused.code, refused.err.count("\n")) == (2, 1)
 
 
+@pytest.mark.slow
 def test_warnings_of_variants_are_told_once_a_code(tmp_path, command):
     """Few cells in the smaller contacts: the words are those of the run, the rows have the codes alone."""
     (tmp_path / "ball.toml").write_text(

@@ -90,6 +90,7 @@ def test_a_true_run_agrees_within_its_bars(run):
     assert rows["max_pressure"].reference == close(p0, rel=2e-3)  # the cells beside the axis
 
 
+@pytest.mark.slow
 def test_a_bar_that_is_too_small_becomes_a_stated_model_error(run):
     rows, _, _ = audited(run, part=0.01)
     row = rows["contact_area"]
@@ -150,6 +151,7 @@ def test_the_error_of_a_line_is_the_bar_of_its_number(run):
     assert widest * lines["radius"].own[-1, 0] == close(bars["contact_radius"].error)
 
 
+@pytest.mark.slow
 def test_the_error_of_load_steps_is_that_of_both_sides(run, tmp_path):
     other = shutil.copytree(run, tmp_path / "steps")
     summary = json.loads((other / "summary.json").read_text(encoding="utf-8"))
@@ -206,6 +208,7 @@ def test_the_command_tells_a_fault_of_stress_with_its_size(command, tmp_path, mo
     assert row["error"] / row["reference"] == close(0.02, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_run_without_bars_says_so(tmp_path, monkeypatch):
     from eigencontact_verification.audit import command as room
 

@@ -69,7 +69,8 @@ def test_thick_coating_tends_to_hertz_of_the_coating(ratio):
     assert errors[-1] < 1e-5
 
 
-@pytest.mark.parametrize("ratio", [0.2, pytest.param(5.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.2, 5.0])
 def test_displacement_under_the_sphere_is_the_sphere(ratio):
     """The pressure, put through the Green's function of the top layer and L(k), gives back δ - r²/2R."""
     found = coated(ratio)

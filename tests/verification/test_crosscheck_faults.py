@@ -109,10 +109,12 @@ AXISYMMETRIC = [
 ]
 
 
+@pytest.mark.slow
 def test_sound_code_agrees(ball):
     assert words(*ball) == {"displacement": "agrees", "stress": "agrees"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "fault", "seen_in"), AXISYMMETRIC)
 def test_fault_disagrees(ball, plant, name, fault, seen_in):
     plant(name, fault)

@@ -36,7 +36,8 @@ def test_rings_know_their_value_to_two_per_cent(name):
         assert found.uncertainty.max() < 0.02 * np.abs(levels[2][profile.name]).max()
 
 
-@pytest.mark.parametrize("name", ["sliding", pytest.param("fretting", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sliding", "fretting"])
 def test_sound_code_does_not_disagree(name):
     assert "disagrees" not in verdicts(name).values()
 
@@ -46,9 +47,8 @@ def too_deep(law):
     return lambda self, state: 1.2 * depth(self, state)
 
 
-@pytest.mark.parametrize(
-    ("name", "law"), [("sliding", Archard), pytest.param("fretting", DissipatedEnergy, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "law"), [("sliding", Archard), ("fretting", DissipatedEnergy)])
 def test_a_law_that_wears_too_much_disagrees(monkeypatch, name, law):
     monkeypatch.setattr(law, "depth", too_deep(law))
     assert verdicts(name)["depth"] == "disagrees"

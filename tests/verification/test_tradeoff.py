@@ -70,6 +70,7 @@ def test_changes_reach_the_scene():
     assert not any(one.scene.output.pictures for one in planned)
 
 
+@pytest.mark.slow
 def test_a_given_window_keeps_its_place_and_size():
     plan = app.plan("buried-cuboid")
     found = [variant.changes["grid"] for variant in variants(plan, Fidelities(), ["grid"])]

@@ -186,6 +186,7 @@ def test_contours_of_stress_are_those_of_all_frames(stored):
     assert levels[0][-1] == close(1e-9 * float(dataset["plane_0_von_mises"].max()), rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_loop_is_drawn_as_far_as_the_step_and_arrows_have_one_scale(stored):
     dataset = stored("frets")
     shift, load, shear = (dataset[name].values for name in ("shift_x", "tangential_load_x", "shear_x"))
