@@ -42,8 +42,14 @@ COARSER = {
         "steps.1.increments=4",
         "steps.2.increments=2",
     ],
-    "fretting-fatigue": ["stress.0.depth-cells=30", "steps.1.increments=4", *turns(6, 2)],
+    "fretting-fatigue": [
+        "grid.cells-per-contact-radius=64",
+        "stress.0.depth-cells=30",
+        "steps.1.increments=4",
+        *turns(6, 2),
+    ],
     "fretting-fatigue-out-of-phase": [
+        "grid.cells-per-contact-radius=64",
         "stress.0.depth-cells=6",
         "steps.1.increments=4",
         *turns(3, 4),
