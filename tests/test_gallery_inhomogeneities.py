@@ -191,6 +191,7 @@ def test_void_under_contact_of_cells_without_end():
     assert (4 * fine - coarse) / 3 / P0 == close(0.23068, rel=0.002)
 
 
+@pytest.mark.slow
 def test_ellipsoid_under_contact(finished):
     """A body of revolution under another: the same along x and y; stiffer, so a higher peak on a smaller contact."""
     result = finished("ellipsoid-under-contact")

@@ -111,6 +111,7 @@ def test_perfectly_plastic_hertz(finished):
     assert float(data["max_pressure"].max()) < 14.3e9
 
 
+@pytest.mark.slow
 def test_friction_takes_the_zone_to_the_surface(finished):
     """EP-3: the stick circle is wider than the 0.698 of an elastic body, and the yield reaches the surface."""
     data = finished("fretting-mode-2-plastic").dataset
@@ -150,6 +151,7 @@ def test_only_the_ball_yields(finished):
     np.testing.assert_allclose(data["section_z"], 0.8e-6 * (np.arange(10) + 0.5), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_stiff_ball_in_what_yields(finished):
     """EP-12, very coarse: the ball itself never yields."""
     data = finished("hard-inclusion-in-plastic-matrix").dataset

@@ -72,6 +72,7 @@ def test_pressure_above_a_ball_on_fine_cells(case):
     assert center(run(ball(material, radius, depth), whole=8, cells=151)) == close(expected, rel=0, abs=3e-4)
 
 
+@pytest.mark.slow
 def test_errors_fall_and_are_stated():
     results = {degree: run(ball(VOID, 0.33, 0.5), whole=degree) for degree in (2, 4, 6)}
     best = results[6].dataset["pressure"][-1].values

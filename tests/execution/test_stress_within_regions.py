@@ -90,6 +90,7 @@ def test_a_void_is_empty_on_planes_and_close_up():
         assert stress[:, outside].any(axis=0).all()
 
 
+@pytest.mark.slow
 def test_the_strain_in_a_stiff_ball_is_that_of_its_law():
     """Where stress and strain are taken off together, they fit the law of the ball between the middles too."""
     wanted = {"name": "near", "shape": "plane", "normal": "y", "around": "grain", "refinement": 2, "room": 0.0}

@@ -105,6 +105,7 @@ def test_what_lies_deep_is_refused_where_its_cells_would_have_to_rise():
         records(scene((10,), (3,), inclusions=coating(thickness=H / 4, top=H / 4), cells=24))
 
 
+@pytest.mark.slow
 def test_a_run_warns_of_what_does_not_rise():
     """Eigenstrain in the wearing body stays where it was, the coating rises."""
     strained = {"type": "uniform", "value": 1e-6, "depth": 2e-6, "layers": 2}

@@ -23,7 +23,8 @@ def scene(body1, worn=(0.1, 10), increments=(2, 4), wear=None, **changes):
     return gross_sliding(worn, increments, **usual | changes)
 
 
-@pytest.mark.parametrize("body", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("body", [1, 2])
 def test_a_coated_body_in_gross_sliding(body):
     """Case WR-17, from rings on a layered half-space: whichever body wears, to 1 %, radii to a cell of a0 / 8."""
     found = records(scene(coated(), wear={"body": body}))

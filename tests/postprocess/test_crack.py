@@ -23,6 +23,7 @@ def folder(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 def test_factors_are_those_of_the_stress_along_the_path(folder):
     """At 20 degrees, with the stress that another region at the points of the crack gives."""
     angle = np.radians(20.0)
