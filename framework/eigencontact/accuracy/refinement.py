@@ -24,7 +24,9 @@ __all__ = ["with_refinement"]
 _ALLOWED = 0.02
 #: Largest number that is chosen: a run with 4 takes about 20 times the time of a run with 1.
 _MOST = 4
-_CELLS, _THERE = (next(one for one in SOURCES if one.name == name) for name in ("cells", "cells at inclusions"))
+_CELLS, _AT_INCLUSIONS = (
+    next(source for source in SOURCES if source.name == name) for name in ("cells", "cells at inclusions")
+)
 
 
 def with_refinement(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callable[[Plan, str], Run]) -> Plan:
@@ -48,7 +50,7 @@ def with_refinement(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve
     SceneError
         A run on coarse cells fails.
     """
-    chosen = 1 if plan.scene.accuracy is not None or not _THERE.applies(plan) else _chosen(plan, make, solve)
+    chosen = 1 if plan.scene.accuracy is not None or not _AT_INCLUSIONS.applies(plan) else _chosen(plan, make, solve)
     tables = plan.scene.resolved()
     return make({**tables, "numerics": {**tables["numerics"], "inclusion-refinement": chosen}})
 
@@ -66,16 +68,18 @@ def _chosen(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callab
     tables = changed(plan.scene.resolved(), {"numerics": numerics})
     try:
         coarse = coarser(changed(tables, coarsest.changes), "coarse cells")
-        found = error_bars(coarse.plan, coarse.summary, coarser, sources=[_THERE])
+        estimated = error_bars(coarse.plan, coarse.summary, coarser, sources=[_AT_INCLUSIONS])
     except EigencontactError as problem:
         raise _failed(" ".join(str(problem).split())) from problem
-    if not found.runs or found.left_out.get(_THERE.name):
-        raise _failed(found.left_out[_THERE.name])
+    if not estimated.runs or estimated.left_out.get(_AT_INCLUSIONS.name):
+        raise _failed(estimated.left_out[_AT_INCLUSIONS.name])
     of_contact = {number.name for block in plan.blocks if isinstance(block, Mechanics) for number in block.numbers}
     declared = coarse.summary["numbers"]
-    bars = {name: bar for name, bar in found.bars.items() if name in of_contact and not declared[name].get("scatters")}
+    bars = {
+        name: bar for name, bar in estimated.bars.items() if name in of_contact and not declared[name].get("scatters")
+    }
     try:
-        targets = targets_of(Accuracy(numbers=_ALLOWED), coarse.summary, found, bars)
+        targets = targets_of(Accuracy(numbers=_ALLOWED), coarse.summary, estimated, bars)
     except SceneError:  # the cells at inclusions change no main result
         return 1
     size = edge_of(coarse.plan) / edge_of(plan)

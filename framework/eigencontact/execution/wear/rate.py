@@ -98,8 +98,8 @@ def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
         return values
     from scipy.ndimage import distance_transform_edt
 
-    found = []
+    mirrored = []
     for mirror in _MIRRORS:
         rows, columns = distance_transform_edt(~valid[mirror], return_distances=False, return_indices=True)
-        found.append(values[mirror][rows, columns][mirror])
-    return np.asarray(0.25 * ((found[0] + found[3]) + (found[1] + found[2])))
+        mirrored.append(values[mirror][rows, columns][mirror])
+    return np.asarray(0.25 * ((mirrored[0] + mirrored[3]) + (mirrored[1] + mirrored[2])))
