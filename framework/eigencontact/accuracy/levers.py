@@ -187,7 +187,7 @@ def cheapest(
     excess = aims.excess(errors(factors))
     while excess > 0.0:
         now, best, gain = price(factors, "seconds"), None, 0.0
-        for lever in (one for one in levers if one.source.name not in later):
+        for lever in (lever for lever in levers if lever.source.name not in later):
             tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
             within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
             fall = excess - aims.excess(errors(tried))

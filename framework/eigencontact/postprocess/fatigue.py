@@ -191,8 +191,8 @@ def utilisation(
     with opened(results) as dataset:
 
         def computed(name: str, steps: list[int]) -> StressAt | None:
-            found = [one for one in regions if one.request.label == name]
-            return StressOfSteps(found[0], dataset, steps) if found else None
+            block = next((block for block in regions if block.request.label == name), None)
+            return None if block is None else StressOfSteps(block, dataset, steps)
 
         cycle_region = stored_cycle(dataset, region, "last", strain=component.needs_strain, computed=computed)
         return utilisation_of(component, cycle_region, settings, threads or available_threads())

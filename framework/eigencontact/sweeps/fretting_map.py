@@ -248,7 +248,7 @@ class _Numbers:
         )
 
     def numbers(self, plan: Plan, result: RunResult) -> dict[str, float]:
-        """Regime, energies, and what was asked for."""
+        """Regime, energies, and the requested utilisation and arrest length."""
         rows = result.summary["history"]
         history = {name: np.array([row[name] for row in rows], dtype=float) for name in rows[0]}
         cycle = last_cycle(history)
