@@ -41,6 +41,9 @@ IntArray = NDArray[np.int64]
 
 #: Largest residual force at an unknown over the load; largest numbers of iterations and of halvings of a step.
 _RESIDUAL, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
+#: An iteration diverges where its residual exceeds the load and its step exceeds the first step by this factor. Without
+#: this rule the laws would be solved at strains of 1e98 before the iterations are used up: 70 s in place of 2 s.
+_DIVERGES = 10.0
 #: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
 _SOFTER = (1e-3, 3e-2, 1.0)
 #: Stiffness of contact and stick in contact moduli over the size of the fine elements.
@@ -205,6 +208,7 @@ class _Solver:
         slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
         travel = step.place - start.step.place
         touched = np.interp(self.x - travel, self.x, start.pressure, 0.0, 0.0) > 0 if travel else None
+        first_step = np.inf
         for iteration in range(_ITERATIONS):
             try:
                 inner = [
@@ -241,11 +245,16 @@ class _Solver:
             springs = self.overlaps.T @ normal @ self.overlaps
             springs = springs + self.shifts.T @ (shear @ self.shifts + cross @ self.overlaps)
             try:
-                u[free] += self.newton_step([matrix for _, matrix, _, _ in inner], springs, free, residual)
+                change = self.newton_step([matrix for _, matrix, _, _ in inner], springs, free, residual)
             except (RuntimeError, np.linalg.LinAlgError):  # every node slips; in a halved step some nodes stick
                 return None
-            if not np.all(np.isfinite(u)):
+            step_size = np.abs(change).max()
+            diverges = step_size > _DIVERGES * first_step and np.abs(residual).max() > scale
+            if diverges or not np.isfinite(step_size):
                 return None
+            if not iteration:
+                first_step = step_size
+            u[free] += change
         return None
 
     def newton_step(self, matrices: list[Any], springs: csr_matrix, free: IntArray, residual: FloatArray) -> FloatArray:
