@@ -225,6 +225,31 @@ def test_onset_of_yield():
             assert [abs(x), z] == close([0.0, 0.704], abs=0.15)
 
 
+def test_an_iteration_that_diverges_ends_at_once(monkeypatch):
+    """Three times the load that starts to yield, in one increment: the laws see no strain of more than a thousand."""
+    law = YieldingLaw(young_modulus=1 - NU**2, poisson_ratio=NU, hardening=linear(0.2, 0.0))
+    body, strains = LineBody(young_modulus=law.young_modulus, poisson_ratio=NU, law=law), []
+    honest = YieldingLaw.answer
+
+    def watched(self, strain, state):
+        strains.append(np.abs(strain).max())
+        return honest(self, strain, state)
+
+    def indented():
+        strains.clear()
+        mesh = {"fine": 0.5, "deep": 1.0, "growth": 4.0, "reach": 60.0, "window": 3.5}
+        solved = pressed(LineStep(normal=1.5), bodies=(body,), **mesh)
+        return solved.moments[0].pressure, max(strains)
+
+    monkeypatch.setattr(YieldingLaw, "answer", watched)
+    pressure, largest = indented()
+    assert largest < 1e3
+    monkeypatch.setattr(line_contact, "_DIVERGES", np.inf)
+    as_before, largest = indented()
+    assert largest > 1e6
+    assert pressure == close(as_before, abs=1e-6 * P0)
+
+
 @pytest.mark.slow
 def test_plastic_contact_with_friction():
     """Two bodies, one yields: equilibrium of every step, friction's bound, symmetry of what is symmetric, residuals."""
