@@ -41,7 +41,7 @@ IntArray = NDArray[np.int64]
 
 #: Largest residual force at an unknown over the load; largest numbers of iterations and of halvings of a step.
 _RESIDUAL, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
-#: An iteration diverges where a step exceeds the first one by this factor. Without this rule the laws would be solved at
+#: An iteration diverges where a step exceeds the first one by this factor. Without this rule the laws are solved at
 #: strains of 1e98 before the iterations are used up: 70 s in place of 2 s.
 _DIVERGES = 100.0
 #: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
