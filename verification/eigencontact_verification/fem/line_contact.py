@@ -44,6 +44,9 @@ _RESIDUAL, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
 #: An iteration diverges where a step exceeds the first one by this factor. Without this rule the laws are solved at
 #: strains of 1e98 before the iterations are used up: 70 s in place of 2 s.
 _DIVERGES = 100.0
+#: The residual must fall by half within this number of iterations: nodes at the end of stick, or points at the border of
+#: what yields, can alternate without end.
+_PATIENCE = 8
 #: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
 _SOFTER = (1e-3, 3e-2, 1.0)
 #: Stiffness of contact and stick in contact moduli over the size of the fine elements.
@@ -208,7 +211,7 @@ class _Solver:
         slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
         travel = step.place - start.step.place
         touched = np.interp(self.x - travel, self.x, start.pressure, 0.0, 0.0) > 0 if travel else None
-        first_step = np.inf
+        first_step, residuals = np.inf, []
         for iteration in range(_ITERATIONS):
             try:
                 inner = [
@@ -252,6 +255,9 @@ class _Solver:
             if not step_size <= _DIVERGES * first_step or not np.isfinite(step_size):
                 return None
             first_step = first_step if iteration else step_size
+            residuals.append(np.abs(residual).max())
+            if iteration >= _PATIENCE and residuals[-1] > residuals[-1 - _PATIENCE] / 2:
+                return None
             u[free] += change
         return None
 
