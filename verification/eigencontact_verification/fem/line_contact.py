@@ -44,8 +44,8 @@ _RESIDUAL, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
 #: An iteration diverges where a step exceeds the first one by this factor. Without this rule the laws are solved at
 #: strains of 1e98 before the iterations are used up: 70 s in place of 2 s.
 _DIVERGES = 100.0
-#: The residual must fall by half within this number of iterations: nodes at the end of stick, or points at the border of
-#: what yields, can alternate without end.
+#: The residual must fall by half within this number of iterations: nodes at the end of stick, or points at the border
+#: of the plastic zone, can alternate without end.
 _PATIENCE = 8
 #: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
 _SOFTER = (1e-3, 3e-2, 1.0)
