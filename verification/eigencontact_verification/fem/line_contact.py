@@ -208,7 +208,7 @@ class _Solver:
         movable = [half.free for half in self.halves]
         free = np.flatnonzero(np.concatenate((*movable, [step.normal > 0, self.has_friction and step.normal > 0])))
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
-        slides = np.zeros(len(self.x))  # a turn of the load begins with stick everywhere
+        slides = None  # all nodes stick first, as at a turn of the load; a softer contact would let all of them slip
         travel = step.place - start.step.place
         touched = np.interp(self.x - travel, self.x, start.pressure, 0.0, 0.0) > 0 if travel else None
         first_step, residuals = np.inf, []
@@ -285,14 +285,14 @@ class _Solver:
         u: FloatArray,
         gap: FloatArray,
         slip: FloatArray,
-        slides: FloatArray,
+        slides: FloatArray | None,
         softer: float,
         touched: NDArray[np.bool_] | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
         """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap; sliding signs.
 
-        `slides` is the sign of the slip of each node, 0 where it sticks. From one iteration to the next a node that
-        would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
+        `slides` is the sign of the slip of each node, 0 where it sticks; None: all nodes stick.
+        From one iteration to the next a node that would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
         iteration would go to and fro for ever. `touched`, where a gap has travelled, takes these nodes as in contact.
         """
         k, mu = self.stiffness, self.model.friction
@@ -302,7 +302,7 @@ class _Solver:
         shift = self.shifts @ u
         trial = k * (shift - slip)
         sliding = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
-        sliding[(sliding * slides < 0) & (p > 0)] = 0.0
+        sliding[np.full(len(p), True) if slides is None else (sliding * slides < 0) & (p > 0)] = 0.0
         touched, sticks = p != 0, (sliding == 0) & self.has_friction
         q = np.where(touched, np.where(sticks, trial, mu * p * sliding), 0.0)
         new_slip = np.where(sticks & touched, slip, shift - q / k)
