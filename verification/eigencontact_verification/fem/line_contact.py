@@ -291,9 +291,10 @@ class _Solver:
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
         """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap; sliding signs.
 
-        `slides` is the sign of the slip of each node, 0 where it sticks; None: all nodes stick.
-        From one iteration to the next a node that would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
-        iteration would go to and fro for ever. `touched`, where a gap has travelled, takes these nodes as in contact.
+        `slides` is the sign of the slip of each node, 0 where it sticks; None: all nodes stick. From one iteration to
+        the next a node that would turn from one sign to the other sticks in between, beyond the bound if need be: with
+        stiff springs the iteration would go to and fro for ever. `touched`, where a gap has travelled, takes these
+        nodes as in contact.
         """
         k, mu = self.stiffness, self.model.friction
         stiff, overlap = softer * k, self.overlaps @ u - gap
