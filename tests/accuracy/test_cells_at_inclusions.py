@@ -14,7 +14,7 @@ from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pursue
 from eigencontact.accuracy.refinement import with_refinement
 from eigencontact.accuracy.runs import Runs
-from eigencontact.accuracy.sources import SOURCES, apart, error_sources
+from eigencontact.accuracy.sources import SOURCES, error_sources, without_overlap
 from eigencontact.accuracy.targets import Targets
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import NotConverged, SceneError
@@ -185,7 +185,7 @@ def test_a_source_that_is_left_out_is_seen(monkeypatch):
 @pytest.mark.parametrize("fault", ["counted twice", "of the coarse cells"])
 def test_an_error_that_counts_twice_or_is_that_of_coarse_cells_is_seen(monkeypatch, fault):
     if fault == "counted twice":
-        monkeypatch.setattr(bars, "apart", dict)
+        monkeypatch.setattr(bars, "without_overlap", dict)
     else:
         honest = bars.estimate
         monkeypatch.setattr(bars, "estimate", lambda *given, **more: honest(*given, **{**more, "size": 1.0}))
@@ -194,9 +194,9 @@ def test_an_error_that_counts_twice_or_is_that_of_coarse_cells_is_seen(monkeypat
 
 
 def test_an_error_above_that_of_all_cells_stands_alone():
-    assert apart({"cells": 1.0, "load steps": 2.0, NAME: 3.0}) == {"cells": 0.0, "load steps": 2.0, NAME: 3.0}
-    assert apart({"cells": 0.0, NAME: 0.0}) == {"cells": 0.0, NAME: 0.0}
-    assert apart({NAME: 3.0}) == {NAME: 3.0}
+    assert without_overlap({"cells": 1.0, "load steps": 2.0, NAME: 3.0}) == {"cells": 0.0, "load steps": 2.0, NAME: 3.0}
+    assert without_overlap({"cells": 0.0, NAME: 0.0}) == {"cells": 0.0, NAME: 0.0}
+    assert without_overlap({NAME: 3.0}) == {NAME: 3.0}
 
 
 # --- refined by a target ---------------------------------------------------------------------------------------------

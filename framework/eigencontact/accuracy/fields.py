@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from eigencontact.accuracy.carry import alike, without_gaps
+from eigencontact.accuracy.carry import equal_places, without_gaps
 from eigencontact.accuracy.differences import (
     Results,
     Sampled,
@@ -20,7 +20,7 @@ from eigencontact.accuracy.differences import (
     time_of,
 )
 from eigencontact.accuracy.estimate import Estimate, estimate
-from eigencontact.accuracy.sources import apart
+from eigencontact.accuracy.sources import without_overlap
 from eigencontact.core.field_error import FieldError, beside_edges, error_name
 from eigencontact.core.numbers import ErrorBar, Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
@@ -42,13 +42,16 @@ _OF_NEIGHBOUR = 0.5
 _EQUAL = 1e-6
 
 
-class _Varied(NamedTuple):
-    """Coarser runs of one source of error, with their step sizes, and the compared run with its own."""
+class _ComparedRuns(NamedTuple):
+    """Summary and results of a run, and the runs that are coarser in one source of error.
+
+    `coarser_runs` has their step sizes in that of this run; `size` is its step size in that of the run with the error.
+    """
 
     source: ErrorSource
     summary: Mapping[str, Any]
     results: Results
-    others: Sequence[tuple[float, Run]]
+    coarser_runs: Sequence[tuple[float, Run]]
     size: float
 
 
@@ -85,15 +88,18 @@ class FieldErrors:
         self.fields: dict[str, FieldError] = {}
         self._run = run
         self._summary = summary
-        self._varied: list[_Varied] = []
+        self._comparisons: list[_ComparedRuns] = []
 
-    def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]], size: float = 1.0) -> None:
+    def vary(
+        self, source: ErrorSource, base: Run, coarser_runs: Sequence[tuple[float, Run]], size: float = 1.0
+    ) -> None:
         """Add the coarser runs of one source of error, with step sizes relative to those of `base`.
 
-        They are compared with `base`: the run itself, or that with the coarsest cells, of a step size of `size`.
+        They are compared with `base`: the run itself, or that with the coarsest cells, whose step size is `size` times
+        that of the run.
         """
         results = self._run if base.results is None else base.results
-        self._varied.append(_Varied(source, base.summary, results, others, size))
+        self._comparisons.append(_ComparedRuns(source, base.summary, results, coarser_runs, size))
 
     def bar(self, name: str) -> ErrorBar | None:
         """Error of the largest value of a field after the last step; None without errors."""
@@ -111,10 +117,12 @@ class FieldErrors:
     def _shares_of(self, name: str, *, last: bool = False) -> dict[str, dict[float, Share]]:
         """Errors of a field by source and time."""
         shares = {}
-        for source, _, base, others, size in self._varied:
+        for source, _, base, coarser_runs, size in self._comparisons:
             try:
-                parts = [(ratio, Sampled(run.results, name)) for ratio, run in others if run.results is not None]
-                shares[source.name] = dict(differences(Sampled(base, name), parts, source, size=size, last=last))
+                coarser = [
+                    (ratio, Sampled(run.results, name)) for ratio, run in coarser_runs if run.results is not None
+                ]
+                shares[source.name] = dict(differences(Sampled(base, name), coarser, source, size=size, last=last))
             except LookupError:  # not in all runs
                 continue
         return {source: by_time for source, by_time in shares.items() if by_time}
@@ -122,8 +130,8 @@ class FieldErrors:
     def _estimates_of(self, name: str) -> dict[str, dict[float, Estimate]]:
         """Errors of a number by source and time."""
         estimates = {
-            source.name: dict(_histories(name, summary, others, source, size))
-            for source, summary, _, others, size in self._varied
+            source.name: dict(_histories(name, summary, coarser_runs, source, size))
+            for source, summary, _, coarser_runs, size in self._comparisons
         }
         return {source: by_time for source, by_time in estimates.items() if by_time}
 
@@ -132,7 +140,7 @@ class FieldErrors:
 
         In the last step a number has the error of its bar, and without a bar it has no errors.
         """
-        if not any(not source.on_coarse for source, *_ in self._varied):
+        if not any(not source.on_coarse for source, *_ in self._comparisons):
             return
         for name in _fields(self._run):
             if shares := self._shares_of(name):
@@ -181,13 +189,15 @@ class FieldErrors:
             for source, by_time in shares.items()
         }
         places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
-        follow = [n - len(field.axes) for n, at in enumerate(field.axes) if any(not alike(at, ax[n]) for ax in places)]
+        follow = [
+            n - len(field.axes) for n, at in enumerate(field.axes) if any(not equal_places(at, ax[n]) for ax in places)
+        ]
         near = {
             source: np.max([by_time[at].extremes for at in neighbours(sorted(by_time), time)], axis=0)
             for source, by_time in shares.items()
         }
-        extremes = np.sum(list(apart(near).values()), axis=0)
-        parts = apart(parts)
+        extremes = np.sum(list(without_overlap(near).values()), axis=0)
+        parts = without_overlap(parts)
         return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, follow), edged
 
     def _number(
@@ -197,7 +207,7 @@ class FieldErrors:
         number = Number(**self._summary["numbers"][name]).own_error(error_name(name))
         values = [
             sum(
-                apart(
+                without_overlap(
                     {
                         source: max(errors[at].error for at in neighbours(sorted(errors), time))
                         for source, errors in estimates.items()
@@ -218,7 +228,7 @@ def _in_one_number(
     shares: Mapping[str, Mapping[float, Share]],
 ) -> FieldError:
     """Error of a field after the last step, from its errors at points by source and in sum."""
-    sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+    sizes = {source: FieldError.of(values, of_source, edged).error for source, of_source in parts.items()}
     largest = max(sizes, key=lambda source: sizes[source])
     order = shares[largest][max(shares[largest])].order
     error = FieldError.of(values, errors, edged, source=largest, order=order)
@@ -238,7 +248,7 @@ def _fields(results: Results) -> Iterator[str]:
 def _histories(
     name: str,
     summary: Mapping[str, Any],
-    others: Sequence[tuple[float, Run]],
+    coarser_runs: Sequence[tuple[float, Run]],
     source: ErrorSource,
     size: float,
 ) -> Iterator[tuple[float, Estimate]]:
@@ -248,12 +258,12 @@ def _histories(
         return
     lowest, highest = (slow[0], slow[0]) if slow and not source.on_coarse else (source.lowest, source.highest)
     scatters = bool(summary["numbers"][name].get("scatters"))
-    runs = (summary, *(run.summary for _, run in others))
-    values = [{time_of(row["time"]): row.get(name) for row in run.get("history", ())} for run in runs]
-    for time in sorted(set.intersection(*map(set, values))):
-        value, *rest = (by_time[time] for by_time in values)
-        if value is not None and all(other is not None for other in rest):
-            pairs = [(ratio, other) for (ratio, _), other in zip(others, rest, strict=True)]
+    summaries = (summary, *(run.summary for _, run in coarser_runs))
+    histories = [{time_of(row["time"]): row.get(name) for row in contents.get("history", ())} for contents in summaries]
+    for time in sorted(set.intersection(*map(set, histories))):
+        value, *coarser_values = (history[time] for history in histories)
+        if value is not None and all(coarser_value is not None for coarser_value in coarser_values):
+            pairs = [(ratio, number) for (ratio, _), number in zip(coarser_runs, coarser_values, strict=True)]
             yield time, estimate(value, pairs, lowest, highest, scatters=scatters, size=size)
 
 
@@ -262,8 +272,9 @@ def _bounded(
 ) -> NDArray[Any]:
     """Errors with a lower bound at edges and peaks; NaN where the field is NaN.
 
-    It follows from the steps between neighbours, and at the smallest and largest value from the errors `extremes` of
-    these. A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
+    The bound follows from the steps between neighbours. At the smallest and the largest value it is the error of this
+    value as a number, `extremes`. A field has edges along its last `edged` dimensions. Along the dimensions `follow`
+    other cells have other points.
     """
     field = without_gaps(values)
     equal = _EQUAL * float(np.abs(field).max(initial=0.0))
@@ -272,11 +283,11 @@ def _bounded(
         first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
         rises = np.diff(field, axis=axis, prepend=first, append=last)
         rises[np.abs(rises) <= equal] = 0.0
-        before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
-        jumps = np.maximum(jumps, np.maximum(np.abs(before), np.abs(after)))
+        rise_before, rise_after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
+        jumps = np.maximum(jumps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
         if axis in follow:
-            peaks &= before * after <= 0.0
-            steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
+            peaks &= rise_before * rise_after <= 0.0
+            steps = np.maximum(steps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
             for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
                 np.moveaxis(peaks, axis, 0)[end] = False
     slopes = largest_near(steps, follow)

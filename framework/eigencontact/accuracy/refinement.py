@@ -58,8 +58,8 @@ def with_refinement(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve
 def _chosen(plan: Plan, make: Callable[[Mapping[str, Any]], Plan], solve: Callable[[Plan, str], Run]) -> int:
     words = "choice of numerics.inclusion-refinement"
 
-    def coarser(tables: Mapping[str, Any], what: str) -> Run:
-        return solve(make(tables), f"{words}: {what}")._replace(kept=None)
+    def coarser(tables: Mapping[str, Any], difference: str) -> Run:
+        return solve(make(tables), f"{words}: {difference}")._replace(storage=None)
 
     numerics: dict[str, float] = {"inclusion-refinement": 1}
     coarsest = _CELLS.variations(plan)[-1]

@@ -44,13 +44,13 @@ def stored_errors(
         fields = FieldErrors(stack.enter_context(store.opened()), summary)
 
         def coarser(tables: Mapping[str, Any], words: str) -> Run:
-            return solve(make(tables), f"error bars: {words}")._replace(kept=None)
+            return solve(make(tables), f"error bars: {words}")._replace(storage=None)
 
-        found = error_bars(plan, summary, coarser, fields)
+        accuracy = error_bars(plan, summary, coarser, fields)
 
         def variables() -> Iterator[Variable]:
-            yield from fields.variables(found.bars)
+            yield from fields.variables(accuracy.bars)
             stack.close()  # before the file is replaced
 
         store.append(variables())
-    return found.to_dict() | fields.to_dict()
+    return accuracy.to_dict() | fields.to_dict()
