@@ -246,6 +246,7 @@ def test_an_accuracy_makes_the_cells_at_inclusions_finer():
     assert last.holds
     assert last.run.plan.numerics.inclusion_refinement == 2
     assert last.run.plan.grid == solved[0].grid
+    assert [rung["inclusion_refinement"] for rung in answer.to_dict()["accuracy"]["rungs"]] == [1, 2]
     error = last.run.summary["depth"] - 1.0
     assert error <= last.bars["depth"].error <= 1.5 * error
     settings = [

@@ -75,6 +75,7 @@ class Rung:
             "spacing": [float(plan.grid.dx), float(plan.grid.dy)],
             "load_steps": plan.steps,
             "tolerance": plan.numerics.tolerance,
+            "inclusion_refinement": plan.numerics.refinement,
             "seconds": self.seconds,
             "error_seconds": self.accuracy.seconds,
             "errors": {name: self.bars[name].error for name in self.targets.allowed},
