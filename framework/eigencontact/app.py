@@ -15,6 +15,7 @@ from eigencontact.results.run_result import RunResult
 from eigencontact.solving import Solved, numbers_and_warnings, solve_stored, solver_in_memory
 
 if TYPE_CHECKING:
+    from eigencontact.core.cautions import Caution
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
@@ -219,13 +220,14 @@ def run(
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
 
+    caution: Caution | None = None
     if planned.scene.numerics.inclusion_refinement == "auto":
         from eigencontact.accuracy.refinement import with_refinement
 
         if target is not None:
             _refuse_folder(planned, target)
         with stopwatch.on("choice of inclusion-refinement"):
-            planned = with_refinement(planned, _maker(planned, registry), solver_in_memory(watcher))
+            planned, caution = with_refinement(planned, _maker(planned, registry), solver_in_memory(watcher))
     store: Store
     stored: ResultStore | None = None
     answer = None
@@ -269,6 +271,8 @@ def run(
             results = stored.finish()
         files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
     noted = numbers_and_warnings(planned, store, solved.last)
+    if caution is not None:
+        noted["warnings"] = [*noted["warnings"], caution.to_dict()]
     if answer is not None:
         noted |= answer.to_dict()
         if (fields := answer.last.fields) is not None:
