@@ -70,7 +70,7 @@ class SourceRuns(NamedTuple):
     size: float = 1.0
 
 
-#: Solves a scene given by its tables, with what differs in words.
+#: Solver of a scene: takes its tables and its difference to the scene of the run in words.
 Solve = Callable[[Mapping[str, Any], str], Run]
 
 
@@ -81,7 +81,7 @@ class Comparison:
     Attributes
     ----------
     source : ErrorSource
-        What is varied.
+        Source of error that is varied.
     values : dict of str to float
         Results of the run that is compared with the coarser ones.
     coarser_results : list of (float, dict of str to float)
@@ -155,7 +155,8 @@ def error_bars(
     summary : mapping
         Contents of its ``summary.json``.
     solve : callable
-        Tables of a scene, and what differs in words, to its run in memory; raises `EigencontactError`.
+        Takes the tables of a scene and its difference in words; returns its run in memory or raises
+        `EigencontactError`.
     fields : FieldErrors, optional
         Takes the same runs for the errors of fields.
     sources : sequence of ErrorSource, optional
@@ -163,8 +164,7 @@ def error_bars(
     reusable_runs : mapping of str to SourceRuns, optional
         Earlier runs of sources that stand for those of this run.
     coarse : mapping, optional
-        Table of the grid on which all sources but the cells are varied; by default the coarsest that these were varied
-        to.
+        Table of the grid on which all sources but the cells are varied; by default the coarsest grid of the cells.
 
     Returns
     -------
@@ -174,10 +174,10 @@ def error_bars(
     Notes
     -----
     The cells of the grid become larger in two runs; see `eigencontact.accuracy.sources`. Every other source is varied
-    by itself on the coarsest of these grids that could be solved, whose error from this source stands for that of the
-    run; where the step size of the source follows the grid, the error is that of the step size of the run. The errors
-    of all sources are added, and an error that two sources have counts once. They do not contain errors of the model:
-    half-space, small strain, laws.
+    alone, on the coarsest of these grids that could be solved. Its error there is taken as that of the run; where its
+    step size follows the grid, the error is scaled to the step size of the run. The bar is the sum over the sources;
+    an error that two sources share counts once. It does not contain errors of the model: half-space, small strain,
+    laws.
     """
     began = perf_counter()
     coarser = CoarserRuns(Run(plan, summary), solve, coarse)
@@ -232,9 +232,9 @@ class CoarserRuns:
         runs_by_source: Mapping[str, SourceRuns],
         notable: Callable[[SourceRuns], bool] = lambda _: True,
     ) -> tuple[SourceRuns, str]:
-        """Runs of a source, and why one was refused; `runs_by_source` has those of the sources before it.
+        """Runs of a source, and the reason if one was refused; `runs_by_source` has the runs of earlier sources.
 
-        `notable` decides after the first run of a sparing source whether its second one is made.
+        After the first run of a sparing source, `notable` decides whether there is a second run.
         """
         coarser_runs: list[tuple[float, Run]] = []
         start, size = self.run, 1.0
@@ -258,7 +258,7 @@ class CoarserRuns:
         return SourceRuns(start, coarser_runs, size), ""
 
     def _start(self, source: ErrorSource, runs_by_source: Mapping[str, SourceRuns]) -> tuple[Mapping[str, Any], Run]:
-        """Tables and run that a source is varied from: coarse cells if it can be."""
+        """Tables and run from which a source is varied, on coarse cells where possible."""
         tables = self.run.plan.scene.resolved()
         if not source.on_coarse:
             return tables, self.run
@@ -272,7 +272,7 @@ class CoarserRuns:
     def _coarse_throughout(
         self, tables: Mapping[str, Any], run: Run, runs_by_source: Mapping[str, SourceRuns]
     ) -> tuple[Mapping[str, Any], Run]:
-        """Coarse cells with fewer load steps, as divided cells cost much, and as coarse along z as along x and y."""
+        """Equally coarse cells along x, y and z, with fewer load steps, because divided cells are expensive."""
         plan = self.run.plan
         runs_of_load_steps = runs_by_source["load steps"].coarser_runs if "load steps" in runs_by_source else ()
         for ratio, coarser in runs_of_load_steps:
@@ -381,7 +381,7 @@ def _estimates(
 ) -> Iterator[tuple[str, Estimate]]:
     """Error estimates of one source, by name of the number; numbers that a coarser run lacks have none.
 
-    `orders` are those of numbers that converge more slowly than the source tells.
+    `orders` has the orders of numbers that converge more slowly than the orders of the source.
     """
     source, value_of = comparison.source, comparison.values
     for name in names:

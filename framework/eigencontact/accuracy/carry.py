@@ -41,8 +41,8 @@ def axes_of(results: Any, name: str) -> Axes:
         region = dim.removesuffix("_point")
         names = [f"{region}_{axis}" for axis in "xyz"]
         points = np.stack(np.broadcast_arrays(*(np.asarray(results.variables[place].values) for place in names)))
-        moved = np.linalg.norm(np.diff(points), axis=0)
-        axes.append(np.concatenate([[0.0], np.cumsum(moved)]))
+        distances = np.linalg.norm(np.diff(points), axis=0)
+        axes.append(np.concatenate([[0.0], np.cumsum(distances)]))
     return tuple(axes)
 
 
@@ -65,9 +65,9 @@ def interpolated(values: NDArray[Any], start: Axes, target: Axes, *, smooth: boo
         if equal_places(places, new_places):
             continue
         first, weights = _weights(places.tobytes(), new_places.tobytes(), 4 if smooth else 2)
-        along = [-1 if n == axis else 1 for n in range(values.ndim)]
-        near = (np.take(values, first + n, axis=axis) * weight.reshape(along) for n, weight in enumerate(weights))
-        values = reduce(np.add, near)
+        shape = [-1 if n == axis else 1 for n in range(values.ndim)]
+        terms = (np.take(values, first + n, axis=axis) * weight.reshape(shape) for n, weight in enumerate(weights))
+        values = reduce(np.add, terms)
     return values
 
 
@@ -86,12 +86,12 @@ def _weights(start: bytes, target: bytes, count: int) -> tuple[NDArray[np.intp],
     """First of the `count` places around each target, and weights (count, targets) of Lagrange's polynomials."""
     places, targets = np.frombuffer(start), np.frombuffer(target)
     count = min(count, places.size)
-    at = np.clip(targets, places[0], places[-1])
-    first = np.clip(np.searchsorted(places, at) - count // 2, 0, places.size - count)
-    near = [places[first + n] for n in range(count)]
+    inner = np.clip(targets, places[0], places[-1])
+    first = np.clip(np.searchsorted(places, inner) - count // 2, 0, places.size - count)
+    nodes = [places[first + n] for n in range(count)]
     weights = np.ones((count, targets.size))
     for n in range(count):
         for m in range(count):
             if m != n:
-                weights[n] *= (at - near[m]) / (near[n] - near[m])
+                weights[n] *= (inner - nodes[m]) / (nodes[n] - nodes[m])
     return first, weights

@@ -60,7 +60,7 @@ class Sampled:
         if self._variable.dims[0] == HISTORY_STEP:
             by_step = dict(zip(map(int, variables["step"].values), times, strict=True))
             times = [by_step[int(step)] for step in variables[HISTORY_STEP].values]
-        self.positions = {time: at for at, time in enumerate(times)}
+        self.positions = {time: position for position, time in enumerate(times)}
 
     def at(self, time: float) -> NDArray[Any] | None:
         """Values at a time; None if the points differ, as in a box of cells that has grown."""
@@ -171,8 +171,8 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
     >>> neighbours([1.0, 2.0, 3.0], 2.0), neighbours([1.0, 2.0, 3.0], 2.5), neighbours([1.0, 2.0], 0.5)
     ([2.0], [2.0, 3.0], [1.0])
     """
-    at = bisect_left(times, time)
-    return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
+    index = bisect_left(times, time)
+    return times[index : index + 1] if time in times[index : index + 1] else times[max(0, index - 1) : index + 1]
 
 
 def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -> NDArray[Any]:

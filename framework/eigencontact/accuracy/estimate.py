@@ -55,15 +55,16 @@ def estimate(
     mean : bool
         Whether the differences are means over many points, and so not small by chance.
     size : float
-        Step size of `value` in that of the run whose error is sought.
+        Step size of `value`, relative to the run whose error is estimated.
 
     Returns
     -------
     Estimate
-        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety;
-        above them, that by the highest known order and the coarsest value, times a larger factor (the same for a mean).
+        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety.
+        With a higher order: the error by the highest known order and the coarsest value, times a larger factor (the
+        same factor for a mean).
         Without an order: the largest difference over the sum of both step sizes (to the lowest order), times a factor
-        for scatter, or what the lowest order makes of the difference, if that is more.
+        for scatter, or the error by the lowest order, if that is larger.
 
     Notes
     -----

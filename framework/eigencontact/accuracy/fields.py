@@ -72,16 +72,18 @@ class FieldErrors:
 
     Notes
     -----
-    The finer of two runs is interpolated at the points of the coarser one, by polynomials of third degree, and the
-    difference there, at least half of that of its neighbours, is carried back, linearly. So a field is compared where
-    both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
-    differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
-    where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
-    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
-    difference to a neighbour. At a largest or smallest value, and next to it, coarser points elsewhere do not tell how
-    sharp a peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this
-    step is the largest nearby, and nothing at a smooth one, where it is at most half of the next. At the largest and
-    the smallest value of all it is at least the error of this value as a number, which follows the peak of each run.
+    The finer of two runs is interpolated at the points of the coarser run by polynomials of third degree. The
+    difference there, at least half of that of its neighbours, is interpolated back linearly. Fields are thus compared
+    where both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
+    differences gives the order of the whole field, because differences at single points change sign. Steps are compared
+    at common times; between these the larger error counts.
+
+    The error has lower bounds. A field of the surface, or of cells, may have an infinite slope at the edge of the zone
+    in which it is not zero: there its error is at least half of the largest difference to a neighbour. At a peak, and
+    next to it, points of coarser runs elsewhere do not show how sharp the peak is: the error is at least a part of the
+    step to the neighbours. It is the whole step at a sharp peak, where this step is the largest nearby, and nothing at
+    a smooth peak, where this step is at most half of the next one. At the largest and the smallest value of the field
+    the error is at least that of this value as a number, which follows the peak of each run.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
@@ -189,16 +191,16 @@ class FieldErrors:
             for source, by_time in shares.items()
         }
         places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
-        follow = [
+        moving_axes = [
             n - len(field.axes) for n, at in enumerate(field.axes) if any(not equal_places(at, ax[n]) for ax in places)
         ]
-        near = {
+        extremes_by_source = {
             source: np.max([by_time[at].extremes for at in neighbours(sorted(by_time), time)], axis=0)
             for source, by_time in shares.items()
         }
-        extremes = np.sum(list(without_overlap(near).values()), axis=0)
+        extremes = np.sum(list(without_overlap(extremes_by_source).values()), axis=0)
         parts = without_overlap(parts)
-        return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, follow), edged
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, moving_axes), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -268,35 +270,35 @@ def _histories(
 
 
 def _bounded(
-    values: NDArray[Any], errors: NDArray[Any], extremes: NDArray[Any], edged: int, follow: Sequence[int]
+    values: NDArray[Any], errors: NDArray[Any], extremes: NDArray[Any], edged: int, moving_axes: Sequence[int]
 ) -> NDArray[Any]:
     """Errors with a lower bound at edges and peaks; NaN where the field is NaN.
 
     The bound follows from the steps between neighbours. At the smallest and the largest value it is the error of this
-    value as a number, `extremes`. A field has edges along its last `edged` dimensions. Along the dimensions `follow`
-    other cells have other points.
+    value as a number, `extremes`. A field has edges along its last `edged` dimensions. Along `moving_axes` other cells
+    have other points.
     """
     field = without_gaps(values)
-    equal = _EQUAL * float(np.abs(field).max(initial=0.0))
+    round_off = _EQUAL * float(np.abs(field).max(initial=0.0))
     steps, jumps, peaks = np.zeros(values.shape), np.zeros(values.shape), field != 0.0
-    for axis in {*follow, *range(-edged, 0)}:
+    for axis in {*moving_axes, *range(-edged, 0)}:
         first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
         rises = np.diff(field, axis=axis, prepend=first, append=last)
-        rises[np.abs(rises) <= equal] = 0.0
+        rises[np.abs(rises) <= round_off] = 0.0
         rise_before, rise_after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
         jumps = np.maximum(jumps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
-        if axis in follow:
+        if axis in moving_axes:
             peaks &= rise_before * rise_after <= 0.0
             steps = np.maximum(steps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
             for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
                 np.moveaxis(peaks, axis, 0)[end] = False
-    slopes = largest_near(steps, follow)
-    sharp = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
-    bounds = np.where(peaks, sharp * steps, 0.0)
+    slopes = largest_near(steps, moving_axes)
+    sharpness = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
+    bounds = np.where(peaks, sharpness * steps, 0.0)
     inner = tuple(range(extremes.ndim - 1, field.ndim))
     for sign, error in zip((-1.0, 1.0), extremes, strict=True):
-        highest = peaks & (sign * field >= (sign * field).max(axis=inner, keepdims=True) - equal)
+        highest = peaks & (sign * field >= (sign * field).max(axis=inner, keepdims=True) - round_off)
         bounds = np.where(highest, np.maximum(bounds, np.expand_dims(error, inner)), bounds)
-    bounds = largest_near(bounds, follow)
+    bounds = largest_near(bounds, moving_axes)
     bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * jumps), bounds)
     return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)

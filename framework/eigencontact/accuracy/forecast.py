@@ -24,7 +24,7 @@ __all__ = ["bars_text", "cost_of_bars", "forecast", "forecast_text"]
 
 #: Errors of the first run, in times of the target, for which the cost is predicted.
 _EXCESS = (2.0, 5.0, 20.0)
-#: Known orders: of pressures and displacements, of areas and what scatters.
+#: Known orders of pressures and displacements, and of areas and other numbers that scatter.
 _ORDERS = (2.0, 1.0)
 
 

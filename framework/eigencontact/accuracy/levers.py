@@ -21,17 +21,17 @@ __all__ = ["SHARE", "Lever", "Refinement", "cheapest", "levers_of"]
 
 #: Share of a target that a prediction aims at: orders are not exact.
 SHARE = 0.85
-#: Factors of one decision: cells may have any number, other settings change by what shows.
+#: Factor of one decision for the cells, whose number is free, and for other settings, whose change must show.
 _CELLS, _LEAST = 1.1, 1.5
-#: Factor that tells a price where the memory of the machine refuses a larger one.
+#: Factor for the prediction of a price where the larger factor exceeds the memory of the machine.
 _LITTLE = 1.25
-#: Largest factor of one rung: bars are judged by the runs before it.
+#: Largest factor of one rung: its error bars compare it with earlier runs.
 _CELLS_AT_ONCE = 3.0
 #: Least power of the time: a tenth of a tolerance of 1e-6 takes a sixth more iterations, which no prediction contains.
 _FREE = 0.067
-#: Least power of the time for cells: on few of them the fixed part of a run hides that their number grows so.
+#: Least power of the time for cells: with few cells the fixed part of a run hides the growth with their number.
 _SQUARE = 2.0
-#: Least fall of the errors beyond the targets for which a source is refined, in parts of them.
+#: Least relative decrease of the errors beyond the targets for which a source is refined.
 _SMALL = 0.01
 
 
@@ -189,10 +189,10 @@ def cheapest(
         seconds, best, gain = price(factors, "seconds"), None, 0.0
         for lever in (lever for lever in levers if lever.source.name not in postponed):
             trial = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
-            within = price(trial, "seconds") <= time and price(trial, "memory") <= memory
+            affordable = price(trial, "seconds") <= time and price(trial, "memory") <= memory
             fall = excess - aims.excess(errors(trial))
             fall_per_time = fall / (price(trial, "seconds") - seconds)
-            if within and fall_per_time > gain and fall > _SMALL * excess:
+            if affordable and fall_per_time > gain and fall > _SMALL * excess:
                 best, gain = (lever, trial), fall_per_time
         if best is None:
             break

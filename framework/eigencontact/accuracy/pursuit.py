@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 __all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_tables", "pursue"]
 
-#: Cells per contact radius of the pilot; fewer cells each way than these show no region.
+#: Cells per contact radius of the pilot, and its least number of cells each way: fewer do not resolve a region.
 _PILOT, _FEWEST = 12.0, 16
-#: Part of the cells of a given window that the pilot has at least: a measured surface is lost on fewer.
+#: Least part of the cells of a prescribed window in the pilot: fewer do not resolve a measured surface.
 _WINDOW = 0.5
-#: Most rungs, and how often a pilot that is refused becomes finer.
+#: Largest number of rungs, and of attempts at a pilot, which becomes finer if it is refused.
 _RUNGS, _TRIES = 7, 3
-#: Fall of the errors beyond the targets, in parts of them, below which a rung has not paid.
+#: Relative decrease of the errors beyond the targets below which a rung is futile.
 _FALL = 0.1
-#: Errors of a source below this part of each target stand for those on finer cells: it is not varied again.
+#: Part of each target below which the errors of a source stay for finer cells, without new coarser runs.
 _LITTLE = 0.1
-#: Time of the coarser runs of the next rung, in times of that rung: that of the last one, within these bounds.
+#: Bounds of the predicted time of the coarser runs of the next rung, relative to the time of the rung.
 _BARS = (0.4, 1.5)
-#: Time that a pursuit may take where the scene gives none [s].
+#: Time limit of a pursuit if the scene gives none [s].
 DEFAULT_TIME = 600.0
-#: Ratio of cells from which on two rungs tell an order, and the orders that are believed.
+#: Least ratio of the cells of two rungs that give an order, and the bounds of this order.
 _APART, _ORDERS = 1.2, (1.0, 2.0)
 
 
@@ -95,7 +95,7 @@ class Answer:
     seconds : float
         Wall time of all [s].
     stopped : str
-        Why targets were not reached; empty where they were.
+        Reason of the end if targets were not reached; otherwise empty.
     required : Refinement, optional
         Refinement of the answer that would reach them, in its time and memory.
     """
@@ -268,7 +268,7 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
     """
     check_names(table, plan)
     course = _Course(table, runs)
-    rungs, stopped, idle = [course.pilot(plan)], "", 0
+    rungs, stopped, futile_rungs = [course.pilot(plan)], "", 0
     required: Refinement | None = None
     while not rungs[-1].holds and not stopped:
         last = rungs[-1]
@@ -287,8 +287,8 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
                 stopped = " ".join(str(problem).split())
                 continue
             rungs.append(course.rung_of(tables, solved))
-            idle = idle + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
-            if idle == 2 and not rungs[-1].holds:
+            futile_rungs = futile_rungs + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
+            if futile_rungs == 2 and not rungs[-1].holds:
                 stopped = "the errors no longer fall"
     seconds = perf_counter() - course.began
     return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, required=required if stopped else None)

@@ -48,7 +48,8 @@ def with_refinement(
     plan : Plan
         Of the scene.
     make, solve : callable
-        Tables of a scene to a plan; a plan, and what differs in words, to its run in memory.
+        `make` returns the plan of the tables of a scene; `solve` takes a plan and its difference in words, and returns
+        its run in memory.
 
     Returns
     -------
@@ -86,18 +87,20 @@ def _chosen(
     tables = changed(plan.scene.resolved(), {"numerics": numerics})
     try:
         coarse = coarser(changed(tables, coarsest.changes), "coarse cells")
-        estimated = error_bars(coarse.plan, coarse.summary, coarser, sources=[_AT_INCLUSIONS])
+        accuracy = error_bars(coarse.plan, coarse.summary, coarser, sources=[_AT_INCLUSIONS])
     except EigencontactError as problem:
         raise _failed(" ".join(str(problem).split())) from problem
-    if not estimated.runs or estimated.left_out.get(_AT_INCLUSIONS.name):
-        raise _failed(estimated.left_out[_AT_INCLUSIONS.name])
-    of_contact = {number.name for block in plan.blocks if isinstance(block, Mechanics) for number in block.numbers}
+    if not accuracy.runs or accuracy.left_out.get(_AT_INCLUSIONS.name):
+        raise _failed(accuracy.left_out[_AT_INCLUSIONS.name])
+    contact_numbers = {number.name for block in plan.blocks if isinstance(block, Mechanics) for number in block.numbers}
     declared = coarse.summary["numbers"]
     bars = {
-        name: bar for name, bar in estimated.bars.items() if name in of_contact and not declared[name].get("scatters")
+        name: bar
+        for name, bar in accuracy.bars.items()
+        if name in contact_numbers and not declared[name].get("scatters")
     }
     try:
-        targets = targets_of(Accuracy(numbers=_ALLOWED), coarse.summary, estimated, bars)
+        targets = targets_of(Accuracy(numbers=_ALLOWED), coarse.summary, accuracy, bars)
     except SceneError:  # the cells at inclusions change no main result
         return 1, None
     size = edge_of(coarse.plan) / edge_of(plan)

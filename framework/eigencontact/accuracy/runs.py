@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Runs", "edge_of", "memory_of"]
 
-#: Grids that were solved before stand for those of the source "cells" within these ratios of their edges. Farther ones
-#: make the bars of numbers that scatter 2 to 9 times as wide as the usual ones, which costs more than a coarser run.
+#: Bounds of the ratios of edges within which solved grids replace the grids of the source "cells". Larger ratios make
+#: the bars of numbers that scatter 2 to 9 times as wide, which costs more than a coarser run.
 _NEAR, _FAR, _APART = (1.4, 2.6), 5.0, 1.25
-#: Part of the time of a run below which its cells are varied with the other settings of the first rung.
+#: Relative time below which cells are varied with the other settings of the first rung in place of those of the run.
 _CHEAPER = 0.5
 _CELLS = next(source for source in SOURCES if source.name == "cells")
 #: Sources whose error is a part of that of all cells.
@@ -48,9 +48,9 @@ class Runs:
     Attributes
     ----------
     make : callable
-        Tables to their plan.
+        Returns the plan of tables of a scene.
     solve : callable
-        Plan, and what differs in words, to its run; raises `EigencontactError`.
+        Takes a plan and its difference in words; returns its run or raises `EigencontactError`.
     solved, reused : int
         Number of runs, and of those that were needed again.
     """
@@ -142,7 +142,7 @@ class Runs:
             return None
 
     def _coarser_run(self, tables: Mapping[str, Any], words: str) -> Run:
-        """Run that a bar compares with, solved now or before."""
+        """Run for a comparison, solved now or reused."""
         plan = self.make(tables)
         run = self._run_by_key.get(_key(plan))
         if run is None:

@@ -40,7 +40,7 @@ class Fidelity:
     changes: Callable[[Plan, Any], Changes] | None = None
     #: Part of a plan that it changes: where this part is that of the scene, there is nothing to solve.
     affected_part: Callable[[Plan], object] | None = None
-    #: Whether the window must be that of the scene, as an automatic one would follow the change.
+    #: Whether the window of the scene stays, because an automatic window would follow the change.
     keeps_window: bool = False
 
     def of(self, plan: Plan, value: Any) -> Changes:
@@ -201,11 +201,11 @@ def _layer_error(plan: Plan) -> float | None:
     return plan.scene.wear.layer_error if plan.scene.wear else None
 
 
-def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
-    """Resolution with the degree of whole inhomogeneities changed by `more`; None without whole inhomogeneities.
+def resolution_by(plan: Plan, change: int) -> dict[str, Any] | None:
+    """Resolution with the degree of whole inhomogeneities changed by `change`; None without whole inhomogeneities.
 
     If ``"auto"`` selects several degrees, the allowed error changes by the factor per degree of the inhomogeneity that
-    converges fastest. All degrees then change by at least `more`, except those at the least degree.
+    converges fastest. All degrees then change by at least `change`, except those at the least degree.
     """
     wholes = [s.degree for s in plan.model.cells.inhomogeneities if s.degree is not None]
     resolution = plan.numerics.inclusion_resolution
@@ -213,8 +213,8 @@ def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
         return None
     degrees = {whole.degree for whole in wholes}
     if len(degrees) == 1:
-        return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + more))}
-    allowed = resolution.allowed * min(whole.quality for whole in wholes if whole.degree > LEAST_DEGREE) ** more
+        return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + change))}
+    allowed = resolution.allowed * min(whole.quality for whole in wholes if whole.degree > LEAST_DEGREE) ** change
     return {"whole": "auto", "error": min(max(allowed, _LEAST_ALLOWED), 0.5)}
 
 

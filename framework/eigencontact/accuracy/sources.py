@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = ["EDGES", "SOURCES", "ErrorSource", "Variation", "error_sources", "without_overlap"]
 
-#: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
+#: Edges of coarser cells relative to the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
 _COARSER = (2.0, 2.5)
-#: Increments of a coarser run in those of half the increments, up to which the two tell an order.
+#: Largest ratio of the increments of a coarser run to those of the run with half of them, for an order of both.
 _QUARTER = 0.75
 #: Least factor by which a degree more is taken to lower an error.
 _SLOWEST = 1.1
-#: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
+#: Lowest order of an error that the program keeps below a setting: it may be far below, and fall more slowly.
 _ADAPTIVE = 0.5
 #: Tolerance of the solvers up to which its error is no part of the bars: ten times 1e-6 changed the numbers of random
 #: scenes by at most 2.3 % of their bars (see the page on error bars), at the price of one more run.
@@ -55,7 +55,7 @@ class ErrorSource:
     lowest, highest : float
         Orders between which the error is known to fall with the step size.
     applies : callable
-        Whether the plan of a scene has this part.
+        Whether the run of a plan has this source.
     variations : callable
         Plan to variations, the nearest to the scene first; none where the error follows from the plan.
     known_errors : callable, optional
@@ -99,9 +99,9 @@ def error_sources(plan: Plan) -> list[ErrorSource]:
 def without_overlap(errors: Mapping[str, Error]) -> dict[str, Error]:
     """Errors by source, where an error that two sources have counts once.
 
-    Cells that are larger everywhere are larger at inclusions too. Their error is then of both, and what it has beyond
-    the error of the cells at inclusions belongs to the cells elsewhere. Larger cells with a larger division would have
-    the same edges at inclusions, but in their margin of two cells they have more of these finer cells than the run.
+    Cells that are larger everywhere are larger at inclusions too, so that the error of all cells contains the error of
+    the cells at inclusions. Only the rest belongs to the cells elsewhere. Larger cells with a larger division would
+    have the same edges at inclusions, but their margin of two cells has more finer cells than that of the run.
 
     Examples
     --------
@@ -189,7 +189,7 @@ def _other_refinement(plan: Plan) -> list[Variation]:
 
 
 def _lower_degree(plan: Plan) -> list[Variation]:
-    """One degree less; the ratio is the factor per degree of what lies closest to the surface or to a neighbour."""
+    """One degree less; the ratio is the factor per degree of the inhomogeneity that converges most slowly."""
     slowest = max(s.degree.quality for s in plan.model.cells.inhomogeneities if s.degree is not None)
     ratio = min(2.0, max(_SLOWEST, 1.0 / slowest)) if slowest > 0.0 else 2.0
     return [Variation(changes={"numerics": {"inclusion-resolution": resolution_by(plan, -1)}}, ratio=ratio)]

@@ -129,8 +129,8 @@ def targets_of(table: Table, summary: Mapping[str, Any], accuracy: Accuracy, bar
     Raises
     ------
     SceneError
-        A number that the scene names cannot reach its target on any cells, or no main result can: names the reason and
-        what can be asked for instead.
+        A number that the scene names cannot reach its target on any cells, or no main result can. The message gives the
+        reason and possible targets.
     """
     declared = {name: Number(**number) for name, number in summary["numbers"].items()}
     declared |= {name: _of_field(name) for name in table.targets if is_field(name)}
@@ -225,7 +225,7 @@ def _in_unit(target: float | str, number: Number) -> float:
 
 
 def _declared(plan: Plan) -> dict[str, Number]:
-    """All numbers that a run may have, with those of its observers, and the fields of its regions."""
+    """All numbers of a run and of its observers, and the fields of its regions."""
     fields = [
         f"{quantity}.{request.label}"
         for request in plan.scene.stress
