@@ -15,6 +15,7 @@ from eigencontact.results.run_result import RunResult
 from eigencontact.solving import Solved, numbers_and_warnings, solve_stored, solver_in_memory
 
 if TYPE_CHECKING:
+    from eigencontact.core.cautions import Caution
     from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
@@ -109,12 +110,16 @@ def explain(
     hertz: Hertz contact: rigid sphere on steel
     """
     planned = plan(scene)
-    told = foretold(planned, accuracy, errors=errors)
-    if not told:
+    predictions = foretold(planned, accuracy, errors=errors)
+    if not predictions:
         return planned.explain()
     from eigencontact.accuracy.forecast import bars_text, forecast_text
 
-    text = forecast_text(told["accuracy"]) if "accuracy" in told else bars_text(told["errors"], planned)
+    text = (
+        forecast_text(predictions["accuracy"])
+        if "accuracy" in predictions
+        else bars_text(predictions["errors"], planned)
+    )
     return f"{planned.explain()}\n\n{text}"
 
 
@@ -128,9 +133,9 @@ def foretold(
     if accuracy is None and planned.scene.accuracy is None:
         if not (errors or planned.scene.output.errors):
             return {}
-        from eigencontact.accuracy.forecast import of_bars
+        from eigencontact.accuracy.forecast import cost_of_bars
 
-        return {"errors": of_bars(planned, _maker(planned, None))}
+        return {"errors": cost_of_bars(planned, _maker(planned, None))}
     from eigencontact.accuracy.forecast import forecast
     from eigencontact.scene.accuracy import with_accuracy
 
@@ -215,13 +220,14 @@ def run(
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
 
+    caution: Caution | None = None
     if planned.scene.numerics.inclusion_refinement == "auto":
         from eigencontact.accuracy.refinement import with_refinement
 
         if target is not None:
             _refuse_folder(planned, target)
         with stopwatch.on("choice of inclusion-refinement"):
-            planned = with_refinement(planned, _maker(planned, registry), solver_in_memory(watcher))
+            planned, caution = with_refinement(planned, _maker(planned, registry), solver_in_memory(watcher))
     store: Store
     stored: ResultStore | None = None
     answer = None
@@ -240,7 +246,7 @@ def run(
         planned = answer.last.run.plan
     if target is None:
         predicted = run_bytes(planned, stored=False)
-        store = MemoryStore(run_info(planned)) if answer is None else answer.last.run.kept.store
+        store = MemoryStore(run_info(planned)) if answer is None else answer.last.run.storage.store
     else:
         from eigencontact.results.store import ResultStore
 
@@ -252,9 +258,9 @@ def run(
         if answer is None:
             solved = solve_stored(planned, store, watcher, stopwatch, accepted)
         else:
-            solved = answer.last.run.kept.solved
+            solved = answer.last.run.storage.solved
             if stored is not None:
-                stored.adopt(answer.last.run.kept.store)
+                stored.adopt(answer.last.run.storage.store)
     except BaseException:
         if stored is not None:
             stored.abandon()
@@ -265,11 +271,13 @@ def run(
             results = stored.finish()
         files[results.name] = "all fields of all steps, with coordinates, units and provenance (opens in xarray)"
     noted = numbers_and_warnings(planned, store, solved.last)
+    if caution is not None:
+        noted["warnings"] = [*noted["warnings"], caution.to_dict()]
     if answer is not None:
         noted |= answer.to_dict()
         if (fields := answer.last.fields) is not None:
             with stopwatch.on("error bars"):
-                store.append(fields.variables(answer.last.found.bars))
+                store.append(fields.variables(answer.last.accuracy.bars))
             noted |= fields.to_dict()
         _warn_of_targets(store, solved, noted)
     elif errors or planned.scene.output.errors:
@@ -321,11 +329,11 @@ def _warn_of_targets(store: Store, solved: Solved, noted: dict[str, Any]) -> Non
     """Add a warning for each target that is not met."""
     if noted["accuracy"]["reached"]:
         return
-    from eigencontact.accuracy.words import missed
+    from eigencontact.accuracy.words import missed_targets
     from eigencontact.core.cautions import Caution
     from eigencontact.results.summary import summary_of
 
-    words = missed(summary_of(store.info, solved.last, noted["history"], noted))
+    words = missed_targets(summary_of(store.info, solved.last, noted["history"], noted))
     noted["warnings"] = [*noted["warnings"], Caution("accuracy", words).to_dict()]
 
 

@@ -249,7 +249,7 @@ def test_no_cells_make_up_for_load_steps_that_the_next_rung_refines():
 
 def test_a_budget_limits_the_factors():
     targets = Targets(allowed={"depth": 0.01})
-    way = cheapest(levers(2.0, 1.0), bar(0.04, 0.0, 1.0), targets, most=4.0)
+    way = cheapest(levers(2.0, 1.0), bar(0.04, 0.0, 1.0), targets, time=4.0)
     assert 1.8 <= way.factors["cells"] <= 2.0
     assert not way.holds
     assert not cheapest(levers(2.0, 1.0), bar(0.04, 0.0, 1.0), targets, memory=1.1).factors
@@ -351,7 +351,7 @@ def test_a_run_before_with_a_wrong_step_size_is_seen(monkeypatch, source):
 
     def fault(whole, comparisons):
         wrong = [
-            replace(one, others=[(2.0 * size, values) for size, values in one.others])
+            replace(one, coarser_results=[(2.0 * size, values) for size, values in one.coarser_results])
             if one.source.name == source
             else one
             for one in comparisons
@@ -395,7 +395,7 @@ def test_every_source_has_a_finer_variation():
     for tables in (HERTZ, {**HERTZ, **FRICTION}):
         planned = ec.plan({**tables, "numerics": {"tolerance": 1e-4}})
         for source in error_sources(planned):
-            if source.known is not None:  # follows from the plan, no run varies it
+            if source.known_errors is not None:  # follows from the plan, no run varies it
                 continue
             finer = source.finer(planned, source.stride)
             coarser = source.variations(planned)[0].changes

@@ -1,6 +1,7 @@
 """Cells at inclusions of bodies that yield as a source of error: where they are one, counted once, refined."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -14,8 +15,9 @@ from eigencontact.accuracy.levers import Lever, cheapest
 from eigencontact.accuracy.pursuit import pursue
 from eigencontact.accuracy.refinement import with_refinement
 from eigencontact.accuracy.runs import Runs
-from eigencontact.accuracy.sources import SOURCES, apart, error_sources
+from eigencontact.accuracy.sources import SOURCES, error_sources, without_overlap
 from eigencontact.accuracy.targets import Targets
+from eigencontact.core.cautions import Caution
 from eigencontact.core.numbers import ErrorBar
 from eigencontact.errors import NotConverged, SceneError
 
@@ -185,7 +187,7 @@ def test_a_source_that_is_left_out_is_seen(monkeypatch):
 @pytest.mark.parametrize("fault", ["counted twice", "of the coarse cells"])
 def test_an_error_that_counts_twice_or_is_that_of_coarse_cells_is_seen(monkeypatch, fault):
     if fault == "counted twice":
-        monkeypatch.setattr(bars, "apart", dict)
+        monkeypatch.setattr(bars, "without_overlap", dict)
     else:
         honest = bars.estimate
         monkeypatch.setattr(bars, "estimate", lambda *given, **more: honest(*given, **{**more, "size": 1.0}))
@@ -194,9 +196,9 @@ def test_an_error_that_counts_twice_or_is_that_of_coarse_cells_is_seen(monkeypat
 
 
 def test_an_error_above_that_of_all_cells_stands_alone():
-    assert apart({"cells": 1.0, "load steps": 2.0, NAME: 3.0}) == {"cells": 0.0, "load steps": 2.0, NAME: 3.0}
-    assert apart({"cells": 0.0, NAME: 0.0}) == {"cells": 0.0, NAME: 0.0}
-    assert apart({NAME: 3.0}) == {NAME: 3.0}
+    assert without_overlap({"cells": 1.0, "load steps": 2.0, NAME: 3.0}) == {"cells": 0.0, "load steps": 2.0, NAME: 3.0}
+    assert without_overlap({"cells": 0.0, NAME: 0.0}) == {"cells": 0.0, NAME: 0.0}
+    assert without_overlap({NAME: 3.0}) == {NAME: 3.0}
 
 
 # --- refined by a target ---------------------------------------------------------------------------------------------
@@ -246,6 +248,7 @@ def test_an_accuracy_makes_the_cells_at_inclusions_finer():
     assert last.holds
     assert last.run.plan.numerics.inclusion_refinement == 2
     assert last.run.plan.grid == solved[0].grid
+    assert [rung["inclusion_refinement"] for rung in answer.to_dict()["accuracy"]["rungs"]] == [1, 2]
     error = last.run.summary["depth"] - 1.0
     assert error <= last.bars["depth"].error <= 1.5 * error
     settings = [
@@ -273,7 +276,7 @@ def test_cells_are_varied_alone_with_the_finer_cells_at_inclusions():
 
 
 def chosen(there, plan=None, elsewhere=ELSEWHERE):
-    """Number that "auto" takes for an approach with an error at inclusions, and how many runs it solved."""
+    """Number that "auto" takes for an approach with an error at inclusions, its count of runs, and its warning."""
     plan, solved = plan or planned("auto"), []
 
     def solve(other, _):
@@ -283,12 +286,39 @@ def chosen(there, plan=None, elsewhere=ELSEWHERE):
         declared = {"approach": {**found["numbers"]["depth"], "name": "approach"}}
         return Run(other, {**found, "numbers": declared, "approach": found["depth"]})
 
-    return with_refinement(plan, plan_of, solve).numerics.inclusion_refinement, len(solved)
+    refined, caution = with_refinement(plan, plan_of, solve)
+    return refined.numerics.inclusion_refinement, len(solved), caution
 
 
 @pytest.mark.parametrize(("there", "number"), [(0.0, 1), (0.01, 1), (0.03, 2), (0.05, 3), (0.5, 4)])
 def test_auto_takes_the_smallest_number_within_two_per_cent(there, number):
-    assert chosen(there) == (number, 2)
+    assert chosen(there)[:2] == (number, 2)
+
+
+@pytest.mark.parametrize(("there", "share"), [(0.05, None), (0.5, 0.057), (0.9, 0.072)])
+def test_auto_warns_where_4_leaves_more_than_two_per_cent(there, share):
+    *_, caution = chosen(there)
+    assert (caution is None) == (share is None)
+    if caution is not None:
+        assert caution.code == "inclusion-refinement"
+        coarse = 21 / 9  # edge of the coarse cells
+        assert caution.error == close(there / 4 / (1.0 + coarse * (ELSEWHERE + there))) == close(share, 0.01)
+        assert f"error of approach by the cells at inclusions is {100 * share:.2g} %, above 2 %" in caution.words
+        assert f"numerics.{KEY} = 4, the largest" in caution.words
+
+
+@pytest.mark.parametrize(
+    ("change", "keys"),
+    [
+        ({}, "(grid.cells)"),
+        ({"grid": {"cells": 21, "spacing": 0.12 * A}}, "(grid.spacing)"),
+        ({"grid": {"cells-per-contact-radius": 8}}, "(grid.cells-per-contact-radius)"),
+        ({"numerics": {"inclusion-pitch": 0.1 * A}}, "(grid.cells and numerics.inclusion-pitch)"),
+    ],
+)
+def test_the_warning_of_auto_names_the_keys_of_finer_cells(change, keys):
+    *_, caution = chosen(0.5, planned("auto", **change))
+    assert keys in caution.words
 
 
 def test_auto_by_the_error_of_coarse_cells_is_seen(monkeypatch):
@@ -299,7 +329,7 @@ def test_auto_by_the_error_of_coarse_cells_is_seen(monkeypatch):
 
 @pytest.mark.parametrize("change", [{"inclusions": []}, {"body1": STEEL}, {"accuracy": {"approach": "1 %"}}])
 def test_auto_is_1_without_a_run_where_nothing_has_to_be_chosen(change):
-    assert chosen(0.5, planned("auto", **change)) == (1, 0)
+    assert chosen(0.5, planned("auto", **change)) == (1, 0, None)
 
 
 def test_auto_whose_runs_fail_is_refused_with_the_reason():
@@ -312,12 +342,16 @@ def test_auto_whose_runs_fail_is_refused_with_the_reason():
         with_refinement(planned("auto"), plan_of, solve)
 
 
-def test_results_of_auto_have_its_number(monkeypatch):
-    monkeypatch.setattr(refinement, "_chosen", lambda *_: 1)
+def test_results_of_auto_have_its_number_and_its_warning(monkeypatch):
+    caution = Caution("inclusion-refinement", "a warning", 0.03)
+    monkeypatch.setattr(refinement, "_AT_INCLUSIONS", replace(refinement._AT_INCLUSIONS, applies=lambda _: True))
+    monkeypatch.setattr(refinement, "_chosen", lambda *_: (1, caution))
     small = {**SCENE, "grid": {"cells": 11, "size": 2.6 * A}, "body1": {**BODY, "law": LATE}}
     runs = [ec.run({**small, "numerics": {KEY: number, "allow-coarse": True}}) for number in ("auto", 1)]
     assert runs[0].summary["approach"] == runs[1].summary["approach"]
     assert "inclusion-refinement = 1" in runs[0].dataset.attrs["scene"]
+    assert caution.to_dict() in runs[0].summary["warnings"]
+    assert caution.to_dict() not in runs[1].summary["warnings"]
 
 
 @pytest.mark.parametrize("value", [0, 9, 1.5, "many"])

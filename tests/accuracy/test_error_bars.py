@@ -241,7 +241,7 @@ def test_the_larger_of_the_estimate_of_the_run_and_of_the_variation_counts():
 
 
 def test_an_estimate_of_the_run_that_is_left_out_is_seen(monkeypatch):
-    without = [replace(s, known=None) if s.name == "jumps over cycles" else s for s in sources.SOURCES]
+    without = [replace(s, known_errors=None) if s.name == "jumps over cycles" else s for s in sources.SOURCES]
     monkeypatch.setattr(sources, "SOURCES", without)
     with pytest.raises(AssertionError):
         test_jumps_over_cycles_have_the_error_that_the_run_estimates_where_their_variation_shows_nothing()

@@ -104,8 +104,8 @@ def test_no_difference_is_no_error():
 
 @pytest.mark.parametrize("fault", [1.0, -1.0])
 def test_a_wrong_order_is_seen(monkeypatch, fault):
-    observed = module._observed
-    monkeypatch.setattr(module, "_observed", lambda *pairs: observed(*pairs) + fault)
+    observed = module._observed_order
+    monkeypatch.setattr(module, "_observed_order", lambda *pairs: observed(*pairs) + fault)
     others = [(size, 1 + 0.1 * size**1.5) for size in (2.0, 2.5)]
     found = estimate(1.1, others, 1.0, 2.0)
     assert found.order != close(1.5)

@@ -178,7 +178,7 @@ def test_an_error_that_two_sources_have_counts_once_in_a_field():
 @pytest.mark.parametrize("fault", ["counted twice", "of coarse cells"])
 def test_an_error_that_counts_twice_or_is_of_coarse_cells_is_seen(monkeypatch, fault):
     if fault == "counted twice":
-        monkeypatch.setattr(fields, "apart", dict)
+        monkeypatch.setattr(fields, "without_overlap", dict)
     else:
         honest = FieldErrors.vary
         monkeypatch.setattr(FieldErrors, "vary", lambda own, *given: honest(own, *given[:3]))

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Axes", "alike", "axes_of", "carried", "without_gaps"]
+__all__ = ["Axes", "axes_of", "equal_places", "interpolated", "without_gaps"]
 
 #: Places along each dimension of the points of a field [m].
 Axes = tuple["FloatArray", ...]
-#: Points closer than this part of the extent are one.
-_SAME = 1e-9
+#: Distance of two points, as a part of the extent of all, up to which their places are equal.
+_COINCIDENT = 1e-9
 
 
 def axes_of(results: Any, name: str) -> Axes:
@@ -41,32 +41,33 @@ def axes_of(results: Any, name: str) -> Axes:
         region = dim.removesuffix("_point")
         names = [f"{region}_{axis}" for axis in "xyz"]
         points = np.stack(np.broadcast_arrays(*(np.asarray(results.variables[place].values) for place in names)))
-        moved = np.linalg.norm(np.diff(points), axis=0)
-        axes.append(np.concatenate([[0.0], np.cumsum(moved)]))
+        distances = np.linalg.norm(np.diff(points), axis=0)
+        axes.append(np.concatenate([[0.0], np.cumsum(distances)]))
     return tuple(axes)
 
 
-def carried(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) -> NDArray[Any]:
+def interpolated(values: NDArray[Any], start: Axes, target: Axes, *, smooth: bool) -> NDArray[Any]:
     """Interpolate a field from the coordinates `start` to the coordinates `target`; its last dimensions are these axes.
 
-    Beyond the first and last place it is constant. `smooth` takes a polynomial through four places, which a field needs
-    whose own small error is compared; without it the field is linear between places, and exceeds none of its values.
+    Beyond the first and last place it is constant. With `smooth` it is a polynomial through four places, for
+    comparisons of fields with small differences. Without it the field is linear between places, and exceeds none of
+    its values.
 
     Examples
     --------
     >>> x = np.linspace(0.0, 1.0, 6)
     >>> fine, coarse = (x,), (np.array([0.1, 0.5]),)
-    >>> np.abs(carried(x**3, fine, coarse, smooth=True) - coarse[0] ** 3).max() < 1e-14
+    >>> np.abs(interpolated(x**3, fine, coarse, smooth=True) - coarse[0] ** 3).max() < 1e-14
     np.True_
     """
     values = without_gaps(values)
-    for axis, (places, others) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
-        if alike(places, others):
+    for axis, (places, new_places) in enumerate(zip(start, target, strict=True), values.ndim - len(start)):
+        if equal_places(places, new_places):
             continue
-        first, weights = _weights(places.tobytes(), others.tobytes(), 4 if smooth else 2)
-        along = [-1 if n == axis else 1 for n in range(values.ndim)]
-        near = (np.take(values, first + n, axis=axis) * weight.reshape(along) for n, weight in enumerate(weights))
-        values = reduce(np.add, near)
+        first, weights = _weights(places.tobytes(), new_places.tobytes(), 4 if smooth else 2)
+        shape = [-1 if n == axis else 1 for n in range(values.ndim)]
+        terms = (np.take(values, first + n, axis=axis) * weight.reshape(shape) for n, weight in enumerate(weights))
+        values = reduce(np.add, terms)
     return values
 
 
@@ -75,22 +76,22 @@ def without_gaps(values: NDArray[Any]) -> NDArray[Any]:
     return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
-def alike(places: FloatArray, others: FloatArray) -> bool:
+def equal_places(places: FloatArray, other: FloatArray) -> bool:
     """Whether the coordinates of two sets of points are equal."""
-    return places.size == others.size and bool(np.abs(places - others).max(initial=0.0) <= _SAME * np.ptp(places))
+    return places.size == other.size and bool(np.abs(places - other).max(initial=0.0) <= _COINCIDENT * np.ptp(places))
 
 
 @lru_cache(maxsize=64)  # all fields and steps of a run have the same places
 def _weights(start: bytes, target: bytes, count: int) -> tuple[NDArray[np.intp], FloatArray]:
-    """First of the `count` places around each of the others, and weights (count, others) of Lagrange's polynomials."""
-    places, others = np.frombuffer(start), np.frombuffer(target)
+    """First of the `count` places around each target, and weights (count, targets) of Lagrange's polynomials."""
+    places, targets = np.frombuffer(start), np.frombuffer(target)
     count = min(count, places.size)
-    at = np.clip(others, places[0], places[-1])
-    first = np.clip(np.searchsorted(places, at) - count // 2, 0, places.size - count)
-    near = [places[first + n] for n in range(count)]
-    weights = np.ones((count, others.size))
+    inner = np.clip(targets, places[0], places[-1])
+    first = np.clip(np.searchsorted(places, inner) - count // 2, 0, places.size - count)
+    nodes = [places[first + n] for n in range(count)]
+    weights = np.ones((count, targets.size))
     for n in range(count):
         for m in range(count):
             if m != n:
-                weights[n] *= (at - near[m]) / (near[n] - near[m])
+                weights[n] *= (inner - nodes[m]) / (nodes[n] - nodes[m])
     return first, weights

@@ -39,7 +39,7 @@ def changed(tables: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
     return out
 
 
-def refined_grid(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dict[str, Any], str]:
+def refined_grid(plan: Plan, factor: float, *, keep_parity: bool = False) -> tuple[dict[str, Any], str]:
     """Table of a grid with `factor` times the cells each way, and its resolution in words; see `refined_window`."""
     spec = plan.scene.grid
     if spec.automatic and plan.scene.geometry:
@@ -48,18 +48,18 @@ def refined_grid(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dic
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
         strips = {name: value for name, value in _window(plan).items() if name in ("length", "datum-depth")}
         return table | strips, f"{cells:g} cells per contact radius"
-    return refined_window(plan, factor, alike=alike)
+    return refined_window(plan, factor, keep_parity=keep_parity)
 
 
-def refined_window(plan: Plan, factor: float, *, alike: bool = False) -> tuple[dict[str, Any], str]:
+def refined_window(plan: Plan, factor: float, *, keep_parity: bool = False) -> tuple[dict[str, Any], str]:
     """Table of a grid over the window of a plan with `factor` times the cells each way, and its resolution in words.
 
-    With `alike` the number of cells stays odd or even: the middle of the window keeps or lacks a cell.
+    With `keep_parity` the number of cells stays odd or even: the middle of the window keeps or lacks a cell.
     """
-    number = _alike if alike else _rounded
+    number = _with_parity if keep_parity else _rounded
     counts = [number(factor * count, count) for count in plan.grid.counts]
     if plan.model.periodic:  # no zeros fill the window up to a length that transforms fast
-        counts = [n if n == old else _smooth(n) for n, old in zip(counts, plan.grid.counts, strict=True)]
+        counts = [n if n == present else _smooth(n) for n, present in zip(counts, plan.grid.counts, strict=True)]
     # the window of the plan: an automatic one around inclusions has its own centre
     cells = {"cells": counts if len(counts) > 1 else counts[0]}
     return _window(plan) | cells, f"{' x '.join(str(count) for count in counts)} cells"
@@ -73,20 +73,20 @@ def _window(plan: Plan) -> dict[str, Any]:
     return window_keys(plan.grid, None if interface is None else interface.datum)
 
 
-def _rounded(wanted: float, _: int) -> int:
-    return max(1, round(wanted))
+def _rounded(cells: float, _: int) -> int:
+    return max(1, round(cells))
 
 
-def _alike(wanted: float, count: int) -> int:
-    """Whole number nearest to `wanted` with the parity of `count`.
+def _with_parity(cells: float, count: int) -> int:
+    """Whole number nearest to `cells` with the parity of `count`.
 
     Examples
     --------
-    >>> _alike(22.5, 45), _alike(21.3, 64), _alike(0.4, 1)
+    >>> _with_parity(22.5, 45), _with_parity(21.3, 64), _with_parity(0.4, 1)
     (23, 22, 1)
     """
     odd = count % 2
-    return max(2 - odd, 2 * round(0.5 * (wanted - odd)) + odd)
+    return max(2 - odd, 2 * round(0.5 * (cells - odd)) + odd)
 
 
 def _smooth(count: int) -> int:
@@ -97,11 +97,11 @@ def _smooth(count: int) -> int:
     >>> _smooth(274), _smooth(33), _smooth(64)
     (280, 35, 64)
     """
-    rest = count
+    cofactor = count
     for prime in (2, 3, 5, 7):
-        while rest % prime == 0:
-            rest //= prime
-    return count if rest == 1 else _smooth(count + 2)
+        while cofactor % prime == 0:
+            cofactor //= prime
+    return count if cofactor == 1 else _smooth(count + 2)
 
 
 def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict[str, Any]], float]:
@@ -112,7 +112,7 @@ def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict
     >>> refined_steps([{"normal-load": 1.0, "increments": 3}, {"cycle": [{"shift-x": 1e-6}], "repeat": 9}], 0.5)
     ([{'normal-load': 1.0, 'increments': 2}, {'cycle': [{'shift-x': 1e-06, 'increments': 1}], 'repeat': 9}], 0.75)
     """
-    before = after = 0
+    old_count = new_count = 0
     out = []
     for step in steps:
         if step.get("cycle") is not None:
@@ -123,6 +123,6 @@ def refined_steps(steps: list[dict[str, Any]], factor: float) -> tuple[list[dict
             single = {**step, "increments": max(1, int(factor * step.get("increments", 1) + 0.5))}
             pairs = [(step, single)]
             out.append(single)
-        before += sum(old.get("increments", 1) for old, _ in pairs)
-        after += sum(new["increments"] for _, new in pairs)
-    return out, after / before
+        old_count += sum(old.get("increments", 1) for old, _ in pairs)
+        new_count += sum(new["increments"] for _, new in pairs)
+    return out, new_count / old_count

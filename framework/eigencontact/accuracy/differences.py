@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from eigencontact.accuracy.carry import Axes, axes_of, carried, without_gaps
+from eigencontact.accuracy.carry import Axes, axes_of, interpolated, without_gaps
 from eigencontact.accuracy.estimate import estimate
 from eigencontact.results.history import HISTORY_STEP
 
@@ -27,7 +27,7 @@ _SIDES = (slice(None, -1), slice(1, None))
 
 
 #: A difference is at least this part of those at the neighbours: where it changes its sign it is small by chance.
-_OF_OTHERS = 0.5
+_OF_NEIGHBOURS = 0.5
 
 
 class Results(Protocol):
@@ -60,7 +60,7 @@ class Sampled:
         if self._variable.dims[0] == HISTORY_STEP:
             by_step = dict(zip(map(int, variables["step"].values), times, strict=True))
             times = [by_step[int(step)] for step in variables[HISTORY_STEP].values]
-        self.positions = {time: at for at, time in enumerate(times)}
+        self.positions = {time: position for position, time in enumerate(times)}
 
     def at(self, time: float) -> NDArray[Any] | None:
         """Values at a time; None if the points differ, as in a box of cells that has grown."""
@@ -72,7 +72,8 @@ class Sampled:
 class Share:
     """Error of a field from one source in one step: on the points of each coarser run, with the observed order.
 
-    `extremes` has the errors of its smallest and largest value, of each component, as of two numbers.
+    `extremes` has the errors of the smallest and the largest value of each component, each estimated like that of a
+    number.
     """
 
     errors: list[tuple[Axes, NDArray[Any]]]
@@ -81,12 +82,12 @@ class Share:
 
     def at(self, axes: Axes) -> NDArray[Any]:
         """Largest of the estimates at the points of the run."""
-        return reduce(np.maximum, (carried(part, places, axes, smooth=False) for places, part in self.errors))
+        return reduce(np.maximum, (interpolated(errors, places, axes, smooth=False) for places, errors in self.errors))
 
 
 def differences(
     base: Sampled,
-    varied: Sequence[tuple[float, Sampled]],
+    coarser_fields: Sequence[tuple[float, Sampled]],
     source: ErrorSource,
     *,
     size: float = 1.0,
@@ -94,39 +95,41 @@ def differences(
 ) -> Iterator[tuple[float, Share]]:
     """Common times of the steps of all runs, and the errors of a field at these times.
 
-    `varied` has the step size of each coarser run in that of `base`, and the field there; `size` is the step size of
-    `base` in that of the run with the error. `last` takes the last of the steps alone.
+    `coarser_fields` has the step size of each coarser run in that of `base`, and the field there; `size` is the step
+    size of `base` in that of the run with the error. With `last` only the last of the steps counts.
     """
-    if any(len(other.axes) != len(base.axes) for _, other in varied):
+    if any(len(coarser.axes) != len(base.axes) for _, coarser in coarser_fields):
         return
-    times = sorted(set.intersection(*(set(run.positions) for run in (base, *(other for _, other in varied)))))
+    fields = (base, *(coarser for _, coarser in coarser_fields))
+    times = sorted(set.intersection(*(set(field.positions) for field in fields)))
     for time in times[-1:] if last else times:
-        values, *fields = (run.at(time) for run in (base, *(other for _, other in varied)))
-        sizes, parts, places, ends = [], [], [], []
-        for (ratio, other), field in zip(varied, fields, strict=True):
-            if values is None or field is None:
+        values, *values_of_coarser = (field.at(time) for field in fields)
+        sizes, magnitudes, places, coarser_extremes = [], [], [], []
+        for (ratio, coarser), coarser_values in zip(coarser_fields, values_of_coarser, strict=True):
+            if values is None or coarser_values is None:
                 break
-            coarse = without_gaps(field)
-            kept = [_within(at, own) for at, own in zip(other.axes, base.axes, strict=True)]
-            leading = map(np.arange, coarse.shape[: coarse.ndim - len(kept)])
-            places.append(tuple(at[inside] for at, inside in zip(other.axes, kept, strict=True)))
-            parts.append(np.abs(coarse[np.ix_(*leading, *kept)] - carried(values, base.axes, places[-1], smooth=True)))
+            coarse = without_gaps(coarser_values)
+            indices = [_within(axis, base_axis) for axis, base_axis in zip(coarser.axes, base.axes, strict=True)]
+            leading = map(np.arange, coarse.shape[: coarse.ndim - len(indices)])
+            places.append(tuple(axis[inside] for axis, inside in zip(coarser.axes, indices, strict=True)))
+            fine = interpolated(values, base.axes, places[-1], smooth=True)
+            magnitudes.append(np.abs(coarse[np.ix_(*leading, *indices)] - fine))
             sizes.append(ratio)
-            ends.append(_extremes(coarse, len(kept)))
-        if len(parts) < len(varied):
+            coarser_extremes.append(_extremes(coarse, len(indices)))
+        if len(magnitudes) < len(coarser_fields):
             continue
-        factors, order = shares_of([float(np.mean(part)) for part in parts], sizes, source, size)
+        factors, order = shares_of([float(np.mean(magnitude)) for magnitude in magnitudes], sizes, source, size)
         errors = [
-            (factor * largest_near(part, range(-len(base.axes), 0), _OF_OTHERS)).astype(np.float32)
-            for factor, part in zip(factors, parts, strict=True)
+            (factor * largest_near(magnitude, range(-len(base.axes), 0), _OF_NEIGHBOURS)).astype(np.float32)
+            for factor, magnitude in zip(factors, magnitudes, strict=True)
         ]
         assert values is not None
-        own = _extremes(without_gaps(values), len(base.axes))
+        base_extremes = _extremes(without_gaps(values), len(base.axes))
         extremes = [
-            estimate(value, list(zip(sizes, others, strict=True)), source.lowest, source.highest, size=size).error
-            for value, *others in zip(*(run.ravel() for run in (own, *ends)), strict=True)
+            estimate(extreme, list(zip(sizes, on_coarser, strict=True)), source.lowest, source.highest, size=size).error
+            for extreme, *on_coarser in zip(*(run.ravel() for run in (base_extremes, *coarser_extremes)), strict=True)
         ]
-        yield time, Share(list(zip(places, errors, strict=True)), order, np.reshape(extremes, own.shape))
+        yield time, Share(list(zip(places, errors, strict=True)), order, np.reshape(extremes, base_extremes.shape))
 
 
 def shares_of(
@@ -134,8 +137,8 @@ def shares_of(
 ) -> tuple[list[float], float | None]:
     """Factors from differences at points to errors, for each coarser run, and the observed order.
 
-    They are those that turn the `norms` of the differences into the error of a number with the same differences. The
-    compared run has the step size `base`.
+    The factors turn the `norms` of the differences into the error of a number with the same differences. The compared
+    run has the step size `base`.
 
     Examples
     --------
@@ -146,12 +149,12 @@ def shares_of(
     """
     signed = [norm if size > 1.0 else -norm for norm, size in zip(norms, sizes, strict=True)]
     pairs = list(zip(sizes, signed, strict=True))
-    found = estimate(0.0, pairs, source.lowest, source.highest, mean=True, size=base)
-    used = source.lowest if found.order is None else min(found.order, source.highest)
-    ways = [abs(size**used - 1.0) for size in sizes]
-    shares = [norm / way for norm, way in zip(norms, ways, strict=True)]
-    reference = max(shares) if found.order is None else shares[0]
-    return [found.error / (reference * way) if reference else 0.0 for way in ways], found.order
+    error, order = estimate(0.0, pairs, source.lowest, source.highest, mean=True, size=base)
+    exponent = source.lowest if order is None else min(order, source.highest)
+    increases = [abs(size**exponent - 1.0) for size in sizes]
+    shares = [norm / increase for norm, increase in zip(norms, increases, strict=True)]
+    reference = max(shares) if order is None else shares[0]
+    return [error / (reference * increase) if reference else 0.0 for increase in increases], order
 
 
 def _extremes(field: NDArray[Any], points: int) -> NDArray[Any]:
@@ -168,8 +171,8 @@ def neighbours(times: Sequence[float], time: float) -> Sequence[float]:
     >>> neighbours([1.0, 2.0, 3.0], 2.0), neighbours([1.0, 2.0, 3.0], 2.5), neighbours([1.0, 2.0], 0.5)
     ([2.0], [2.0, 3.0], [1.0])
     """
-    at = bisect_left(times, time)
-    return times[at : at + 1] if time in times[at : at + 1] else times[max(0, at - 1) : at + 1]
+    index = bisect_left(times, time)
+    return times[index : index + 1] if time in times[index : index + 1] else times[max(0, index - 1) : index + 1]
 
 
 def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -> NDArray[Any]:
@@ -183,13 +186,13 @@ def largest_near(field: NDArray[Any], axes: Iterable[int], share: float = 1.0) -
     largest = field.copy()
     for axis in axes:
         ends = [tuple(side if n == axis % field.ndim else slice(None) for n in range(field.ndim)) for side in _SIDES]
-        for end, other in (ends, ends[::-1]):
-            np.maximum(largest[end], share * field[other], out=largest[end])
+        for points, neighbours_of_points in (ends, ends[::-1]):
+            np.maximum(largest[points], share * field[neighbours_of_points], out=largest[points])
     return largest
 
 
-def _within(places: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
-    """Indices of coordinates between the first and last of others; the nearest index if there is none."""
-    room = 1e-9 * (np.ptp(others) + np.ptp(places))
-    inside = np.flatnonzero((places >= others[0] - room) & (places <= others[-1] + room))
-    return inside if inside.size else np.array([int(np.abs(places - others.mean()).argmin())])
+def _within(places: NDArray[Any], reference: NDArray[Any]) -> NDArray[Any]:
+    """Indices of coordinates between the first and the last of `reference`; the nearest index if there is none."""
+    room = 1e-9 * (np.ptp(reference) + np.ptp(places))
+    inside = np.flatnonzero((places >= reference[0] - room) & (places <= reference[-1] + room))
+    return inside if inside.size else np.array([int(np.abs(places - reference.mean()).argmin())])

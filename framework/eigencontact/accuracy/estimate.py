@@ -31,7 +31,7 @@ class Estimate(NamedTuple):
 
 def estimate(
     value: float,
-    others: Sequence[tuple[float, float]],
+    coarser_values: Sequence[tuple[float, float]],
     lowest: float,
     highest: float,
     *,
@@ -45,9 +45,9 @@ def estimate(
     ----------
     value : float
         Value of the discretisation in use.
-    others : sequence of (float, float)
-        Step size in units of that of `value`, and the value there; one or two, the finer first. The first of two may be
-        finer than `value`.
+    coarser_values : sequence of (float, float)
+        One or two other discretisations, the finer first: step size in units of that of `value`, and the value there.
+        The first of two may be finer than `value`.
     lowest, highest : float
         Orders between which the error is known to fall.
     scatters : bool
@@ -55,15 +55,16 @@ def estimate(
     mean : bool
         Whether the differences are means over many points, and so not small by chance.
     size : float
-        Step size of `value` in that of the run whose error is sought.
+        Step size of `value`, relative to the run whose error is estimated.
 
     Returns
     -------
     Estimate
-        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety;
-        above them, that by the highest known order and the coarsest value, times a larger factor (the same for a mean).
+        With an observed order within the known ones (Richardson): the extrapolated error, times a factor of safety.
+        With a higher order: the error by the highest known order and the coarsest value, times a larger factor (the
+        same factor for a mean).
         Without an order: the largest difference over the sum of both step sizes (to the lowest order), times a factor
-        for scatter, or what the lowest order makes of the difference, if that is more.
+        for scatter, or the error by the lowest order, if that is larger.
 
     Notes
     -----
@@ -83,41 +84,47 @@ def estimate(
     >>> estimate(1.0, [(1.5, 1.1), (2.0, 0.9)], 1.0, 2.0).order is None
     True
     """
-    found = _of_value(value, others, lowest, highest, scatters=scatters, mean=mean)
-    return found if size == 1.0 else found._replace(error=found.error / size**lowest)
+    base_estimate = _of_value(value, coarser_values, lowest, highest, scatters=scatters, mean=mean)
+    return base_estimate if size == 1.0 else base_estimate._replace(error=base_estimate.error / size**lowest)
 
 
 def _of_value(
-    value: float, others: Sequence[tuple[float, float]], lowest: float, highest: float, *, scatters: bool, mean: bool
+    value: float,
+    coarser_values: Sequence[tuple[float, float]],
+    lowest: float,
+    highest: float,
+    *,
+    scatters: bool,
+    mean: bool,
 ) -> Estimate:
     """Error of the value itself; see `estimate`."""
-    differences = [(size, abs(other - value)) for size, other in others]
+    differences = [(size, abs(coarser_value - value)) for size, coarser_value in coarser_values]
     extrapolated = max(difference / abs(size**lowest - 1.0) for size, difference in differences)
-    if len(others) < 2:
+    if len(coarser_values) < 2:
         return Estimate(extrapolated, None)
-    (near, near_value), (far, far_value) = others
-    order = None if scatters else _observed(near, near_value - value, far, far_value - value)
+    (near_size, near_value), (far_size, far_value) = coarser_values
+    order = None if scatters else _observed_order(near_size, near_value - value, far_size, far_value - value)
     if order is None or order < lowest - _SLACK:
         scatter = max(difference / (size**lowest + 1.0) for size, difference in differences)
         return Estimate(max(_SCATTER * scatter, extrapolated), None)
-    used = min(order, highest)
+    exponent = min(order, highest)
     if order > highest + _SLACK:  # the coarsest is too coarse for its order, and its difference large
         safety = _SAFETY if mean else _ASSUMED
-        return Estimate(safety * abs(far_value - value) / (far**highest - 1.0), None)
-    return Estimate(_SAFETY * abs((near_value - value) / (near**used - 1.0)), order)
+        return Estimate(safety * abs(far_value - value) / (far_size**highest - 1.0), None)
+    return Estimate(_SAFETY * abs((near_value - value) / (near_size**exponent - 1.0)), order)
 
 
-def _observed(near: float, near_difference: float, far: float, far_difference: float) -> float | None:
+def _observed_order(near_size: float, near_difference: float, far_size: float, far_difference: float) -> float | None:
     """Order from two differences; None if the differences have different signs or do not decrease."""
     if near_difference == 0.0 or not isfinite(far_difference / near_difference):
         return None
-    if near < 1.0:  # relative to the finest of the three
-        near, far = 1.0 / near, far / near
+    if near_size < 1.0:  # relative to the finest of the three
+        near_size, far_size = 1.0 / near_size, far_size / near_size
         near_difference, far_difference = -near_difference, far_difference - near_difference
     quotient = far_difference / near_difference
 
     def excess(order: float) -> float:
-        return float((far**order - 1.0) / (near**order - 1.0) - quotient)
+        return float((far_size**order - 1.0) / (near_size**order - 1.0) - quotient)
 
     low, high = 1e-3, _HIGHEST_ORDER
     if excess(low) > 0.0 or excess(high) < 0.0:

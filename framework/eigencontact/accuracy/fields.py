@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from eigencontact.accuracy.carry import alike, without_gaps
+from eigencontact.accuracy.carry import equal_places, without_gaps
 from eigencontact.accuracy.differences import (
     Results,
     Sampled,
@@ -20,7 +20,7 @@ from eigencontact.accuracy.differences import (
     time_of,
 )
 from eigencontact.accuracy.estimate import Estimate, estimate
-from eigencontact.accuracy.sources import apart
+from eigencontact.accuracy.sources import without_overlap
 from eigencontact.core.field_error import FieldError, beside_edges, error_name
 from eigencontact.core.numbers import ErrorBar, Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
@@ -42,13 +42,16 @@ _OF_NEIGHBOUR = 0.5
 _EQUAL = 1e-6
 
 
-class _Varied(NamedTuple):
-    """Coarser runs of one source of error, with their step sizes, and the compared run with its own."""
+class _ComparedRuns(NamedTuple):
+    """Summary and results of a run, and the runs that are coarser in one source of error.
+
+    `coarser_runs` has their step sizes in that of this run; `size` is its step size in that of the run with the error.
+    """
 
     source: ErrorSource
     summary: Mapping[str, Any]
     results: Results
-    others: Sequence[tuple[float, Run]]
+    coarser_runs: Sequence[tuple[float, Run]]
     size: float
 
 
@@ -69,31 +72,36 @@ class FieldErrors:
 
     Notes
     -----
-    The finer of two runs is interpolated at the points of the coarser one, by polynomials of third degree, and the
-    difference there, at least half of that of its neighbours, is carried back, linearly. So a field is compared where
-    both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
-    differences gives the order of the field as a whole: differences at single points change sign. Steps are compared
-    where both runs have them; between these the larger error counts. At an edge of the zone in which a field of the
-    surface, or of cells, is not zero, where it may have an infinite slope, it is at least half of the largest
-    difference to a neighbour. At a largest or smallest value, and next to it, coarser points elsewhere do not tell how
-    sharp a peak is: the error is at least a part of the step to the neighbours, all of it at a sharp peak, where this
-    step is the largest nearby, and nothing at a smooth one, where it is at most half of the next. At the largest and
-    the smallest value of all it is at least the error of this value as a number, which follows the peak of each run.
+    The finer of two runs is interpolated at the points of the coarser run by polynomials of third degree. The
+    difference there, at least half of that of its neighbours, is interpolated back linearly. Fields are thus compared
+    where both have values, and the interpolation adds less than the coarser points miss. The mean magnitude of the
+    differences gives the order of the whole field, because differences at single points change sign. Steps are compared
+    at common times; between these the larger error counts.
+
+    The error has lower bounds. A field of the surface, or of cells, may have an infinite slope at the edge of the zone
+    in which it is not zero: there its error is at least half of the largest difference to a neighbour. At a peak, and
+    next to it, points of coarser runs elsewhere do not show how sharp the peak is: the error is at least a part of the
+    step to the neighbours. It is the whole step at a sharp peak, where this step is the largest nearby, and nothing at
+    a smooth peak, where this step is at most half of the next one. At the largest and the smallest value of the field
+    the error is at least that of this value as a number, which follows the peak of each run.
     """
 
     def __init__(self, run: Results, summary: Mapping[str, Any]) -> None:
         self.fields: dict[str, FieldError] = {}
         self._run = run
         self._summary = summary
-        self._varied: list[_Varied] = []
+        self._comparisons: list[_ComparedRuns] = []
 
-    def vary(self, source: ErrorSource, base: Run, others: Sequence[tuple[float, Run]], size: float = 1.0) -> None:
+    def vary(
+        self, source: ErrorSource, base: Run, coarser_runs: Sequence[tuple[float, Run]], size: float = 1.0
+    ) -> None:
         """Add the coarser runs of one source of error, with step sizes relative to those of `base`.
 
-        They are compared with `base`: the run itself, or that with the coarsest cells, of a step size of `size`.
+        They are compared with `base`: the run itself, or that with the coarsest cells, whose step size is `size` times
+        that of the run.
         """
         results = self._run if base.results is None else base.results
-        self._varied.append(_Varied(source, base.summary, results, others, size))
+        self._comparisons.append(_ComparedRuns(source, base.summary, results, coarser_runs, size))
 
     def bar(self, name: str) -> ErrorBar | None:
         """Error of the largest value of a field after the last step; None without errors."""
@@ -111,10 +119,12 @@ class FieldErrors:
     def _shares_of(self, name: str, *, last: bool = False) -> dict[str, dict[float, Share]]:
         """Errors of a field by source and time."""
         shares = {}
-        for source, _, base, others, size in self._varied:
+        for source, _, base, coarser_runs, size in self._comparisons:
             try:
-                parts = [(ratio, Sampled(run.results, name)) for ratio, run in others if run.results is not None]
-                shares[source.name] = dict(differences(Sampled(base, name), parts, source, size=size, last=last))
+                coarser = [
+                    (ratio, Sampled(run.results, name)) for ratio, run in coarser_runs if run.results is not None
+                ]
+                shares[source.name] = dict(differences(Sampled(base, name), coarser, source, size=size, last=last))
             except LookupError:  # not in all runs
                 continue
         return {source: by_time for source, by_time in shares.items() if by_time}
@@ -122,8 +132,8 @@ class FieldErrors:
     def _estimates_of(self, name: str) -> dict[str, dict[float, Estimate]]:
         """Errors of a number by source and time."""
         estimates = {
-            source.name: dict(_histories(name, summary, others, source, size))
-            for source, summary, _, others, size in self._varied
+            source.name: dict(_histories(name, summary, coarser_runs, source, size))
+            for source, summary, _, coarser_runs, size in self._comparisons
         }
         return {source: by_time for source, by_time in estimates.items() if by_time}
 
@@ -132,7 +142,7 @@ class FieldErrors:
 
         In the last step a number has the error of its bar, and without a bar it has no errors.
         """
-        if not any(not source.on_coarse for source, *_ in self._varied):
+        if not any(not source.on_coarse for source, *_ in self._comparisons):
             return
         for name in _fields(self._run):
             if shares := self._shares_of(name):
@@ -181,14 +191,16 @@ class FieldErrors:
             for source, by_time in shares.items()
         }
         places = [at for by_time in shares.values() for share in by_time.values() for at, _ in share.errors]
-        follow = [n - len(field.axes) for n, at in enumerate(field.axes) if any(not alike(at, ax[n]) for ax in places)]
-        near = {
+        moving_axes = [
+            n - len(field.axes) for n, at in enumerate(field.axes) if any(not equal_places(at, ax[n]) for ax in places)
+        ]
+        extremes_by_source = {
             source: np.max([by_time[at].extremes for at in neighbours(sorted(by_time), time)], axis=0)
             for source, by_time in shares.items()
         }
-        extremes = np.sum(list(apart(near).values()), axis=0)
-        parts = apart(parts)
-        return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, follow), edged
+        extremes = np.sum(list(without_overlap(extremes_by_source).values()), axis=0)
+        parts = without_overlap(parts)
+        return parts, _bounded(values, sum(parts.values(), np.zeros(())), extremes, edged, moving_axes), edged
 
     def _number(
         self, name: str, estimates: Mapping[str, Mapping[float, Estimate]], times: Sequence[float], last: float
@@ -197,7 +209,7 @@ class FieldErrors:
         number = Number(**self._summary["numbers"][name]).own_error(error_name(name))
         values = [
             sum(
-                apart(
+                without_overlap(
                     {
                         source: max(errors[at].error for at in neighbours(sorted(errors), time))
                         for source, errors in estimates.items()
@@ -218,7 +230,7 @@ def _in_one_number(
     shares: Mapping[str, Mapping[float, Share]],
 ) -> FieldError:
     """Error of a field after the last step, from its errors at points by source and in sum."""
-    sizes = {source: FieldError.of(values, part, edged).error for source, part in parts.items()}
+    sizes = {source: FieldError.of(values, of_source, edged).error for source, of_source in parts.items()}
     largest = max(sizes, key=lambda source: sizes[source])
     order = shares[largest][max(shares[largest])].order
     error = FieldError.of(values, errors, edged, source=largest, order=order)
@@ -238,7 +250,7 @@ def _fields(results: Results) -> Iterator[str]:
 def _histories(
     name: str,
     summary: Mapping[str, Any],
-    others: Sequence[tuple[float, Run]],
+    coarser_runs: Sequence[tuple[float, Run]],
     source: ErrorSource,
     size: float,
 ) -> Iterator[tuple[float, Estimate]]:
@@ -248,44 +260,45 @@ def _histories(
         return
     lowest, highest = (slow[0], slow[0]) if slow and not source.on_coarse else (source.lowest, source.highest)
     scatters = bool(summary["numbers"][name].get("scatters"))
-    runs = (summary, *(run.summary for _, run in others))
-    values = [{time_of(row["time"]): row.get(name) for row in run.get("history", ())} for run in runs]
-    for time in sorted(set.intersection(*map(set, values))):
-        value, *rest = (by_time[time] for by_time in values)
-        if value is not None and all(other is not None for other in rest):
-            pairs = [(ratio, other) for (ratio, _), other in zip(others, rest, strict=True)]
+    summaries = (summary, *(run.summary for _, run in coarser_runs))
+    histories = [{time_of(row["time"]): row.get(name) for row in contents.get("history", ())} for contents in summaries]
+    for time in sorted(set.intersection(*map(set, histories))):
+        value, *coarser_values = (history[time] for history in histories)
+        if value is not None and all(coarser_value is not None for coarser_value in coarser_values):
+            pairs = [(ratio, number) for (ratio, _), number in zip(coarser_runs, coarser_values, strict=True)]
             yield time, estimate(value, pairs, lowest, highest, scatters=scatters, size=size)
 
 
 def _bounded(
-    values: NDArray[Any], errors: NDArray[Any], extremes: NDArray[Any], edged: int, follow: Sequence[int]
+    values: NDArray[Any], errors: NDArray[Any], extremes: NDArray[Any], edged: int, moving_axes: Sequence[int]
 ) -> NDArray[Any]:
     """Errors with a lower bound at edges and peaks; NaN where the field is NaN.
 
-    It follows from the steps between neighbours, and at the smallest and largest value from the errors `extremes` of
-    these. A field has edges along its last `edged` dimensions; along `follow` its points lie elsewhere on other cells.
+    The bound follows from the steps between neighbours. At the smallest and the largest value it is the error of this
+    value as a number, `extremes`. A field has edges along its last `edged` dimensions. Along `moving_axes` other cells
+    have other points.
     """
     field = without_gaps(values)
-    equal = _EQUAL * float(np.abs(field).max(initial=0.0))
+    round_off = _EQUAL * float(np.abs(field).max(initial=0.0))
     steps, jumps, peaks = np.zeros(values.shape), np.zeros(values.shape), field != 0.0
-    for axis in {*follow, *range(-edged, 0)}:
+    for axis in {*moving_axes, *range(-edged, 0)}:
         first, last = (np.take(field, [end], axis=axis) for end in (0, -1))
         rises = np.diff(field, axis=axis, prepend=first, append=last)
-        rises[np.abs(rises) <= equal] = 0.0
-        before, after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
-        jumps = np.maximum(jumps, np.maximum(np.abs(before), np.abs(after)))
-        if axis in follow:
-            peaks &= before * after <= 0.0
-            steps = np.maximum(steps, np.maximum(np.abs(before), np.abs(after)))
+        rises[np.abs(rises) <= round_off] = 0.0
+        rise_before, rise_after = (np.take(rises, range(n, n + field.shape[axis]), axis=axis) for n in (0, 1))
+        jumps = np.maximum(jumps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
+        if axis in moving_axes:
+            peaks &= rise_before * rise_after <= 0.0
+            steps = np.maximum(steps, np.maximum(np.abs(rise_before), np.abs(rise_after)))
             for end in (0, -1) if field.shape[axis] > 1 else ():  # the field beyond is not known
                 np.moveaxis(peaks, axis, 0)[end] = False
-    slopes = largest_near(steps, follow)
-    sharp = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
-    bounds = np.where(peaks, sharp * steps, 0.0)
+    slopes = largest_near(steps, moving_axes)
+    sharpness = np.maximum(2.0 * np.divide(steps, slopes, out=np.zeros(values.shape), where=slopes > 0.0) - 1.0, 0.0)
+    bounds = np.where(peaks, sharpness * steps, 0.0)
     inner = tuple(range(extremes.ndim - 1, field.ndim))
     for sign, error in zip((-1.0, 1.0), extremes, strict=True):
-        highest = peaks & (sign * field >= (sign * field).max(axis=inner, keepdims=True) - equal)
+        highest = peaks & (sign * field >= (sign * field).max(axis=inner, keepdims=True) - round_off)
         bounds = np.where(highest, np.maximum(bounds, np.expand_dims(error, inner)), bounds)
-    bounds = largest_near(bounds, follow)
+    bounds = largest_near(bounds, moving_axes)
     bounds = np.where(beside_edges(values, edged), np.maximum(bounds, _OF_NEIGHBOUR * jumps), bounds)
     return np.where(np.isfinite(values), np.maximum(errors, bounds), np.nan)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.accuracy.bars import Coarser, Run, Varied
+from eigencontact.accuracy.bars import CoarserRuns, Run, SourceRuns
 from eigencontact.accuracy.levers import cheapest, levers_of
 from eigencontact.accuracy.pursuit import DEFAULT_TIME, pilot_tables
 from eigencontact.accuracy.runs import memory_of
@@ -20,39 +20,39 @@ if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
-__all__ = ["bars_text", "forecast", "forecast_text", "of_bars"]
+__all__ = ["bars_text", "cost_of_bars", "forecast", "forecast_text"]
 
-#: Errors of the first run, in times of the target, for which the way is told.
+#: Errors of the first run, in times of the target, for which the cost is predicted.
 _EXCESS = (2.0, 5.0, 20.0)
-#: Known orders: of pressures and displacements, of areas and what scatters.
+#: Known orders of pressures and displacements, and of areas and other numbers that scatter.
 _ORDERS = (2.0, 1.0)
 
 
-def of_bars(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
+def cost_of_bars(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
     """Number of the coarser runs of error bars, their time [s] and their memory [bytes].
 
     All runs that a source may take are counted. Their results stay in memory until the errors of fields are known.
     """
-    coarser = Coarser(Run(plan, {}), lambda tables, _: Run(make(tables), {}))
-    varied = dict[str, Varied]()
+    coarser = CoarserRuns(Run(plan, {}), lambda tables, _: Run(make(tables), {}))
+    runs_by_source = dict[str, SourceRuns]()
     for source in error_sources(plan):
-        runs, _ = coarser.vary(source, varied)
-        if runs.others:
-            varied[source.name] = runs
-    plans = [run.plan for run in coarser.made]
-    arrays = max((float(one.cost.peak) for one in plans), default=0.0)
+        runs, _ = coarser.vary(source, runs_by_source)
+        if runs.coarser_runs:
+            runs_by_source[source.name] = runs
+    plans = [run.plan for run in coarser.runs]
+    arrays = max((float(coarse.cost.peak) for coarse in plans), default=0.0)
     return {
         "runs": len(plans),
-        "seconds": sum(one.seconds for one in plans),
-        "memory": arrays + sum(results_bytes(one) for one in plans),
+        "seconds": sum(coarse.seconds for coarse in plans),
+        "memory": arrays + sum(results_bytes(coarse) for coarse in plans),
     }
 
 
-def bars_text(told: Mapping[str, Any], plan: Plan) -> str:
+def bars_text(cost: Mapping[str, Any], plan: Plan) -> str:
     """Cost of the error bars of a plan in words."""
-    share = f", {told['seconds'] / plan.seconds:.2g} times that of the run" if plan.seconds else ""
-    price = f"{time_in_words(told['seconds'])}{share}; {readable(told['memory'], 'B')} of memory with all their results"
-    return f"error bars\n  at most {told['runs']} coarser runs, {price}"
+    share = f", {cost['seconds'] / plan.seconds:.2g} times that of the run" if plan.seconds else ""
+    price = f"{time_in_words(cost['seconds'])}{share}; {readable(cost['memory'], 'B')} of memory with all their results"
+    return f"error bars\n  at most {cost['runs']} coarser runs, {price}"
 
 
 def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
     plan : Plan
         Of the scene as it is.
     table : Accuracy
-        What is asked for.
+        Targets and budget.
     make : callable
         Tables to their plan.
 
@@ -77,15 +77,15 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
     tables = pilot_tables(plan)
     pilot = make(tables)
     levers = levers_of(pilot, make)
-    coarser = of_bars(pilot, make)
+    coarser = cost_of_bars(pilot, make)
     cells = [lever for lever in levers if lever.source.name == "cells"]
     finer = []
     for excess in _EXCESS if cells else ():
         sizes = []
         for order in _ORDERS:
             bar = ErrorBar(value=1.0, error=excess, source="cells", order=order, parts={"cells": excess})
-            way = cheapest(cells, {"any": bar}, Targets(allowed={"any": 1.0}), far=True)
-            sizes.append(_size(make(way.changes(pilot, tables))))
+            refinement = cheapest(cells, {"any": bar}, Targets(allowed={"any": 1.0}), far=True)
+            sizes.append(_size(make(refinement.changes(pilot, tables))))
         finer.append({"excess": excess, "least": sizes[0], "most": sizes[1]})
     expected = pilot.model.window.expected
     return {
@@ -107,20 +107,21 @@ def _size(plan: Plan) -> dict[str, Any]:
     return {"cells": cells, "load_steps": plan.steps, "seconds": plan.seconds, "memory": memory_of(plan)}
 
 
-def forecast_text(told: Mapping[str, Any]) -> str:
+def forecast_text(prediction: Mapping[str, Any]) -> str:
     """Forecast in words."""
     targets = ", ".join(
-        f"{'all main results' if name == 'numbers' else name} {target}" for name, target in told["targets"].items()
+        f"{'all main results' if name == 'numbers' else name} {target}"
+        for name, target in prediction["targets"].items()
     )
-    first, coarser = told["first"], told["first"]["coarser"]
+    first, coarser = prediction["first"], prediction["first"]["coarser"]
     lines = [
         "accuracy asked for",
-        f"  targets: {targets}; at most {time_in_words(told['time'])}",
+        f"  targets: {targets}; at most {time_in_words(prediction['time'])}",
         f"  first run: {_words(first)}; at most {coarser['runs']} coarser runs, {_price(coarser)}",
     ]
-    if told["pressure_error"] is not None:
-        lines.append(f"  there the largest pressure is known to {100 * told['pressure_error']:.2g} % or better")
-    for name, price in told["sources"].items():
+    if prediction["pressure_error"] is not None:
+        lines.append(f"  there the largest pressure is known to {100 * prediction['pressure_error']:.2g} % or better")
+    for name, price in prediction["sources"].items():
         factor = price["factor"]
         time, memory = factor ** price["seconds"], factor ** price["memory"]
         lines.append(
@@ -128,7 +129,7 @@ def forecast_text(told: Mapping[str, Any]) -> str:
         )
     lines += [
         f"  if its error is {row['excess']:g} targets: {_words(row['least'])}, to {_words(row['most'])}"
-        for row in told["finer"]
+        for row in prediction["finer"]
     ]
     return "\n".join([*lines, "  less for pressures, most for areas; its error bars decide"])
 

@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from eigencontact.core.numbers import ErrorBar
     from eigencontact.planning.plan import Plan
 
-__all__ = ["SHARE", "Lever", "Way", "cheapest", "levers_of"]
+__all__ = ["SHARE", "Lever", "Refinement", "cheapest", "levers_of"]
 
 #: Share of a target that a prediction aims at: orders are not exact.
 SHARE = 0.85
-#: Factors of one decision: cells may have any number, other settings change by what shows.
+#: Factor of one decision for the cells, whose number is free, and for other settings, whose change must show.
 _CELLS, _LEAST = 1.1, 1.5
-#: Factor that tells a price where the memory of the machine refuses a larger one.
+#: Factor for the prediction of a price where the larger factor exceeds the memory of the machine.
 _LITTLE = 1.25
-#: Largest factor of one rung: bars are judged by the runs before it.
+#: Largest factor of one rung: its error bars compare it with earlier runs.
 _CELLS_AT_ONCE = 3.0
 #: Least power of the time: a tenth of a tolerance of 1e-6 takes a sixth more iterations, which no prediction contains.
 _FREE = 0.067
-#: Least power of the time for cells: on few of them the fixed part of a run hides that their number grows so.
+#: Least power of the time for cells: with few cells the fixed part of a run hides the growth with their number.
 _SQUARE = 2.0
-#: Least fall of the errors beyond the targets for which a source is refined, in parts of them.
+#: Least relative decrease of the errors beyond the targets for which a source is refined.
 _SMALL = 0.01
 
 
@@ -66,7 +66,7 @@ class Lever:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class Refinement:
     """Refinement factors of the sources of error, with the predicted errors, time and memory.
 
     Attributes
@@ -78,7 +78,7 @@ class Way:
     errors : dict of str to float
         Predicted error of each number with a target.
     holds : bool
-        Whether all targets hold then.
+        Whether all targets hold with these errors.
     """
 
     factors: dict[str, float]
@@ -98,12 +98,12 @@ class Way:
 
 def levers_of(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> list[Lever]:
     """Refinable sources of error of a plan, with the predicted time and memory of their refinement."""
-    found = []
+    levers = []
     for source in error_sources(plan):
         lever = next(filter(None, (_lever(plan, source, factor, make) for factor in (source.stride, _LITTLE))), None)
         if lever is not None:
-            found.append(lever)
-    return found
+            levers.append(lever)
+    return levers
 
 
 def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mapping[str, Any]], Plan]) -> Lever | None:
@@ -117,8 +117,8 @@ def _lever(plan: Plan, source: ErrorSource, factor: float, make: Callable[[Mappi
     if finer.scene.model_dump(exclude={"output"}) == plan.scene.model_dump(exclude={"output"}):
         return None
     seconds, memory = (
-        log(max(after, 1e-12) / max(before, 1e-12)) / log(factor)
-        for after, before in ((finer.seconds, plan.seconds), (memory_of(finer), memory_of(plan)))
+        log(max(finer_cost, 1e-12) / max(cost, 1e-12)) / log(factor)
+        for finer_cost, cost in ((finer.seconds, plan.seconds), (memory_of(finer), memory_of(plan)))
     )
     least = _SQUARE if source.name == "cells" else _FREE
     return Lever(source=source, seconds=max(least, seconds), memory=max(0.0, memory))
@@ -130,24 +130,24 @@ def cheapest(
     targets: Targets,
     *,
     orders: Mapping[str, float] | None = None,
-    most: float = inf,
+    time: float = inf,
     memory: float = inf,
     far: bool = False,
-) -> Way:
+) -> Refinement:
     """Refine the source with the largest decrease of errors per increase of time, until all targets hold.
 
     Parameters
     ----------
     levers : sequence of Lever
     bars : mapping of str to ErrorBar
-        Errors now; each share falls with its observed order, or with the lowest that is known.
+        Present errors; each share falls with its observed order, or with the lowest order of its source.
     targets : Targets
     orders : mapping of str to float, optional
-        Orders of numbers with the cells, where they are known better: that of a warning, that between two rungs.
-    most, memory : float
-        Time and memory that must not be exceeded, in those of now.
+        Better orders of numbers with the cells: that of a warning, or that between two rungs.
+    time, memory : float
+        Largest time and memory, in those of the run that is refined.
     far : bool
-        Whether factors may be larger than those of one rung: to tell what more would cost.
+        Whether factors may be larger than those of one rung, to predict the cost of all targets.
     """
     falls = {
         (name, lever.source.name): _order(lever.source, bars[name], (orders or {}).get(name))
@@ -156,26 +156,26 @@ def cheapest(
     }
     factors = dict.fromkeys((lever.source.name for lever in levers), 1.0)
     of_cells = {lever.source.name for lever in levers if lever.source.of_cells}
-    later = set[str]()
+    postponed = set[str]()
 
-    def finer(source: str, given: Mapping[str, float]) -> float:
-        everywhere = [given[name] for name in EDGES if name in given]
-        return given.get(source, 1.0) * (min(everywhere, default=1.0) if source in of_cells else 1.0)
+    def refinement_of(source: str, trial: Mapping[str, float]) -> float:
+        everywhere = [trial[name] for name in EDGES if name in trial]
+        return trial.get(source, 1.0) * (min(everywhere, default=1.0) if source in of_cells else 1.0)
 
-    def errors(given: Mapping[str, float]) -> dict[str, float]:
+    def errors(trial: Mapping[str, float]) -> dict[str, float]:
         return {
             name: sum(
-                part / finer(source, given) ** falls.get((name, source), 0.0)
-                for source, part in bars[name].parts.items()
-                if source not in later
+                share / refinement_of(source, trial) ** falls.get((name, source), 0.0)
+                for source, share in bars[name].parts.items()
+                if source not in postponed
             )
             for name in targets.allowed
         }
 
-    def price(given: Mapping[str, float], kind: str) -> float:
+    def price(trial: Mapping[str, float], kind: str) -> float:
         out = 1.0
         for lever in levers:
-            out *= given[lever.source.name] ** getattr(lever, kind)
+            out *= trial[lever.source.name] ** getattr(lever, kind)
         return out
 
     # a number that holds need not become better; one that does not has the margin of a prediction
@@ -186,37 +186,37 @@ def cheapest(
     aims = replace(targets, allowed=limits)
     excess = aims.excess(errors(factors))
     while excess > 0.0:
-        now, best, gain = price(factors, "seconds"), None, 0.0
-        for lever in (lever for lever in levers if lever.source.name not in later):
-            tried = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
-            within = price(tried, "seconds") <= most and price(tried, "memory") <= memory
-            fall = excess - aims.excess(errors(tried))
-            pays = fall / (price(tried, "seconds") - now)
-            if within and pays > gain and fall > _SMALL * excess:
-                best, gain = (lever, tried), pays
+        seconds, best, gain = price(factors, "seconds"), None, 0.0
+        for lever in (lever for lever in levers if lever.source.name not in postponed):
+            trial = {**factors, lever.source.name: factors[lever.source.name] * lever.step}
+            affordable = price(trial, "seconds") <= time and price(trial, "memory") <= memory
+            fall = excess - aims.excess(errors(trial))
+            fall_per_time = fall / (price(trial, "seconds") - seconds)
+            if affordable and fall_per_time > gain and fall > _SMALL * excess:
+                best, gain = (lever, trial), fall_per_time
         if best is None:
             break
-        lever, tried = best
-        if tried[lever.source.name] > (1e4 if far else 1.001 * lever.at_once):
-            later.add(lever.source.name)  # finer in the next rung: other sources cannot make up for its error
+        lever, trial = best
+        if trial[lever.source.name] > (1e4 if far else 1.001 * lever.at_once):
+            postponed.add(lever.source.name)  # finer in the next rung: other sources cannot make up for its error
         else:
-            factors = tried
+            factors = trial
         excess = aims.excess(errors(factors))
-    later.clear()
-    reached = errors(factors)
-    return Way(
+    postponed.clear()
+    predicted = errors(factors)
+    return Refinement(
         factors={name: factor for name, factor in factors.items() if factor > 1.0},
         seconds=price(factors, "seconds"),
         memory=price(factors, "memory"),
-        errors=reached,
-        holds=targets.excess(reached) == 0.0,
+        errors=predicted,
+        holds=targets.excess(predicted) == 0.0,
     )
 
 
-def _order(source: ErrorSource, bar: ErrorBar, known: float | None) -> float:
+def _order(source: ErrorSource, bar: ErrorBar, order_of_cells: float | None) -> float:
     """Order of convergence of the contribution of a source."""
-    if source.name == "cells" and known is not None:
-        return known
+    if source.name == "cells" and order_of_cells is not None:
+        return order_of_cells
     if source.name == bar.source and bar.order is not None:
         return min(bar.order, source.highest)
     return source.lowest

@@ -35,7 +35,7 @@ def half_distances(plan: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
 
     requests = [request for request in plan.model.cells.requests if "stress" in request.fields]
     lattices = [region_lattice(request, plan.grid) for request in requests]
-    depths = [np.unique(one.depths if one.points is None else one.points[:, 2]) for one in lattices]
+    depths = [np.unique(lattice.depths if lattice.points is None else lattice.points[:, 2]) for lattice in lattices]
     return {
         name: 0.5 * max((_gap(value, axis) for axis in depths), default=0.0)
         for name, value in _declared(summary, "of_points")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.bars import Accuracy, Run
 from eigencontact.accuracy.changes import changed, refined_window
-from eigencontact.accuracy.levers import Way, cheapest, levers_of
+from eigencontact.accuracy.levers import Refinement, cheapest, levers_of
 from eigencontact.accuracy.runs import Runs, edge_of, memory_of
 from eigencontact.accuracy.targets import Targets, check_names, is_field, targets_of, variable_of
 from eigencontact.core.memory import machine_bytes
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 __all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_tables", "pursue"]
 
-#: Cells per contact radius of the pilot; fewer cells each way than these show no region.
-_PILOT, _WAY = 12.0, 16
-#: Part of the cells of a given window that the pilot has at least: a measured surface is lost on fewer.
+#: Cells per contact radius of the pilot, and its least number of cells each way: fewer do not resolve a region.
+_PILOT, _FEWEST = 12.0, 16
+#: Least part of the cells of a prescribed window in the pilot: fewer do not resolve a measured surface.
 _WINDOW = 0.5
-#: Most rungs, and how often a pilot that is refused becomes finer.
+#: Largest number of rungs, and of attempts at a pilot, which becomes finer if it is refused.
 _RUNGS, _TRIES = 7, 3
-#: Fall of the errors beyond the targets, in parts of them, below which a rung has not paid.
+#: Relative decrease of the errors beyond the targets below which a rung is futile.
 _FALL = 0.1
-#: Errors of a source below this part of each target stand for those on finer cells: it is not varied again.
+#: Part of each target below which the errors of a source stay for finer cells, without new coarser runs.
 _LITTLE = 0.1
-#: Time of the coarser runs of the next rung, in times of that rung: that of the last one, within these bounds.
+#: Bounds of the predicted time of the coarser runs of the next rung, relative to the time of the rung.
 _BARS = (0.4, 1.5)
-#: Time that a pursuit may take where the scene gives none [s].
+#: Time limit of a pursuit if the scene gives none [s].
 DEFAULT_TIME = 600.0
-#: Ratio of cells from which on two rungs tell an order, and the orders that are believed.
+#: Least ratio of the cells of two rungs that give an order, and the bounds of this order.
 _APART, _ORDERS = 1.2, (1.0, 2.0)
 
 
@@ -52,7 +52,7 @@ class Rung:
     run: Run
     tables: Mapping[str, Any]
     seconds: float
-    found: Accuracy
+    accuracy: Accuracy
     targets: Targets
     bars: Mapping[str, ErrorBar]
     fields: FieldErrors | None = None
@@ -75,8 +75,9 @@ class Rung:
             "spacing": [float(plan.grid.dx), float(plan.grid.dy)],
             "load_steps": plan.steps,
             "tolerance": plan.numerics.tolerance,
+            "inclusion_refinement": plan.numerics.refinement,
             "seconds": self.seconds,
-            "error_seconds": self.found.seconds,
+            "error_seconds": self.accuracy.seconds,
             "errors": {name: self.bars[name].error for name in self.targets.allowed},
         }
 
@@ -94,16 +95,16 @@ class Answer:
     seconds : float
         Wall time of all [s].
     stopped : str
-        Why targets were not reached; empty where they were.
-    more : Way, optional
-        What would reach them, in time and memory of the answer.
+        Reason of the end if targets were not reached; otherwise empty.
+    required : Refinement, optional
+        Refinement of the answer that would reach them, in its time and memory.
     """
 
     rungs: list[Rung]
     runs: Runs
     seconds: float
     stopped: str = ""
-    more: Way | None = None
+    required: Refinement | None = None
 
     @property
     def last(self) -> Rung:
@@ -113,7 +114,7 @@ class Answer:
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""
         last = self.last
-        accuracy: dict[str, Any] = {
+        contents: dict[str, Any] = {
             "reached": last.holds,
             "targets": last.targets.to_dict(last.bars),
             "left_out": last.targets.left_out,
@@ -123,14 +124,14 @@ class Answer:
             "seconds": self.seconds,
             "stopped": self.stopped,
         }
-        if self.more is not None:
-            accuracy["more"] = {
-                "seconds": self.more.seconds * last.seconds,
-                "memory": self.more.memory * memory_of(last.run.plan),
-                "factors": self.more.factors,
-                "holds": self.more.holds,
+        if self.required is not None:
+            contents["more"] = {
+                "seconds": self.required.seconds * last.seconds,
+                "memory": self.required.memory * memory_of(last.run.plan),
+                "factors": self.required.factors,
+                "holds": self.required.holds,
             }
-        return {**last.found.to_dict(), "accuracy": accuracy}
+        return {**last.accuracy.to_dict(), "accuracy": contents}
 
 
 def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
@@ -143,10 +144,10 @@ def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
         factor = cells / spec.cells_per_contact_radius
     else:
         share = _WINDOW if expected is None else cells / max(cells_per_radius(expected, plan.grid), 1e-9)
-        factor = max(share, _WINDOW, _WAY / min(plan.grid.counts))
+        factor = max(share, _WINDOW, _FEWEST / min(plan.grid.counts))
     tables = plan.scene.resolved()
     output = {**tables["output"], "errors": False}
-    coarse = {"grid": refined_window(plan, min(1.0, factor), alike=True)[0], "numerics": {"allow-coarse": True}}
+    coarse = {"grid": refined_window(plan, min(1.0, factor), keep_parity=True)[0], "numerics": {"allow-coarse": True}}
     return changed(tables, coarse) | {"output": output}
 
 
@@ -159,7 +160,7 @@ class _Course:
     began: float = field(default_factory=perf_counter)
 
     @property
-    def left(self) -> float:
+    def remaining_time(self) -> float:
         """Remaining time [s]."""
         return (self.table.time or DEFAULT_TIME) - (perf_counter() - self.began)
 
@@ -168,15 +169,17 @@ class _Course:
         """Memory that a run may take [bytes]."""
         return self.table.memory or MEMORY_SHARE * machine_bytes()
 
-    def judged(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy, FieldErrors | None]) -> Rung:
+    def rung_of(self, tables: Mapping[str, Any], solved: tuple[Run, float, Accuracy, FieldErrors | None]) -> Rung:
         """Solved run with its targets."""
-        run, seconds, found, fields = solved
-        bars = dict(found.bars)
+        run, seconds, accuracy, fields = solved
+        bars = dict(accuracy.bars)
         for name in self.table.targets:
             if fields is not None and is_field(name) and (bar := fields.bar(variable_of(name))) is not None:
                 bars[name] = bar
-        targets = targets_of(self.table, run.summary, found, bars)
-        return Rung(run=run, tables=tables, seconds=seconds, found=found, targets=targets, bars=bars, fields=fields)
+        targets = targets_of(self.table, run.summary, accuracy, bars)
+        return Rung(
+            run=run, tables=tables, seconds=seconds, accuracy=accuracy, targets=targets, bars=bars, fields=fields
+        )
 
     def pilot(self, plan: Plan) -> Rung:
         """First run; a finer run if the cells of the first are refused as too coarse."""
@@ -190,39 +193,42 @@ class _Course:
                 if attempt == _TRIES - 1:
                     raise
             else:
-                return self.judged(tables, solved)
+                return self.rung_of(tables, solved)
         raise AssertionError
 
     def refuse_pilot(self, plan: Plan) -> None:
         """Refuse a budget that the first run exceeds."""
         time, memory = self.table.time, self.table.memory
-        for key, given, needed in (("time", time, plan.seconds), ("memory", memory, memory_of(plan))):
-            if given is not None and needed > given:
-                texts = [time_in_words(value) if key == "time" else readable(value, "B") for value in (needed, given)]
+        for key, budget, need in (("time", time, plan.seconds), ("memory", memory, memory_of(plan))):
+            if budget is not None and need > budget:
+                texts = [time_in_words(value) if key == "time" else readable(value, "B") for value in (need, budget)]
                 raise SceneError(f'accuracy.{key} must be at least "{texts[0]}" for the first run (got "{texts[1]}")')
 
-    def way(self, rungs: Sequence[Rung]) -> tuple[Way, Way | None]:
-        """Next refinement, and the cost of all targets if it exceeds the budget.
+    def next_refinement(self, rungs: Sequence[Rung]) -> tuple[Refinement, Refinement | None]:
+        """Next refinement, and the refinement that reaches all targets if it exceeds the budget.
 
-        Numbers that need more than the budget, by the orders that two rungs show, do not take part in the next one.
+        The next refinement leaves out numbers that need more than the budget, by the orders that two rungs show.
         """
         rung, orders = rungs[-1], _orders(rungs)
         bars, targets = rung.bars, rung.targets
         levers = levers_of(rung.run.plan, self.runs.make)
-        most = self.left / (
-            rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.found.seconds))
+        time = self.remaining_time / (
+            rung.seconds + min(_BARS[1] * rung.seconds, max(_BARS[0] * rung.seconds, rung.accuracy.seconds))
         )
-        memory = max(0.0, self.memory - self.runs.held) / max(memory_of(rung.run.plan), 1.0)
-        whole = cheapest(levers, bars, targets, orders=orders, far=True)
-        beyond = None if whole.seconds <= most and whole.memory <= memory and whole.holds else whole
-        if beyond is not None and len(rungs) > 1:
-            ways = {
+        memory = max(0.0, self.memory - self.runs.memory_of_results) / max(memory_of(rung.run.plan), 1.0)
+        required = cheapest(levers, bars, targets, orders=orders, far=True)
+        affordable = required.seconds <= time and required.memory <= memory and required.holds
+        if not affordable and len(rungs) > 1:
+            refinements = {
                 name: cheapest(levers, bars, targets.only([name]), orders=orders, far=True) for name in targets.allowed
             }
             targets = targets.only(
-                name for name, way in ways.items() if way.holds and way.seconds <= most and way.memory <= memory
+                name
+                for name, refinement in refinements.items()
+                if refinement.holds and refinement.seconds <= time and refinement.memory <= memory
             )
-        return cheapest(levers, bars, targets, orders=orders, most=most, memory=memory), beyond
+        next_refinement = cheapest(levers, bars, targets, orders=orders, time=time, memory=memory)
+        return next_refinement, None if affordable else required
 
 
 def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
@@ -232,13 +238,13 @@ def _orders(rungs: Sequence[Rung]) -> dict[str, float]:
     if len(rungs) < 2:
         return slow
     finer = edge_of(rungs[-2].run.plan) / edge_of(last.run.plan)
-    found = dict[str, float]()
+    observed = dict[str, float]()
     for name, bar in last.bars.items():
-        before = rungs[-2].bars.get(name)
-        parts = (0.0 if before is None else before.parts.get("cells", 0.0), bar.parts.get("cells", 0.0))
-        if bar.order is None and finer > _APART and min(parts) > 0.0:
-            found[name] = min(_ORDERS[1], max(_ORDERS[0], log(parts[0] / parts[1]) / log(finer)))
-    return found | slow
+        previous = rungs[-2].bars.get(name)
+        errors = (0.0 if previous is None else previous.parts.get("cells", 0.0), bar.parts.get("cells", 0.0))
+        if bar.order is None and finer > _APART and min(errors) > 0.0:
+            observed[name] = min(_ORDERS[1], max(_ORDERS[0], log(errors[0] / errors[1]) / log(finer)))
+    return observed | slow
 
 
 def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
@@ -262,28 +268,30 @@ def pursue(plan: Plan, table: Table, runs: Runs) -> Answer:
     """
     check_names(table, plan)
     course = _Course(table, runs)
-    rungs, stopped, idle = [course.pilot(plan)], "", 0
-    more: Way | None = None
+    rungs, stopped, futile_rungs = [course.pilot(plan)], "", 0
+    required: Refinement | None = None
     while not rungs[-1].holds and not stopped:
         last = rungs[-1]
-        way, more = course.way(rungs)
-        if not way.factors:
-            stopped = "the rest needs more than the budget of time or memory" if more else "no setting can be finer"
+        refinement, required = course.next_refinement(rungs)
+        if not refinement.factors:
+            stopped = "the rest needs more than the budget of time or memory" if required else "no setting can be finer"
         elif len(rungs) == _RUNGS:
             stopped = f"{_RUNGS} runs of growing fineness did not reach the targets"
         else:
-            tables = way.changes(last.run.plan, last.tables)
+            tables = refinement.changes(last.run.plan, last.tables)
             try:
-                solved = runs.rung(runs.make(tables), _words(way), refined=way.factors, small=_small(last))
+                solved = runs.rung(
+                    runs.make(tables), _words(refinement), refined=refinement.factors, small=_small(last)
+                )
             except EigencontactError as problem:
                 stopped = " ".join(str(problem).split())
                 continue
-            rungs.append(course.judged(tables, solved))
-            idle = idle + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
-            if idle == 2 and not rungs[-1].holds:
+            rungs.append(course.rung_of(tables, solved))
+            futile_rungs = futile_rungs + 1 if rungs[-1].excess > (1.0 - _FALL) * last.excess else 0
+            if futile_rungs == 2 and not rungs[-1].holds:
                 stopped = "the errors no longer fall"
     seconds = perf_counter() - course.began
-    return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, more=more if stopped else None)
+    return Answer(rungs=rungs, runs=runs, seconds=seconds, stopped=stopped, required=required if stopped else None)
 
 
 def _small(rung: Rung) -> list[str]:
@@ -291,11 +299,11 @@ def _small(rung: Rung) -> list[str]:
     bars = {name: rung.bars[name].parts for name in rung.targets.allowed}
     return [
         source
-        for source in rung.found.varied
+        for source in rung.accuracy.runs_by_source
         if all(bars[name].get(source, 0.0) <= _LITTLE * limit for name, limit in rung.targets.allowed.items())
     ]
 
 
-def _words(way: Way) -> str:
+def _words(refinement: Refinement) -> str:
     """Refinement in words."""
-    return ", ".join(f"{name} {factor:.3g} times finer" for name, factor in way.factors.items())
+    return ", ".join(f"{name} {factor:.3g} times finer" for name, factor in refinement.factors.items())

@@ -27,8 +27,8 @@ class Fidelity:
     """One setting that costs accuracy or time."""
 
     key: str  #: its name; the key of the scene where it is one setting
-    has: Callable[[Plan], bool]  #: whether it makes a difference in the scene of a plan
-    others: Callable[[Plan], Sequence[Any]]  #: values to compare with that of the scene
+    applies: Callable[[Plan], bool]  #: whether it makes a difference in the scene of a plan
+    alternatives: Callable[[Plan], Sequence[Any]]  #: values to compare with that of the scene
     #: Value of the reference, None where the scene has it; without one `finer` by the `stride` is the reference.
     finest: Callable[[Plan], Any] | None = None
     #: Value that divides the step size of the scene by about a factor; None where the scene states no such step size.
@@ -38,9 +38,9 @@ class Fidelity:
     unit: str = ""  #: unit of its value
     #: Changes of the scene by a value, where it is not one setting.
     changes: Callable[[Plan, Any], Changes] | None = None
-    #: Part of a plan that it changes: where this is as in the scene there is nothing to solve.
-    seen: Callable[[Plan], object] | None = None
-    #: Whether the window must be that of the scene, as an automatic one would follow the change.
+    #: Part of a plan that it changes: where this part is that of the scene, there is nothing to solve.
+    affected_part: Callable[[Plan], object] | None = None
+    #: Whether the window of the scene stays, because an automatic window would follow the change.
     keeps_window: bool = False
 
     def of(self, plan: Plan, value: Any) -> Changes:
@@ -63,40 +63,40 @@ class Fidelity:
         if value is None:
             return f"no {self.key}"
         if isinstance(value, Mapping):
-            return f"{self.key} {', '.join(f'{name} = {part}' for name, part in value.items())}"
+            return f"{self.key} {', '.join(f'{name} = {entry}' for name, entry in value.items())}"
         return f"{self.key} {f'{value:.3g}' if isinstance(value, float) else value}{self.unit and f' {self.unit}'}"
 
 
-def _but(setting: str, choices: Sequence[str]) -> Callable[[Plan], list[str]]:
+def _other_choices(setting: str, choices: Sequence[str]) -> Callable[[Plan], list[str]]:
     """Choices of a setting of the numerics other than that of the scene."""
     return lambda plan: [choice for choice in choices if choice != getattr(plan.numerics, setting)]
 
 
-def _above(value: float | None, *others: float) -> list[float]:
-    """Other values that are coarser."""
-    return [other for other in others if value is None or other > value]
+def _coarser_values(value: float | None, *choices: float) -> list[float]:
+    """Choices that are coarser than a value; all of them without a value."""
+    return [choice for choice in choices if value is None or choice > value]
 
 
 def _divided(value: Callable[[Plan], float | None], least: float) -> Callable[[Plan, float], float | None]:
     """Value divided by a factor, down to the smallest useful value; None if the scene has no value."""
 
     def finer(plan: Plan, factor: float) -> float | None:
-        at = value(plan)
-        return None if at is None else max(at / factor, min(least, at))
+        step_size = value(plan)
+        return None if step_size is None else max(step_size / factor, min(least, step_size))
 
     return finer
 
 
-def _foreign(plan: Plan) -> bool:
+def _has_inhomogeneities(plan: Plan) -> bool:
     return bool(plan.model.cells.inhomogeneities)
 
 
-def _flows(plan: Plan) -> bool:
+def _has_internal_variables(plan: Plan) -> bool:
     """Whether a law has internal variables."""
     return any(law.variables for law in plan.model.laws)
 
 
-def _cut(plan: Plan) -> list[Any]:
+def _sources_in_cells(plan: Plan) -> list[Any]:
     """Sources in cells."""
     return [source for source in plan.model.sources if source.lattice is not None]
 
@@ -105,43 +105,44 @@ def _lattices(plan: Plan) -> list[Any]:
     return [source.lattice for source in plan.model.sources]
 
 
-def _cut_apart(plan: Plan) -> bool:
+def _has_region_cells(plan: Plan) -> bool:
     """Whether a region has its own cells: a patch has layers, inhomogeneities share the columns of the grid."""
     from eigencontact.model.sources import Patch
 
-    return any(not isinstance(source.shape, Patch) and source.material is None for source in _cut(plan))
+    return any(not isinstance(source.shape, Patch) and source.material is None for source in _sources_in_cells(plan))
 
 
 def _resolutions(plan: Plan) -> list[Any]:
     """Cells, one eigenstrain, and polynomials of two degrees if every shape has the potentials for them."""
     from eigencontact.halfspace.potentials import HasMomentPotentials
 
-    own = getattr(plan.numerics.inclusion_resolution, "whole", None)
-    found: list[Any] = [] if own is None else ["cells"]
+    degree_of_scene = getattr(plan.numerics.inclusion_resolution, "whole", None)
+    cells: list[Any] = [] if degree_of_scene is None else ["cells"]
     polynomials = all(isinstance(source.shape, HasMomentPotentials) for source in plan.model.cells.inhomogeneities)
-    return found + [{"whole": degree} for degree in ((0, 2, 4) if polynomials else (0,)) if degree != own]
+    degrees = (0, 2, 4) if polynomials else (0,)
+    return cells + [{"whole": degree} for degree in degrees if degree != degree_of_scene]
 
 
 def _precisions(plan: Plan) -> object:
     """Precisions of the operators."""
     if plan.numerics.precision != "auto":
         return {plan.numerics.precision}
-    return {one.chosen for one in plan.precisions} or {"double"}
+    return {precision.chosen for precision in plan.precisions} or {"double"}
 
 
 def _height(plan: Plan) -> float:
     """Height of the cells of inhomogeneities, the lowest [m]."""
-    return min(float(source.lattice.edges[0]) for source in _cut(plan) if source.material is not None)
+    return min(float(source.lattice.edges[0]) for source in _sources_in_cells(plan) if source.material is not None)
 
 
-def _treated(plan: Plan) -> bool:
+def _half_space_is_free(plan: Plan) -> bool:
     """Whether the treatment of the half-space is free: an inhomogeneity and a periodic contact permit only one."""
     model = plan.model
-    free = bool(model.sources) and not _foreign(plan) and not model.periodic
+    free = bool(model.sources) and not _has_inhomogeneities(plan) and not model.periodic
     return free and model.numerics.half_space in _SPACES
 
 
-def _repeats(plan: Plan) -> bool:
+def _skips_cycles(plan: Plan) -> bool:
     """Whether the run skips wear cycles."""
     return plan.model.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
 
@@ -161,24 +162,24 @@ def _divisible(plan: Plan) -> bool:
     return all(unsupported(subsurface) is None for subsurface in divided)
 
 
-def _more_divided(plan: Plan, factor: float) -> int | None:
-    own = plan.numerics.refinement
-    return None if own == MOST_REFINED else min(MOST_REFINED, int(factor * own + 0.5))
+def _larger_refinement(plan: Plan, factor: float) -> int | None:
+    refinement = plan.numerics.refinement
+    return None if refinement == MOST_REFINED else min(MOST_REFINED, int(factor * refinement + 0.5))
 
 
-def _worn_layers(plan: Plan) -> bool:
+def _wears_layers(plan: Plan) -> bool:
     solids = plan.model.bodies.solids
     return any(getattr(solids[body - 1], "interfaces", ()) for body in plan.scene.losses)
 
 
-def _clouds(plan: Plan) -> bool:
+def _expands_clouds(plan: Plan) -> bool:
     """Whether a field of whole regions is summed by expansions, or would be to a tolerance."""
     from math import prod
 
     from eigencontact.halfspace.cloud import is_large
     from eigencontact.model.regions import region_lattice
 
-    whole = len(plan.model.sources) - len(_cut(plan))
+    whole = len(plan.model.sources) - len(_sources_in_cells(plan))
     points = [prod(region_lattice(request, plan.grid).shape) for request in plan.model.cells.requests]
     return whole > 0 and is_large(whole, max([plan.grid.nx * plan.grid.ny, *points]), 1e-6)
 
@@ -188,7 +189,7 @@ def _fewer_cycles(plan: Plan, factor: float) -> int | None:
     return None if cycles is None else max(1, int(cycles / factor))
 
 
-def _jump(_: Plan, value: float | None) -> Changes:
+def _with_jump_error(_: Plan, value: float | None) -> Changes:
     return {"wear": {"jump-error": value, "cycles-per-update": None}}
 
 
@@ -200,11 +201,11 @@ def _layer_error(plan: Plan) -> float | None:
     return plan.scene.wear.layer_error if plan.scene.wear else None
 
 
-def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
-    """Resolution with the degree of whole inhomogeneities changed by `more`; None without whole inhomogeneities.
+def resolution_by(plan: Plan, change: int) -> dict[str, Any] | None:
+    """Resolution with the degree of whole inhomogeneities changed by `change`; None without whole inhomogeneities.
 
     If ``"auto"`` selects several degrees, the allowed error changes by the factor per degree of the inhomogeneity that
-    converges fastest. All degrees then change by at least `more`, except those at the least degree.
+    converges fastest. All degrees then change by at least `change`, except those at the least degree.
     """
     wholes = [s.degree for s in plan.model.cells.inhomogeneities if s.degree is not None]
     resolution = plan.numerics.inclusion_resolution
@@ -212,8 +213,8 @@ def resolution_by(plan: Plan, more: int) -> dict[str, Any] | None:
         return None
     degrees = {whole.degree for whole in wholes}
     if len(degrees) == 1:
-        return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + more))}
-    allowed = resolution.allowed * min(whole.quality for whole in wholes if whole.degree > LEAST_DEGREE) ** more
+        return {"whole": min(HIGHEST_DEGREE, max(0, degrees.pop() + change))}
+    allowed = resolution.allowed * min(whole.quality for whole in wholes if whole.degree > LEAST_DEGREE) ** change
     return {"whole": "auto", "error": min(max(allowed, _LEAST_ALLOWED), 0.5)}
 
 
@@ -225,16 +226,16 @@ def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
     """Layered bodies with uniform layers, and their numbers."""
     from eigencontact.plugin import LayeredMedium
 
-    found = []
+    layered_bodies = []
     for number, body in enumerate(plan.model.bodies.solids, 1):
         if not isinstance(body, LayeredMedium) or not body.interfaces:
             continue
         tops, bottoms = (0.0, *body.interfaces), body.interfaces
-        within = [body.material_at(top) for top in tops]
-        ends = [*(body.material_at(bottom, side="above") for bottom in bottoms), body.deep_material]
-        if within == ends:
-            found.append((number, body))
-    return found
+        below_tops = [body.material_at(top) for top in tops]
+        above_bottoms = [*(body.material_at(bottom, side="above") for bottom in bottoms), body.deep_material]
+        if below_tops == above_bottoms:
+            layered_bodies.append((number, body))
+    return layered_bodies
 
 
 def _in_cells(plan: Plan, value: str) -> Changes:
@@ -272,44 +273,53 @@ _COUPLINGS = ("full", "one-way", "partial", "none")
 FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="precision",
-        has=lambda plan: (bool(plan.scene.geometry) or bool(_cut(plan))) and plan.numerics.precision != "single",
-        others=_but("precision", ("double", "auto", "single")),
+        applies=lambda plan: (
+            (bool(plan.scene.geometry) or bool(_sources_in_cells(plan))) and plan.numerics.precision != "single"
+        ),
+        alternatives=_other_choices("precision", ("double", "auto", "single")),
         finest=lambda _: "double",
-        seen=_precisions,
+        affected_part=_precisions,
     ),
     Fidelity(
         key="tolerance",
-        has=lambda plan: (bool(plan.scene.geometry) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
-        others=lambda plan: _above(plan.numerics.tolerance, 1e-4, 1e-2),
+        applies=lambda plan: (
+            (bool(plan.scene.geometry) or _has_inhomogeneities(plan)) and plan.numerics.tolerance < 1e-2
+        ),
+        alternatives=lambda plan: _coarser_values(plan.numerics.tolerance, 1e-4, 1e-2),
         finer=_divided(lambda plan: plan.numerics.tolerance, 1e-10),
         stride=10.0,
     ),
     Fidelity(
         key="coupling",
-        has=lambda plan: plan.scene.friction is not None,
-        others=_but("coupling", _COUPLINGS),
+        applies=lambda plan: plan.scene.friction is not None,
+        alternatives=_other_choices("coupling", _COUPLINGS),
         finest=lambda _: "full",
     ),
-    Fidelity(key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"),
+    Fidelity(
+        key="half-space",
+        applies=_half_space_is_free,
+        alternatives=_other_choices("half_space", _SPACES),
+        finest=lambda _: "exact",
+    ),
     Fidelity(
         key="layers",
-        has=lambda plan: bool(_uniform_layers(plan)) and not plan.model.periodic,
-        others=lambda _: ["cells"],
+        applies=lambda plan: bool(_uniform_layers(plan)) and not plan.model.periodic,
+        alternatives=lambda _: ["cells"],
         finest=lambda _: None,
         changes=_in_cells,
         keeps_window=True,
     ),
     Fidelity(
         key="inclusion-cells",
-        has=_cut_apart,
-        others=lambda plan: sorted({max(1, plan.numerics.inclusion_cells // parts) for parts in (4, 2)}),
+        applies=_has_region_cells,
+        alternatives=lambda plan: sorted({max(1, plan.numerics.inclusion_cells // parts) for parts in (4, 2)}),
         finer=lambda plan, factor: round(factor * plan.numerics.inclusion_cells),
-        seen=_lattices,
+        affected_part=_lattices,
     ),
     Fidelity(
         key="inclusion-resolution",
-        has=lambda plan: _foreign(plan) and not _flows(plan),
-        others=_resolutions,
+        applies=lambda plan: _has_inhomogeneities(plan) and not _has_internal_variables(plan),
+        alternatives=_resolutions,
         finest=lambda _: "cells",
         finer=_higher_degree,
         stride=4.0,
@@ -317,30 +327,30 @@ FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="inclusion-pitch",
         unit="m",
-        has=lambda plan: any(source.material is not None for source in _cut(plan)),
-        others=lambda plan: [2.0 * _height(plan)],
+        applies=lambda plan: any(source.material is not None for source in _sources_in_cells(plan)),
+        alternatives=lambda plan: [2.0 * _height(plan)],
         finest=lambda plan: 0.5 * _height(plan),
         finer=_divided(lambda plan: plan.numerics.inclusion_pitch, 0.0),
-        seen=_lattices,
+        affected_part=_lattices,
     ),
     Fidelity(
         key="inclusion-refinement",
-        has=_divisible,
-        others=lambda plan: [ratio for ratio in (1, 2) if ratio != plan.numerics.refinement],
-        finer=_more_divided,
+        applies=_divisible,
+        alternatives=lambda plan: [ratio for ratio in (1, 2) if ratio != plan.numerics.refinement],
+        finer=_larger_refinement,
     ),
     Fidelity(
         key="cloud-tolerance",
-        has=_clouds,
-        others=lambda plan: [0.0, *_above(plan.numerics.cloud_tolerance, 1e-4, 1e-2)],
+        applies=_expands_clouds,
+        alternatives=lambda plan: [0.0, *_coarser_values(plan.numerics.cloud_tolerance, 1e-4, 1e-2)],
         finest=lambda plan: min(1e-9, plan.numerics.cloud_tolerance),
         finer=_divided(lambda plan: plan.numerics.cloud_tolerance, 1e-12),
         stride=10.0,
     ),
     Fidelity(
         key="plastic-error",
-        has=_flows,
-        others=lambda plan: _above(None, 0.03, 0.1) if plan.numerics.plastic_error is None else [None],
+        applies=_has_internal_variables,
+        alternatives=lambda plan: _coarser_values(None, 0.03, 0.1) if plan.numerics.plastic_error is None else [None],
         finest=lambda plan: min(0.01, plan.numerics.plastic_error or 0.01),
         finer=_divided(lambda plan: plan.numerics.plastic_error, 1e-6),
         stride=4.0,
@@ -348,25 +358,25 @@ FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="jump-error",
         table="wear",
-        has=_repeats,
-        others=lambda plan: _above(_jump_error(plan), 0.03, 0.1),
+        applies=_skips_cycles,
+        alternatives=lambda plan: _coarser_values(_jump_error(plan), 0.03, 0.1),
         finer=_divided(_jump_error, 1e-6),
         stride=4.0,
-        changes=_jump,
+        changes=_with_jump_error,
     ),
     Fidelity(
         key="cycles-per-update",
         table="wear",
-        has=lambda plan: _repeats(plan) and _jump_error(plan) is None,
-        others=lambda _: [],
+        applies=lambda plan: _skips_cycles(plan) and _jump_error(plan) is None,
+        alternatives=lambda _: [],
         finer=_fewer_cycles,
         stride=4.0,
     ),
     Fidelity(
         key="layer-error",
         table="wear",
-        has=_worn_layers,
-        others=lambda plan: _above(_layer_error(plan), 0.2),
+        applies=_wears_layers,
+        alternatives=lambda plan: _coarser_values(_layer_error(plan), 0.2),
         finer=_divided(_layer_error, 1e-6),
         stride=4.0,
     ),
@@ -375,22 +385,22 @@ FIDELITIES: tuple[Fidelity, ...] = (
 
 def finer_settings(plan: Plan) -> dict[str, Any]:
     """Changes that divide every step size except those of grid and load steps by the stride of its setting."""
-    return _joined([one.divided(plan, one.stride) for one in FIDELITIES if one.has(plan)])
+    return _joined([setting.divided(plan, setting.stride) for setting in FIDELITIES if setting.applies(plan)])
 
 
 def finest(plan: Plan, factor: float) -> tuple[dict[str, Any], list[str]]:
     """Changes to the finest of every setting and `factor` times the cells in each direction, with a description."""
     grid, resolution = refined_grid(plan, factor)
-    values = [(one, one.reference(plan)) for one in FIDELITIES if one.has(plan)]
-    used = [(one, value) for one, value in values if value is not None]
-    changes = _joined([one.of(plan, value) for one, value in used])
-    return {**changes, "grid": grid}, [resolution, *(one.words(value) for one, value in used)]
+    references = [(setting, setting.reference(plan)) for setting in FIDELITIES if setting.applies(plan)]
+    finer = [(setting, value) for setting, value in references if value is not None]
+    changes = _joined([setting.of(plan, value) for setting, value in finer])
+    return {**changes, "grid": grid}, [resolution, *(setting.words(value) for setting, value in finer)]
 
 
-def _joined(parts: Sequence[Changes]) -> dict[str, Any]:
+def _joined(changes_of_settings: Sequence[Changes]) -> dict[str, Any]:
     """Changes of several settings, table by table."""
     changes: dict[str, Any] = {}
-    for part in parts:
-        for name, table in part.items():
+    for changes_of_setting in changes_of_settings:
+        for name, table in changes_of_setting.items():
             changes[name] = {**changes.get(name, {}), **table}
     return changes

@@ -15,16 +15,16 @@ from eigencontact.accuracy.settings import FIDELITIES, resolution_by
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
-__all__ = ["EDGES", "SOURCES", "ErrorSource", "Variation", "apart", "error_sources"]
+__all__ = ["EDGES", "SOURCES", "ErrorSource", "Variation", "error_sources", "without_overlap"]
 
-#: Edges of coarser cells in those of the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
+#: Edges of coarser cells relative to the run. Measured on random scenes: with 1.5 and 2, which cost more, bars of the
 #: same width hold less often; 2 and 3 need wider bars.
 _COARSER = (2.0, 2.5)
-#: Increments of a coarser run in those of half the increments, up to which the two tell an order.
+#: Largest ratio of the increments of a coarser run to those of the run with half of them, for an order of both.
 _QUARTER = 0.75
 #: Least factor by which a degree more is taken to lower an error.
 _SLOWEST = 1.1
-#: Lowest order of an error that is kept below a setting: it may stay far below, and fall more slowly.
+#: Lowest order of an error that the program keeps below a setting: it may be far below, and fall more slowly.
 _ADAPTIVE = 0.5
 #: Tolerance of the solvers up to which its error is no part of the bars: ten times 1e-6 changed the numbers of random
 #: scenes by at most 2.3 % of their bars (see the page on error bars), at the price of one more run.
@@ -55,14 +55,15 @@ class ErrorSource:
     lowest, highest : float
         Orders between which the error is known to fall with the step size.
     applies : callable
-        Whether the plan of a scene has this part.
+        Whether the run of a plan has this source.
     variations : callable
         Plan to variations, the nearest to the scene first; none where the error follows from the plan.
-    known : callable, optional
-        Plan and summary of the run to errors that need no other run, by number; of these and the errors by variations
-        the larger ones count.
-    least : bool
-        Whether it counts only in a number that no other source changes: its error is the least that is known.
+    known_errors : callable, optional
+        Plan and summary of the run to errors that need no other run, by number. Where a variation also gives an error,
+        the larger one counts.
+    is_least_error : bool
+        Whether its error is the smallest that a number can have: it counts only in a number that no other source
+        changes.
     finer : callable, optional
         Plan and a factor to the changes that divide the step size by about this factor; None where none can.
     stride : float
@@ -73,19 +74,19 @@ class ErrorSource:
         Whether its second variation is made only where the first one is a notable part of an error bar.
     of_cells : bool
         Whether its step size is a fraction of the edges of all cells: the errors of the sources `EDGES` contain its
-        error, and cells that are finer everywhere lower it. See `apart`.
+        error, and cells that are finer everywhere lower it. See `without_overlap`.
     """
 
     name: str
     applies: Callable[[Plan], bool]
     variations: Callable[[Plan], Sequence[Variation]] = lambda _: ()
-    known: Callable[[Plan, Mapping[str, Any]], Mapping[str, float]] | None = None
+    known_errors: Callable[[Plan, Mapping[str, Any]], Mapping[str, float]] | None = None
     finer: Callable[[Plan, float], Changes] | None = None
     stride: float = 2.0
     lowest: float = 1.0
     highest: float = 2.0
     on_coarse: bool = True
-    least: bool = False
+    is_least_error: bool = False
     sparing: bool = False
     of_cells: bool = False
 
@@ -95,27 +96,29 @@ def error_sources(plan: Plan) -> list[ErrorSource]:
     return [source for source in SOURCES if source.applies(plan)]
 
 
-def apart(errors: Mapping[str, Error]) -> dict[str, Error]:
+def without_overlap(errors: Mapping[str, Error]) -> dict[str, Error]:
     """Errors by source, where an error that two sources have counts once.
 
-    Cells that are larger everywhere are larger at inclusions too. Their error is then of both, and what it has beyond
-    the error of the cells at inclusions belongs to the cells elsewhere. Larger cells with a larger division would have
-    the same edges at inclusions, but in their margin of two cells they have more of these finer cells than the run.
+    Cells that are larger everywhere are larger at inclusions too, so that the error of all cells contains the error of
+    the cells at inclusions. Only the rest belongs to the cells elsewhere. Larger cells with a larger division would
+    have the same edges at inclusions, but their margin of two cells has more finer cells than that of the run.
 
     Examples
     --------
-    >>> apart({"cells": 5.0, "cells at inclusions": 3.0}), apart({"cells": 2.0, "cells at inclusions": 3.0})
-    ({'cells': 2.0, 'cells at inclusions': 3.0}, {'cells': 0.0, 'cells at inclusions': 3.0})
-    >>> apart({"cells": 5.0, "cells along z": 10.0, "cells at inclusions": 3.0})
+    >>> without_overlap({"cells": 5.0, "cells at inclusions": 3.0})
+    {'cells': 2.0, 'cells at inclusions': 3.0}
+    >>> without_overlap({"cells": 2.0, "cells at inclusions": 3.0})
+    {'cells': 0.0, 'cells at inclusions': 3.0}
+    >>> without_overlap({"cells": 5.0, "cells along z": 10.0, "cells at inclusions": 3.0})
     {'cells': 4.0, 'cells along z': 8.0, 'cells at inclusions': 3.0}
     """
     out = dict(errors)
     within = [errors[source.name] for source in SOURCES if source.of_cells and source.name in errors]
     edges = [name for name in EDGES if name in errors]
     if within and edges:
-        whole = sum(errors[name] for name in edges)
-        beyond = whole - sum(within)
-        share = 0.5 * (beyond + abs(beyond)) / (whole + (whole == 0.0))
+        total = sum(errors[name] for name in edges)
+        excess = total - sum(within)
+        share = 0.5 * (excess + abs(excess)) / (total + (total == 0.0))
         out |= {name: errors[name] * share for name in edges}
     return out
 
@@ -124,13 +127,15 @@ def _cells(plan: Plan) -> list[Variation]:
     """Cells 2 and 2.5 times larger in the same window; coarse cells are accepted."""
     numerics = {"allow-coarse": True}
     return [
-        Variation(changes={"grid": refined_window(plan, 1.0 / ratio, alike=True)[0], "numerics": numerics}, ratio=ratio)
+        Variation(
+            changes={"grid": refined_window(plan, 1.0 / ratio, keep_parity=True)[0], "numerics": numerics}, ratio=ratio
+        )
         for ratio in _COARSER
     ]
 
 
 def _finer_cells(plan: Plan, factor: float) -> Changes:
-    return {"grid": refined_window(plan, factor, alike=True)[0]}
+    return {"grid": refined_window(plan, factor, keep_parity=True)[0]}
 
 
 def _has_path(plan: Plan) -> bool:
@@ -145,8 +150,8 @@ def _increments(plan: Plan) -> list[Variation]:
     tables = plan.scene.resolved()["steps"]
     half, quarter, double = (refined_steps(tables, factor) for factor in (0.5, 0.25, 2.0))
     second = quarter if quarter[1] <= _QUARTER * half[1] else double
-    used = [double] if half[1] == 1.0 else [half, second]
-    return [Variation(changes={"steps": steps}, ratio=1.0 / ratio) for steps, ratio in used]
+    choices = [double] if half[1] == 1.0 else [half, second]
+    return [Variation(changes={"steps": steps}, ratio=1.0 / ratio) for steps, ratio in choices]
 
 
 def _more_increments(plan: Plan, factor: float) -> Changes:
@@ -167,24 +172,24 @@ def _finer(key: str) -> dict[str, Any]:
     return {"finer": _SETTINGS[key].divided, "stride": _SETTINGS[key].stride}
 
 
-def _has(key: str) -> Callable[[Plan], bool]:
-    return _SETTINGS[key].has
+def _applies(key: str) -> Callable[[Plan], bool]:
+    return _SETTINGS[key].applies
 
 
-def _own_pitch(plan: Plan) -> bool:
+def _has_pitch(plan: Plan) -> bool:
     """Whether the height of the cells of inhomogeneities does not follow the grid."""
-    return plan.numerics.inclusion_pitch is not None and _SETTINGS["inclusion-pitch"].has(plan)
+    return plan.numerics.inclusion_pitch is not None and _SETTINGS["inclusion-pitch"].applies(plan)
 
 
-def _less_divided(plan: Plan) -> list[Variation]:
+def _other_refinement(plan: Plan) -> list[Variation]:
     """Half of the division of cells at inclusions; twice the division where it cannot be less, which costs more."""
-    own = plan.numerics.refinement
-    other = own // 2 or 2
-    return [Variation(changes={"numerics": {"inclusion-refinement": other}}, ratio=own / other)]
+    refinement = plan.numerics.refinement
+    alternative = refinement // 2 or 2
+    return [Variation(changes={"numerics": {"inclusion-refinement": alternative}}, ratio=refinement / alternative)]
 
 
 def _lower_degree(plan: Plan) -> list[Variation]:
-    """One degree less; the ratio is the factor per degree of what lies closest to the surface or to a neighbour."""
+    """One degree less; the ratio is the factor per degree of the inhomogeneity that converges most slowly."""
     slowest = max(s.degree.quality for s in plan.model.cells.inhomogeneities if s.degree is not None)
     ratio = min(2.0, max(_SLOWEST, 1.0 / slowest)) if slowest > 0.0 else 2.0
     return [Variation(changes={"numerics": {"inclusion-resolution": resolution_by(plan, -1)}}, ratio=ratio)]
@@ -217,8 +222,8 @@ def _by_jumps(_: Plan, summary: Mapping[str, Any]) -> dict[str, float]:
     The worn depth of a jump is integrated to a part of `jump-error` in 1, 2, 4, ... sub-steps: twice the setting may
     leave their number as it is, and then shows nothing.
     """
-    part = summary["wear_error"] - abs(summary["update_error"])
-    return {name: part * abs(summary[name]) for name in ("worn_volume", "wear_energy")}
+    relative = summary["wear_error"] - abs(summary["update_error"])
+    return {name: relative * abs(summary[name]) for name in ("worn_volume", "wear_energy")}
 
 
 def _layer_error(plan: Plan) -> float:
@@ -235,7 +240,7 @@ def _pitch(plan: Plan) -> float:
 
 
 def _expands_clouds(plan: Plan) -> bool:
-    return plan.numerics.cloud_tolerance > 0.0 and _SETTINGS["cloud-tolerance"].has(plan)
+    return plan.numerics.cloud_tolerance > 0.0 and _SETTINGS["cloud-tolerance"].applies(plan)
 
 
 SOURCES: tuple[ErrorSource, ...] = (
@@ -243,17 +248,17 @@ SOURCES: tuple[ErrorSource, ...] = (
         name="cells",
         applies=lambda _: True,
         variations=_cells,
-        known=places_of_edges,
+        known_errors=places_of_edges,
         finer=_finer_cells,
         on_coarse=False,
     ),
-    ErrorSource(name="points of regions", applies=has_points, known=half_distances, on_coarse=False),
+    ErrorSource(name="points of regions", applies=has_points, known_errors=half_distances, on_coarse=False),
     ErrorSource(
         name="size of a cell",
         applies=lambda plan: bool(plan.scene.geometry),
-        known=cell_sizes,
+        known_errors=cell_sizes,
         on_coarse=False,
-        least=True,
+        is_least_error=True,
     ),
     ErrorSource(
         name="load steps",
@@ -265,21 +270,21 @@ SOURCES: tuple[ErrorSource, ...] = (
     ),
     ErrorSource(
         name="cells along z",
-        applies=_own_pitch,
+        applies=_has_pitch,
         variations=_of_setting("inclusion-pitch", lambda plan: 1.5 * _pitch(plan), 1.5),
         **_finer("inclusion-pitch"),
     ),
     ErrorSource(
         name="cells at inclusions",
-        applies=_has("inclusion-refinement"),
-        variations=_less_divided,
+        applies=_applies("inclusion-refinement"),
+        variations=_other_refinement,
         **_finer("inclusion-refinement"),
         highest=1.0,
         of_cells=True,
     ),
     ErrorSource(
         name="cells of regions",
-        applies=_has("inclusion-cells"),
+        applies=_applies("inclusion-cells"),
         variations=_of_setting("inclusion-cells", lambda plan: max(1, plan.numerics.inclusion_cells // 2), 2.0),
         **_finer("inclusion-cells"),
     ),
@@ -298,16 +303,16 @@ SOURCES: tuple[ErrorSource, ...] = (
     ),
     ErrorSource(
         name="jumps over cycles",
-        applies=_has("jump-error"),
+        applies=_applies("jump-error"),
         variations=_jumps,
-        known=_by_jumps,
+        known_errors=_by_jumps,
         finer=_fewer_jumps,
         stride=_SETTINGS["jump-error"].stride,
         lowest=_ADAPTIVE,
     ),
     ErrorSource(
         name="layer-error",
-        applies=_has("layer-error"),
+        applies=_applies("layer-error"),
         variations=_of_setting("layer-error", lambda plan: min(1.0, 2.0 * _layer_error(plan)), 2.0),
         **_finer("layer-error"),
         lowest=_ADAPTIVE,
@@ -320,7 +325,7 @@ SOURCES: tuple[ErrorSource, ...] = (
     ),
     ErrorSource(
         name="tolerance",
-        applies=lambda plan: plan.numerics.tolerance > _TIGHT and _SETTINGS["tolerance"].has(plan),
+        applies=lambda plan: plan.numerics.tolerance > _TIGHT and _SETTINGS["tolerance"].applies(plan),
         variations=_of_setting("tolerance", lambda plan: min(0.1, 10.0 * plan.numerics.tolerance), 10.0),
         **_finer("tolerance"),
     ),

@@ -33,24 +33,25 @@ def stored_errors(
     plan, summary, store
         The run: its plan, the contents of its ``summary.json`` and its results.
     make, solve : callable
-        Tables of a scene to a plan; a plan, and what differs in words, to its run in memory.
+        `make` returns the plan of the tables of a scene; `solve` takes a plan and its difference in words, and returns
+        its run in memory.
 
     Returns
     -------
     dict
-        Plain data for ``summary.json``: those of `Accuracy`, and ``field_errors``.
+        Plain data for ``summary.json``: entries of `Accuracy`, and ``field_errors``.
     """
     with ExitStack() as stack:
         fields = FieldErrors(stack.enter_context(store.opened()), summary)
 
         def coarser(tables: Mapping[str, Any], words: str) -> Run:
-            return solve(make(tables), f"error bars: {words}")._replace(kept=None)
+            return solve(make(tables), f"error bars: {words}")._replace(storage=None)
 
-        found = error_bars(plan, summary, coarser, fields)
+        accuracy = error_bars(plan, summary, coarser, fields)
 
         def variables() -> Iterator[Variable]:
-            yield from fields.variables(found.bars)
+            yield from fields.variables(accuracy.bars)
             stack.close()  # before the file is replaced
 
         store.append(variables())
-    return found.to_dict() | fields.to_dict()
+    return accuracy.to_dict() | fields.to_dict()

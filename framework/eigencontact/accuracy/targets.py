@@ -111,7 +111,7 @@ def check_names(table: Table, plan: Plan) -> None:
     for name, target in table.targets.items():
         key, number = _key(name), declared.get(name)
         if number is None or number.role != "result":
-            keys = [_key(known) for known, other in declared.items() if other.role == "result"]
+            keys = [_key(result) for result, declaration in declared.items() if declaration.role == "result"]
             got = f"no {'field' if is_field(name) else 'number'} of this name"
             if number is not None:
                 got = _KINDS[number.role]
@@ -123,32 +123,32 @@ def check_names(table: Table, plan: Plan) -> None:
             _in_unit(target, number)
 
 
-def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: Mapping[str, ErrorBar]) -> Targets:
+def targets_of(table: Table, summary: Mapping[str, Any], accuracy: Accuracy, bars: Mapping[str, ErrorBar]) -> Targets:
     """Allowed errors of a run with its error bars; `bars` also has the fields with a target.
 
     Raises
     ------
     SceneError
-        A number that the scene names cannot reach its target on any cells, or no main result can: names the reason and
-        what can be asked for instead.
+        A number that the scene names cannot reach its target on any cells, or no main result can. The message gives the
+        reason and possible targets.
     """
     declared = {name: Number(**number) for name, number in summary["numbers"].items()}
     declared |= {name: _of_field(name) for name in table.targets if is_field(name)}
     scales = scales_of(summary)
     allowed, texts, left_out = dict[str, float](), dict[str, str](), dict[str, str]()
     main = [name for name, number in declared.items() if number.headline and number.role == "result"]
-    able = [name for name in main if not _reason(declared[name], found, bars, scales)]
-    wanted = {name: table.numbers for name in main if table.numbers is not None} | table.targets
-    for name, target in wanted.items():
+    eligible = [name for name in main if not _reason(declared[name], accuracy, bars, scales)]
+    target_of = {name: table.numbers for name in main if table.numbers is not None} | table.targets
+    for name, target in target_of.items():
         number, key = declared.get(name), _key(name)
         absolute = part_of(target) is None
-        reason = "the run has no such number" if number is None else _reason(number, found, bars, scales)
+        reason = "the run has no such number" if number is None else _reason(number, accuracy, bars, scales)
         if absolute and reason == _AT_ZERO:
             reason = ""
         if reason and name in table.targets:
             raise SceneError(
                 f"accuracy.{key} must be a number that can reach a target "
-                f"(got {key}: {reason}); {_instead(able, reason)}"
+                f"(got {key}: {reason}); {_remedy(eligible, reason)}"
             )
         if absolute and name not in table.targets and number is not None:
             raise SceneError(
@@ -157,8 +157,8 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
         if reason or number is None:
             left_out[name] = reason
             continue
-        part, bar = part_of(target), bars[name]
-        limit = _in_unit(target, number) if part is None else part * abs(bar.value)
+        relative, bar = part_of(target), bars[name]
+        limit = _in_unit(target, number) if relative is None else relative * abs(bar.value)
         fixed = sum(error for source, error in bar.parts.items() if source in _FIXED)
         if fixed > limit:
             reason = f"the points of its region give it to {readable(fixed, number.unit)} only, on any cells"
@@ -180,21 +180,21 @@ def targets_of(table: Table, summary: Mapping[str, Any], found: Accuracy, bars: 
 
 
 #: Errors that no setting of the run makes smaller.
-_FIXED = frozenset(source.name for source in SOURCES if source.finer is None and not source.least)
-#: Numbers that are no results.
+_FIXED = frozenset(source.name for source in SOURCES if source.finer is None and not source.is_least_error)
+#: Numbers that are no results, by their role.
 _KINDS = {"certificate": "a certificate of the solvers", "error": "an estimated error", "effort": "an effort"}
 _AT_ZERO = "zero by symmetry, and a part of zero is nothing"
 
 
-def _reason(number: Number, found: Accuracy, bars: Mapping[str, ErrorBar], scales: Mapping[str, float]) -> str:
+def _reason(number: Number, accuracy: Accuracy, bars: Mapping[str, ErrorBar], scales: Mapping[str, float]) -> str:
     """Reason why a number can have no target; empty if it can."""
     if number.role != "result":
         return f"it is {_KINDS[number.role]}"
-    if number.name in found.left_out:
-        return f"it does not converge: {found.left_out[number.name]}"
+    if number.name in accuracy.left_out:
+        return f"it does not converge: {accuracy.left_out[number.name]}"
     bar = bars.get(number.name)
     if bar is None:
-        lacking = "; ".join(f"{source}: {words}" for source, words in found.left_out.items())
+        lacking = "; ".join(f"{source}: {words}" for source, words in accuracy.left_out.items())
         return f"it has no error bar{lacking and f' ({lacking})'}"
     small = abs(bar.value) < ZERO * scales.get(number.unit, 0.0)
     if bar.value == 0.0 or (small and bar.error > _NOISE * abs(bar.value)):
@@ -204,8 +204,9 @@ def _reason(number: Number, found: Accuracy, bars: Mapping[str, ErrorBar], scale
     )
 
 
-def _instead(able: Iterable[str], reason: str) -> str:
-    names = ", ".join(name.replace("_", "-") for name in able)
+def _remedy(eligible: Iterable[str], reason: str) -> str:
+    """Targets that a scene can have instead."""
+    names = ", ".join(name.replace("_", "-") for name in eligible)
     if reason == _AT_ZERO:
         return 'give an error with a unit, like "1 nm"'
     return f"ask for {names}" if names else "no main result of this scene can reach a target"
@@ -224,7 +225,7 @@ def _in_unit(target: float | str, number: Number) -> float:
 
 
 def _declared(plan: Plan) -> dict[str, Number]:
-    """All numbers that a run may have, with those of its observers, and the fields of its regions."""
+    """All numbers of a run and of its observers, and the fields of its regions."""
     fields = [
         f"{quantity}.{request.label}"
         for request in plan.scene.stress

@@ -35,7 +35,7 @@ _COARSE_TOLERANCE = 1e-3
 _COARSER_TOLERANCE = 1e-2
 # Number of merged cells below which still coarser grids cost more time than they save, for example in a row; and number
 # of grids from which on this limit applies.
-_FEW, _RUNGS = 256, 4
+_FEWEST, _RUNGS = 256, 4
 
 
 class CoarseToFine:
@@ -68,7 +68,7 @@ class CoarseToFine:
         ladder = [(self.grid, fixed, (1, 1))]
         while (factors := coarse_factors(ladder[-1][0])) is not None:
             grid, field_, _ = ladder[-1]
-            if len(ladder) >= _RUNGS and grid.nx * grid.ny <= _FEW:
+            if len(ladder) >= _RUNGS and grid.nx * grid.ny <= _FEWEST:
                 break
             ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
             if grid in self._springs:
@@ -115,11 +115,11 @@ class CoarseToFine:
         box = self.solver.box(compliance, pressure)
         compliance.reserve(box, window)
         tolerance = 0.7 * options.tolerance  # margin of the iteration, so that the certificate holds
-        left = options.max_iterations
+        budget = options.max_iterations
         for _ in range(50):
             iterations = self.report.iterations
-            pressure, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
-            left -= self.report.iterations - iterations
+            pressure, residual = self._on_box(compliance, fixed, pressure, box, tolerance, budget)
+            budget -= self.report.iterations - iterations
             solution, overlapping = self._certify(compliance, fixed, pressure, box)
             certificate = solution.report.certificate
             if certificate is not None and certificate.holds:
@@ -128,7 +128,7 @@ class CoarseToFine:
                 return solution
             grown = box if overlapping is None else box.union(overlapping).grown(*margin(box), grid.shape)
             if grown == box:
-                if residual > tolerance or left <= 0 or tolerance < 0.05 * options.tolerance:
+                if residual > tolerance or budget <= 0 or tolerance < 0.05 * options.tolerance:
                     break
                 tolerance *= 0.3  # the updated gap has drifted from the true one
             box = grown
@@ -234,12 +234,14 @@ class CoarseToFine:
             if self.progress is not None:
                 self.progress(f"{grid.nx} x {grid.ny} cells", residual, self.options.tolerance)
 
-        state, left = BoxState(p.astype(dtype, copy=False), np.zeros(len(modes)), inf), max(1, iterations)
+        state, budget = BoxState(p.astype(dtype, copy=False), np.zeros(len(modes)), inf), max(1, iterations)
         for solve in (solve_box, solve_settled):
             iterations_before = self.report.iterations
-            state = solve(problem, state.pressure, loaded, tolerance=tolerance, max_iterations=left, on_iteration=note)
-            left -= self.report.iterations - iterations_before
-            if state.residual <= tolerance or left <= 0:
+            state = solve(
+                problem, state.pressure, loaded, tolerance=tolerance, max_iterations=budget, on_iteration=note
+            )
+            budget -= self.report.iterations - iterations_before
+            if state.residual <= tolerance or budget <= 0:
                 break
             loaded = state.pressure > 0
         out = np.zeros(grid.shape)

@@ -87,7 +87,7 @@ class FlowingPart:
         window = self._window
         if (
             window is not None
-            and all(low >= part.start and high <= part.stop for (low, high), part in zip(spans, window, strict=True))
+            and all(low >= side.start and high <= side.stop for (low, high), side in zip(spans, window, strict=True))
             and not self._reaches_rim(active[window])
         ):
             return
@@ -134,24 +134,24 @@ class FlowingPart:
             variables = [{name: values[:, self._cells] for name, values in records.items()} for records in before]
             self._start = _Start(variables, [step.of(self._cells)], self._of_window(prestrain))
         inside = (slice(None), *self._window)
-        part = np.ascontiguousarray(eigenstrain[inside])
+        strain = np.ascontiguousarray(eigenstrain[inside])
         self.applications += 1
-        stress = applied_stress + self._operator.apply(part)
+        stress = applied_stress + self._operator.apply(strain)
         image, _ = self._laws.answer(
-            part.reshape(6, -1), stress.reshape(6, -1), self._start.prestrain, self._start.before, self._start.steps
+            strain.reshape(6, -1), stress.reshape(6, -1), self._start.prestrain, self._start.before, self._start.steps
         )
         out = np.zeros_like(eigenstrain)
-        out[inside] = image.reshape(part.shape)
-        change = distance_of(image, part.reshape(6, -1))
-        self.reaches_rim = self._reaches_rim((image != 0.0).any(axis=0).reshape(part.shape[1:]))
+        out[inside] = image.reshape(strain.shape)
+        change = distance_of(image, strain.reshape(6, -1))
+        self.reaches_rim = self._reaches_rim((image != 0.0).any(axis=0).reshape(strain.shape[1:]))
         return Sweep(out, change / size if change > 0.0 else 0.0, size, [])
 
     def _reaches_rim(self, active: BoolArray) -> bool:
         """Whether outermost cells of the window are active that have neighbours outside."""
         assert self._window is not None
-        for cells, part, size in zip(_along_axes(active), self._window, self._shape, strict=True):
+        for cells, side, size in zip(_along_axes(active), self._window, self._shape, strict=True):
             if cells.size and (
-                (part.start > 0 and cells[0] == 0) or (part.stop < size and cells[-1] == part.stop - part.start - 1)
+                (side.start > 0 and cells[0] == 0) or (side.stop < size and cells[-1] == side.stop - side.start - 1)
             ):
                 return True
         return False

@@ -61,13 +61,13 @@ def solved(tables: Mapping[str, Any], factor: float = 2.0) -> dict[str, Any]:
         "judge": _values(truth),
         "comparisons": [
             {
-                "source": one.source.name,
-                "values": dict(one.values),
-                "others": [list(pair) for pair in one.others],
-                "known": dict(one.known),
-                "seconds": one.seconds,
+                "source": comparison.source.name,
+                "values": dict(comparison.values),
+                "others": [list(pair) for pair in comparison.coarser_results],
+                "known": dict(comparison.known_errors),
+                "seconds": comparison.seconds,
             }
-            for one in accuracy.comparisons
+            for comparison in accuracy.comparisons
         ],
         "left out": accuracy.left_out,
         "seconds": {"run": result.seconds, "bars": accuracy.seconds, "judge": seconds},
@@ -88,16 +88,16 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
     sources = {source.name: source for source in SOURCES}
     summary = {"numbers": row["numbers"], "warnings": row["warnings"], "observed": row["values"]}
-    known = {"cells": parts_of_cells(row["edge"], summary)}
+    known_errors = {"cells": parts_of_cells(row["edge"], summary)}
     comparisons = [
         Comparison(
-            source=sources[one["source"]],
-            values=one["values"],
-            others=one["others"],
-            known=known.get(one["source"]) or one.get("known", {}),
+            source=sources[stored["source"]],
+            values=stored["values"],
+            coarser_results=stored["others"],
+            known_errors=known_errors.get(stored["source"]) or stored.get("known", {}),
         )
-        for one in row["comparisons"]
-        if one["source"] in sources
+        for stored in row["comparisons"]
+        if stored["source"] in sources
     ]
     scales, truth = _scales(row), row["judge"]
     found: dict[str, dict[str, Any]] = {}

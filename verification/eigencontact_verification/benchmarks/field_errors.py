@@ -36,7 +36,7 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
         The scene or its judge cannot be solved.
     """
     from eigencontact import app
-    from eigencontact.accuracy.carry import axes_of, carried
+    from eigencontact.accuracy.carry import axes_of, interpolated
 
     planned = app.plan(tables)
     result = app.run(planned, errors=True)
@@ -45,7 +45,7 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
     for name in result.summary["field_errors"]:
         values, errors = (run[stored].values[-1] for stored in (name, f"{name}_error"))
         places, others = axes_of(run, name), axes_of(judge, name)
-        true = carried(judge[name].values[-1], others, places, smooth=True)
+        true = interpolated(judge[name].values[-1], others, places, smooth=True)
         least = _NOTHING * np.nanmax(np.abs(values))
         differences = np.abs(values - true)
         counts = (np.abs(values) > _MATTERS * np.nanmax(np.abs(values))) & (np.fmax(errors, differences) > least)

@@ -125,7 +125,7 @@ def finer(plan: Any, factor: float = 2.0) -> dict[str, Any]:
         tables,
         {
             **settings,
-            "grid": refined_grid(plan, factor, alike=True)[0],
+            "grid": refined_grid(plan, factor, keep_parity=True)[0],
             "steps": refined_steps(tables["steps"], 2.0)[0],
             "stress": [_more_points(request) for request in tables["stress"]],
             "numerics": {**settings.get("numerics", {}), "law-room": 1.5 * plan.numerics.law_room},

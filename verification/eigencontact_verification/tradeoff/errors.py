@@ -104,7 +104,7 @@ def field_error(
     The coarser field is interpolated linearly between the middles of its cells; cells of the reference outside its
     window do not count. None where the reference has no such field or it is zero.
     """
-    from eigencontact.accuracy.carry import carried
+    from eigencontact.accuracy.carry import interpolated
 
     x, y = fields["x"], fields["y"]
     edge = [0.5 * (axis[1] - axis[0]) if axis.size > 1 else np.inf for axis in (y, x)]
@@ -123,7 +123,7 @@ def field_error(
             # a displacement or shear that a fidelity leaves out is zero
             value: FloatArray = np.zeros_like(target)
             if name in fields:
-                value = carried(fields[name][mine], (y, x), places, smooth=False)
+                value = interpolated(fields[name][mine], (y, x), places, smooth=False)
             difference += float(((value - target) ** 2).sum())
             size += float((target**2).sum())
     return float(np.sqrt(difference / size)) if size > 0.0 else None

@@ -80,8 +80,8 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
             predictions.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
             continue
         scene = plan if variant.key == "scene" else scene
-        visible = None if variant.fidelity is None else variant.fidelity.seen
-        if visible is not None and scene is not None and visible(plan) == visible(scene):
+        affected = None if variant.fidelity is None else variant.fidelity.affected_part
+        if affected is not None and scene is not None and affected(plan) == affected(scene):
             predictions.append(Prediction(variant=variant, reason="the plan is that of the scene"))
             continue
         memory = run_bytes(plan, stored=False)

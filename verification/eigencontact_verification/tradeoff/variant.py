@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "variants"]
 
 #: Keys of all variations, in the order of the table.
-KEYS = ("grid", *(one.key for one in FIDELITIES))
+KEYS = ("grid", *(fidelity.key for fidelity in FIDELITIES))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -34,7 +34,7 @@ class Fidelities:
 class Variant:
     """One fidelity of a scene."""
 
-    #: Key of the change, one of `KEYS`; ``"scene"`` and ``"reference"`` for the two that others are compared with.
+    #: Key of the change, one of `KEYS`; ``"scene"`` and ``"reference"`` for the two that all are compared with.
     key: str
     words: str  #: its value in words
     changes: Changes = field(default_factory=dict)  #: tables of the scene by name, with the values that change
@@ -43,7 +43,7 @@ class Variant:
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
     """Keys that can vary in a scene."""
-    return ("grid", *(fidelity.key for fidelity in FIDELITIES if fidelity.has(plan)))
+    return ("grid", *(fidelity.key for fidelity in FIDELITIES if fidelity.applies(plan)))
 
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
@@ -51,17 +51,17 @@ def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tu
     base_grid, base_words = refined_grid(plan, fidelities.base)
     variants_found = _grids(plan, fidelities) if not only or "grid" in only else []
     for fidelity in FIDELITIES:
-        if not fidelity.has(plan) or (only and fidelity.key not in only):
+        if not fidelity.applies(plan) or (only and fidelity.key not in only):
             continue
         grid = refined_window(plan, fidelities.base)[0] if fidelity.keeps_window else base_grid
         variants_found += [
             Variant(
                 key=fidelity.key,
-                words=fidelity.words(other),
-                changes={**fidelity.of(plan, other), "grid": grid},
+                words=fidelity.words(value),
+                changes={**fidelity.of(plan, value), "grid": grid},
                 fidelity=fidelity,
             )
-            for other in fidelity.others(plan)
+            for value in fidelity.alternatives(plan)
         ]
     changes, words = finest(plan, fidelities.reference)
     reference = Variant(key="reference", words=", ".join(words), changes=changes)

@@ -36,18 +36,18 @@ class StressOfSteps:
     def __init__(self, region: Region, results: Results, positions: Sequence[int]) -> None:
         steps = [_step(results, at, region.requires) for at in positions]
         self._shape = region.lattice.shape
-        self._steps, self._parts = len(steps), [cause.of_steps(steps) for cause in region.causes(region.interface)]
+        self._steps, self._stresses = len(steps), [cause.of_steps(steps) for cause in region.causes(region.interface)]
 
     def __call__(self, points: Any) -> FloatArray:
-        """Mandel stress ``(steps, 6, n)`` [Pa] at some points: their indices, a slice or a mask."""
+        """Mandel stress ``(steps, 6, n)`` [Pa] at points given by their indices, a slice or a mask."""
         count = self._shape[1] * self._shape[2]
         layer, place = np.divmod(np.arange(self._shape[0] * count)[points], count)
         layers, number = np.unique(layer, return_inverse=True)
-        first, *others = (part(layers) for part in self._parts)
-        whole = (self._steps, 6, layers.size, count)
-        stress = first if first.shape == whole else np.broadcast_to(first, whole).copy()
-        for values in others:
-            stress += values
+        first, *contributions = (stress_of(layers) for stress_of in self._stresses)
+        shape = (self._steps, 6, layers.size, count)
+        stress = first if first.shape == shape else np.broadcast_to(first, shape).copy()
+        for contribution in contributions:
+            stress += contribution
         stress = stress.reshape(self._steps, 6, -1)
         if isinstance(points, slice) and layer.size == stress.shape[2]:
             return stress
