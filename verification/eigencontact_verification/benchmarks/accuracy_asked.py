@@ -11,22 +11,15 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
+from eigencontact.scene.loader import bundled_names
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, timed
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.benchmarks.error_bars import METHODS
 from eigencontact_verification.benchmarks.random_scenes import finer
 from eigencontact_verification.reporting.table import Column, Row
 
-__all__ = ["BENCHMARK", "SCENES", "measure", "verdict"]
+__all__ = ["BENCHMARK", "measure", "verdict"]
 
-#: Bundled scenes that take seconds on the cells that their authors chose.
-SCENES = (
-    "hertz", "hertz-ellipse", "dissimilar-spheres", "tilted-punch", "cattaneo-mindlin", "fretting-mode-1",
-    "fretting-mode-2", "fretting-mode-3", "rotating-shear", "gross-slip", "coated-sphere", "soft-coating",
-    "coated-fretting", "coated-sliding", "sphere-near-surface", "buried-cuboid", "inclusion-under-contact",
-    "void-under-contact", "two-inclusions", "peened-layer", "wear-gross-sliding", "fretting-wear-gross-slip",
-    "pin-on-disc", "random-rough", "plastic-indentation", "plastic-hertz",
-)  # fmt: skip
 #: Time that a run to the accuracy may take, and longest predicted time of the judge [s].
 _TIME, _JUDGE = 200.0, 150.0
 
@@ -96,7 +89,7 @@ BENCHMARK = Benchmark(
     help="bundled scenes with a target for all main results beside their own cells",
     measure=measure,
     methods=METHODS,
-    cases=SCENES,
+    cases=tuple(bundled_names()),
     sizes=(2,),
     unit="PERCENT",
     remarks=_remarks,
