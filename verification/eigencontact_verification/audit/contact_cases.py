@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
-from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact, contact_lines, read_contact
+from eigencontact_verification.audit.contact_lines import StoredContact, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.line_cases import line_cases_of
 from eigencontact_verification.audit.line_scene import is_line
 from eigencontact_verification.audit.stored import bars_of, run_name
+from eigencontact_verification.audit.stored_profile import StoredProfile, fields_of
 from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
-from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer
 from eigencontact_verification.fem.yielding import solve_indentation
 
 if TYPE_CHECKING:
@@ -51,11 +52,11 @@ class ContactCase(RunCase):
 
     Parameters
     ----------
-    lines : tuple of ContactLine
+    lines : tuple of StoredProfile
         Their profiles are `profiles`.
     """
 
-    lines: tuple[ContactLine, ...]
+    lines: tuple[StoredProfile, ...]
 
     code: ClassVar[tuple[str, ...]] = (
         "eigencontact_verification.audit.contact_model",
@@ -74,12 +75,7 @@ class ContactCase(RunCase):
 
     def judged(self) -> Fields:
         """Stored values, with their own error."""
-        fields: Fields = {}
-        for line in self.lines:
-            fields[line.profile.name] = line.values
-            if np.any(line.own):
-                fields[own_error(line.profile.name)] = line.own
-        return fields
+        return fields_of(self.lines)
 
     @property
     def words(self) -> str:
@@ -87,7 +83,7 @@ class ContactCase(RunCase):
         return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 
-def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:
+def _read(solution: IndentationSolution, line: StoredProfile, widest: float) -> FloatArray:
     """Values (n, components) of a line; radii in the widest of the run."""
     if line.kind == "approach":
         return np.array([[solution.moments[k].depth] for k in line.moments])

@@ -41,6 +41,7 @@ from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.lines import spread
 from eigencontact_verification.audit.stored import read_step
+from eigencontact_verification.audit.stored_profile import StoredProfile
 from eigencontact_verification.crosscheck.case import Profile, Quantity
 from eigencontact_verification.fem.loaded_body import Tractions
 
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     from eigencontact_verification.audit.contact_scene import ContactScene
     from eigencontact_verification.audit.stored import StoredRegion
 
-__all__ = ["ContactLine", "StoredContact", "contact_lines", "read_contact"]
+__all__ = ["StoredContact", "contact_lines", "read_contact"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -74,29 +75,6 @@ _PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
 }
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ContactLine:
-    """Stored values along one line.
-
-    Attributes
-    ----------
-    profile : Profile
-        ``along`` of lines over load steps is the number of the step.
-    kind : str
-        ``"approach"``, ``"radius"``, ``"edge"``, ``"pressure"``, ``"print"`` or ``"stress"``.
-    moments : tuple of int
-        Load steps, from 0: of every point, or one for all.
-    values, own : (n, components) float64
-        Stored values and their numerical error.
-    """
-
-    profile: Profile
-    kind: str
-    moments: tuple[int, ...]
-    values: FloatArray
-    own: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -202,7 +180,7 @@ def read_contact(path: str | Path) -> StoredContact:
     )
 
 
-def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) -> tuple[ContactLine, ...]:
+def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) -> tuple[StoredProfile, ...]:
     """Lines of all that is stored and can be compared."""
     steps = range(stored.straight)
     peak, last = stored.peak, stored.straight - 1
@@ -252,7 +230,7 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     return tuple(lines)
 
 
-def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[ContactLine]:
+def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[StoredProfile]:
     """Contact radius over steps: as it is stored, and read between the cells."""
     r = np.hypot(*np.meshgrid(stored.x, stored.y)).ravel()
     counted = np.array([counting_error(r, stored.cell**2, a[k]) for k in steps])
@@ -297,21 +275,21 @@ def _bend(p: FloatArray) -> FloatArray:
 def _line(
     kind: str, name: str, points: FloatArray, along: FloatArray, values: FloatArray, error: FloatArray,
     moments: tuple[int, ...],
-) -> ContactLine:  # fmt: skip
+) -> StoredProfile:  # fmt: skip
     quantity, label, components, unit = _PROFILES[kind]
     profile = Profile(
         name=name, quantity=quantity, points=points, along=along, label=label, components=components, unit=unit
     )
     table = along.size, len(components)
-    return ContactLine(
-        profile=profile, kind=kind, moments=moments, values=values.reshape(table), own=error.reshape(table)
+    return StoredProfile(
+        profile=profile, kind=kind, moments=moments, values=values.reshape(table), error=error.reshape(table)
     )
 
 
 def _surface(
     kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray, error: FloatArray,
     step: int,
-) -> ContactLine:  # fmt: skip
+) -> StoredProfile:  # fmt: skip
     """Line along x on the surface."""
     chosen = spread(np.flatnonzero(which), _POINTS)
     x = stored.x[chosen]
@@ -334,7 +312,7 @@ def _column(region: StoredRegion) -> tuple[FloatArray, FloatArray] | None:
 def _stress(
     name: str, points: FloatArray, stress: FloatArray, stored: StoredContact, scene: ContactScene, a: float, h: float,
     under: float, step: int,
-) -> ContactLine | None:  # fmt: skip
+) -> StoredProfile | None:  # fmt: skip
     z = points[:, 2]
     if np.hypot(*points[0, :2]) > 0.25 * a:
         return None

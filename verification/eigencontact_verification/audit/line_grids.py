@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from eigencontact_verification.audit.bodies import NotJudged
-from eigencontact_verification.audit.line_profiles import LineProfile
 from eigencontact_verification.audit.line_scene import StoredLine
+from eigencontact_verification.audit.stored_profile import StoredProfile
 from eigencontact_verification.audit.two_grids import ratio_of_cells, with_index
 
 __all__ = ["run_coarser", "values_at", "with_coarser"]
@@ -59,7 +59,7 @@ def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
     return folder
 
 
-def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: StoredLine) -> tuple[LineProfile, ...]:
+def with_coarser(lines: Sequence[StoredProfile], stored: StoredLine, coarser: StoredLine) -> tuple[StoredProfile, ...]:
     """Lines with the errors of `eigencontact_verification.audit.two_grids.with_index`.
 
     The error of the half width, which follows from the number of strips, does not change.
@@ -73,17 +73,17 @@ def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: Stor
     return tuple(_widened(line, coarser, ratio) for line in lines)
 
 
-def values_at(run: StoredLine, lines: Sequence[LineProfile]) -> dict[str, FloatArray | None]:
+def values_at(run: StoredLine, lines: Sequence[StoredProfile]) -> dict[str, FloatArray | None]:
     """Values of another run at the points of lines, by their names; None of half widths."""
     return {line.profile.name: _values(run, line) for line in lines}
 
 
-def _widened(line: LineProfile, coarser: StoredLine, ratio: float) -> LineProfile:
+def _widened(line: StoredProfile, coarser: StoredLine, ratio: float) -> StoredProfile:
     values = _values(coarser, line)
     return line if values is None else with_index(line, values, ratio)
 
 
-def _values(run: StoredLine, line: LineProfile) -> FloatArray | None:
+def _values(run: StoredLine, line: StoredProfile) -> FloatArray | None:
     """Values (n, components) of a run at the points of a line, nan outside what it stores; None of half widths."""
     if line.kind in _FIELDS:
         name, sign = _FIELDS[line.kind]

@@ -11,7 +11,6 @@ half a cell along both axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,10 +18,11 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.line_scene import StoredLine
 from eigencontact_verification.audit.lines import spread
+from eigencontact_verification.audit.stored_profile import StoredProfile
 from eigencontact_verification.crosscheck.case import Profile, Quantity
 from eigencontact_verification.oracles.line_contact import flamant
 
-__all__ = ["LineProfile", "line_profiles"]
+__all__ = ["line_profiles"]
 
 FloatArray = NDArray[np.float64]
 
@@ -53,33 +53,7 @@ _KINDS: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LineProfile:
-    """Stored values along one line.
-
-    Attributes
-    ----------
-    profile : Profile
-    kind : str
-        Key of what is compared: ``"half width"``, ``"pressure"``, ``"shear"``, ``"slip"``, ``"stress"``,
-        ``"history of stress"``, stress at one point over the steps, or ``"plastic strain"``, the equivalent one.
-    moments : tuple of int
-        Load steps, from 0: of every point, or one for all.
-    body : int
-        Of stress and plastic strain, from 1 among those that deform.
-    values, own : (n, components) float64
-        Stored values and their numerical error.
-    """
-
-    profile: Profile
-    kind: str
-    moments: tuple[int, ...]
-    body: int
-    values: FloatArray
-    own: FloatArray
-
-
-def line_profiles(stored: StoredLine) -> list[LineProfile]:
+def line_profiles(stored: StoredLine) -> list[StoredProfile]:
     """Half width, pressure, shear, slip, columns of stress and of plastic strain."""
     a, last = stored.half_width, len(stored.load) - 1
     peak, pulled = _first_largest(stored.load), _first_largest(np.abs(stored.force))
@@ -124,7 +98,7 @@ def _first_largest(values: FloatArray) -> int:
     return int(np.flatnonzero(values >= (1 - _SAME) * values.max())[0])
 
 
-def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
+def _stress(stored: StoredLine, k: int) -> list[StoredProfile]:
     """Columns of a section in the middle, near the left edge of the contact (largest tension), and through regions."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a = float(stored.half_width.max())
@@ -162,7 +136,7 @@ def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
     return lines
 
 
-def _histories(stored: StoredLine) -> list[LineProfile]:
+def _histories(stored: StoredLine) -> list[StoredProfile]:
     """Stress over the steps half of a half width below the middle of a section, over which the geometry travels."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a = float(stored.half_width.max())
@@ -248,7 +222,7 @@ def _homogeneous(stored: StoredLine, k: int, body: dict[str, Any], points: Float
     return np.stack((xx, body["poisson_ratio"] * (xx + zz), zz, sign * xz), axis=1)
 
 
-def _strains(stored: StoredLine) -> list[LineProfile]:
+def _strains(stored: StoredLine) -> list[StoredProfile]:
     """Columns of cells in the middle and near the left edge of the contact, after the last step."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a, last = float(stored.half_width.max()), len(stored.load) - 1
@@ -283,10 +257,10 @@ def _bend(values: FloatArray, good: NDArray[np.bool_] | None = None) -> FloatArr
 def _line(
     kind: str, name: str, points: FloatArray, axis: int, values: FloatArray, error: FloatArray,
     moments: tuple[int, ...], body: int = 1, along: FloatArray | None = None,
-) -> LineProfile:  # fmt: skip
+) -> StoredProfile:  # fmt: skip
     quantity, label, components, unit = _KINDS[kind]
     profile = Profile(
         name=kind + name, quantity=quantity, points=points, along=points[:, axis] if along is None else along,
         label=label, components=components, unit=unit,
     )  # fmt: skip
-    return LineProfile(profile=profile, kind=kind, moments=moments, body=body, values=values, own=error)
+    return StoredProfile(profile=profile, kind=kind, moments=moments, body=body, values=values, error=error)

@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isclose
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from eigencontact_verification.audit.bodies import NotJudged
-from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact
-from eigencontact_verification.audit.line_profiles import LineProfile
+from eigencontact_verification.audit.contact_lines import StoredContact
+from eigencontact_verification.audit.stored_profile import StoredProfile
 
 if TYPE_CHECKING:
     from eigencontact.core.numbers import ErrorBar, Number
 
 __all__ = ["ratio_of_cells", "with_bars", "with_index", "with_two_grids"]
-
-Line = TypeVar("Line", ContactLine, LineProfile)
 
 FloatArray = NDArray[np.float64]
 
@@ -41,18 +39,18 @@ _FEWEST = 4
 
 
 def with_two_grids(
-    lines: Sequence[ContactLine],
+    lines: Sequence[StoredProfile],
     stored: StoredContact,
-    others: Sequence[ContactLine],
+    others: Sequence[StoredProfile],
     coarser: StoredContact,
     *,
     regions: bool = False,
-) -> tuple[ContactLine, ...]:
+) -> tuple[StoredProfile, ...]:
     """Lines with the errors of `with_index`; counts, and stress beside regions, stay as they are.
 
     Parameters
     ----------
-    lines, others : sequence of ContactLine
+    lines, others : sequence of StoredProfile
         Of the run that is judged, and of the coarser one.
     stored, coarser : StoredContact
         Both runs.
@@ -90,8 +88,8 @@ def ratio_of_cells(ratio: float, load: FloatArray, other: FloatArray) -> float:
     return ratio
 
 
-def with_index(line: Line, found: FloatArray, ratio: float) -> Line:
-    """Line whose own error is at least the grid convergence index of two runs.
+def with_index(line: StoredProfile, found: FloatArray, ratio: float) -> StoredProfile:
+    """Line whose error is at least the grid convergence index of two runs.
 
     The index is ``1.25 |f - g| / (ratio - 1)``, of first order, and nowhere less than half of the largest on the line:
     where the difference happens to vanish the error does not.
@@ -108,12 +106,12 @@ def with_index(line: Line, found: FloatArray, ratio: float) -> Line:
     if not known.any():
         return line
     index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
-    return replace(line, own=np.maximum(line.own, np.maximum(index, 0.5 * index.max(axis=0))))
+    return replace(line, error=np.maximum(line.error, np.maximum(index, 0.5 * index.max(axis=0))))
 
 
 def with_bars(
-    lines: Sequence[ContactLine], stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
-) -> tuple[ContactLine, ...]:
+    lines: Sequence[StoredProfile], stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
+) -> tuple[StoredProfile, ...]:
     """Lines of numbers and fields with error bars, which are their error; errors of other lines stay.
 
     A run that stores its errors has them in every step, another at the last step only, and only of numbers.
@@ -127,13 +125,13 @@ def with_bars(
     widest : float
         Unit of the contact radius on its line [m].
     """
-    return tuple(replace(line, own=_own(line, stored, bars, widest)) for line in lines)
+    return tuple(replace(line, error=_error(line, stored, bars, widest)) for line in lines)
 
 
-def _own(
-    line: ContactLine, stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
+def _error(
+    line: StoredProfile, stored: StoredContact, bars: Mapping[str, tuple[Number, ErrorBar]], widest: float
 ) -> FloatArray:
-    name, own, unit = _NUMBERS.get(line.kind, ""), line.own.copy(), widest if line.kind == "radius" else 1.0
+    name, error, unit = _NUMBERS.get(line.kind, ""), line.error.copy(), widest if line.kind == "radius" else 1.0
     errors = stored.errors.get(name)
     if errors is not None and errors.ndim == 1:
         return np.asarray(errors[list(line.moments), None] / unit)
@@ -142,11 +140,11 @@ def _own(
         row, columns = np.abs(stored.y - y[0]).argmin(), np.abs(stored.x[:, None] - x).argmin(axis=0)
         return np.asarray(errors[line.moments[0], row, columns, None])
     if name in bars and isclose(unit * line.values[-1, 0], bars[name][1].value):
-        own[-1] = bars[name][1].error / unit
-    return own
+        error[-1] = bars[name][1].error / unit
+    return error
 
 
-def _estimated(line: ContactLine, other: ContactLine, ratio: float) -> ContactLine:
+def _estimated(line: StoredProfile, other: StoredProfile, ratio: float) -> StoredProfile:
     at, values = other.profile.along, other.values
     if line.kind == "approach":  # over the same steps
         found = values
