@@ -1,6 +1,6 @@
 """Verdicts on a case of the cross-check, without its store and its processes."""
 
-from eigencontact_verification.crosscheck.case import own_error
+from eigencontact_verification.crosscheck.case import error_key
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import Outcome
@@ -34,7 +34,7 @@ def references(case):
 def words(case, found):
     """Verdict on each quantity: the worst of its profiles."""
     judged = case.judged()
-    assert not any(own_error(profile.name) in judged for profile in case.profiles)
+    assert not any(error_key(profile.name) in judged for profile in case.profiles)
     out = {}
     for profile in case.profiles:
         word = verdict(judged[profile.name], found[profile.name]).word

@@ -17,7 +17,7 @@ from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import line_profiles
 from eigencontact_verification.audit.line_scene import read_line
 from eigencontact_verification.audit.table import halved_in_words
-from eigencontact_verification.crosscheck.case import HALVED, own_error
+from eigencontact_verification.crosscheck.case import HALVED, error_key
 from eigencontact_verification.crosscheck.judge import JudgedCase
 from eigencontact_verification.crosscheck.worker import Task, perform
 from eigencontact_verification.fem import line_contact
@@ -67,7 +67,7 @@ def test_a_run_agrees_with_the_elements(fretted):
     for line in case.lines:
         bound = {"half width": 1e-3, "pressure": 0.006, "stress": 0.005, "shear": 0.02, "slip": 0.02}[line.kind]
         assert found[line.profile.name] < bound, line.profile.name
-        own = case.judged()[own_error(line.profile.name)]
+        own = case.judged()[error_key(line.profile.name)]
         assert np.all(own > 0)
     shear, stored = (fields["shear, step 2"] for fields in (reference, case.judged()))
     assert stored.mean() == close(shear.mean(), rel=0.01)

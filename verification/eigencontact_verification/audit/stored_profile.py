@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Fields, Profile, own_error
+from eigencontact_verification.crosscheck.case import Fields, Profile, error_key
 
 __all__ = ["StoredProfile", "fields_of"]
 
@@ -50,5 +50,5 @@ def fields_of(profiles: Iterable[StoredProfile]) -> Fields:
     for stored in profiles:
         fields[stored.profile.name] = stored.values
         if np.any(stored.error):
-            fields[own_error(stored.profile.name)] = stored.error
+            fields[error_key(stored.profile.name)] = stored.error
     return fields

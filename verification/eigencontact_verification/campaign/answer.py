@@ -12,12 +12,12 @@ from eigencontact_verification.studies.study import number_of, plain
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
-    from eigencontact_verification.campaign.finding import Judged
+    from eigencontact_verification.campaign.finding import JudgedPoint
 
 __all__ = ["answers", "totals"]
 
 
-def totals(campaign: Campaign, points: Sequence[Judged]) -> str:
+def totals(campaign: Campaign, points: Sequence[JudgedPoint]) -> str:
     """Numbers of points and verdicts in sentences, claims first."""
     inside = [finding.word for point in points for finding in point.findings if finding.claimed]
     broken = sum(word in ("disagrees", "failed") for word in inside)
@@ -35,7 +35,7 @@ def totals(campaign: Campaign, points: Sequence[Judged]) -> str:
     )
 
 
-def answers(campaign: Campaign, points: Sequence[Judged]) -> list[str]:
+def answers(campaign: Campaign, points: Sequence[JudgedPoint]) -> list[str]:
     """For each quantity: from which value of the parameter across, or up to which, every point agrees.
 
     Only points from that value to the end of the axis count, so that an island of agreement is no answer. Empty where

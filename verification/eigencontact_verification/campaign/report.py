@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,7 @@ from eigencontact_verification.studies.study import plain
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
-    from eigencontact_verification.campaign.finding import Judged
+    from eigencontact_verification.campaign.finding import JudgedPoint
 
 __all__ = ["FILES", "MapReport", "as_section", "write_map"]
 
@@ -50,7 +50,7 @@ class MapReport:
     """Points and verdicts of a campaign."""
 
     campaign: Campaign
-    points: tuple[Judged, ...]
+    points: tuple[JudgedPoint, ...]
     coarse: bool = False  #: whether it was a first look
     seconds: float = 0.0  #: wall time [s]
 
@@ -73,7 +73,7 @@ class MapReport:
             "points": [
                 {
                     "label": point.point.label, "values": dict(point.point.values),
-                    "verdict": point.word, "findings": [asdict(finding) for finding in point.findings],
+                    "verdict": point.word, "findings": [finding.to_dict() for finding in point.findings],
                     "model_seconds": point.point.model.seconds, "model_memory_bytes": point.point.model.memory,
                     "reference_seconds": point.reference_seconds, "reference_seconds_all": point.all_seconds,
                     "reference_memory_bytes": point.reference_memory,
@@ -91,22 +91,22 @@ _HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "u_SA", "t
 _TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
 
 
-def _rows(points: Sequence[Judged]) -> list[tuple[str, ...]]:
+def _rows(points: Sequence[JudgedPoint]) -> list[tuple[str, ...]]:
     """Head and rows of the verdicts; u_SA has a column where any model has error bars."""
     rows = [
         (
             point.point.label, "yes" if finding.claimed else "no", finding.quantity,
             f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
-            percent(finding.own), percent(finding.tolerance), finding.reason,
+            percent(finding.run_error), percent(finding.tolerance), finding.reason,
         )
         for point in points
         for finding in point.findings
     ]  # fmt: skip
-    barred = any(finding.own is not None for point in points for finding in point.findings)
+    barred = any(finding.run_error is not None for point in points for finding in point.findings)
     return [row if barred else (*row[:6], *row[7:]) for row in (_HEAD, *rows)]
 
 
-def _trade_rows(points: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+def _trade_rows(points: Sequence[JudgedPoint]) -> Iterable[tuple[str, ...]]:
     for point in points:
         model = point.point.model
         yield (

@@ -179,7 +179,7 @@ def _report(item: Study, outcomes: Sequence[Finished | Failed]) -> None:
     for line in warnings_in_words({outcome.label: outcome.warnings for outcome in done}, len(outcomes)):
         typer.echo(line)
     for verdict in verdicts(item, done):
-        typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.found})")
+        typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.numbers})")
     if item.trend:
         typer.echo(item.trend)
     for source in item.sources:

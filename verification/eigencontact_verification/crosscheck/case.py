@@ -32,8 +32,8 @@ __all__ = [
     "Outer",
     "Profile",
     "Quantity",
+    "error_key",
     "in_name",
-    "own_error",
     "refine_option",
 ]
 
@@ -137,8 +137,8 @@ def in_name(value: float) -> str:
     return f"{value:g}".replace(".", "-")
 
 
-def own_error(profile: str) -> str:
-    """Name of the numerical error of a profile among the values of `Case.judged`."""
+def error_key(profile: str) -> str:
+    """Key of the numerical error of a profile among the values of `Case.judged`."""
     return f"{profile}: own error"
 
 
@@ -203,7 +203,7 @@ class Case(ABC):
     def judged(self) -> Fields:
         """Values of the semi-analytical code: by name of profile, each (n, components).
 
-        Where the method itself discretises (a shape cut into cells), a second entry named `own_error` of the profile
+        Where the method itself discretises (a shape cut into cells), a second entry with the `error_key` of the profile
         gives the error of the values, of the same shape; it is added to the reference's uncertainty.
         """
 

@@ -20,7 +20,11 @@ class Verdict:
 
     check: str  #: statement in words
     holds: bool  #: whether the numbers satisfy it
-    found: str  #: the numbers in words
+    numbers: str  #: in words
+
+    def to_dict(self) -> dict[str, Any]:
+        """Table for JSON; the numbers are stored as ``found``."""
+        return {"check": self.check, "holds": self.holds, "found": self.numbers}
 
 
 def verdicts(study: Study, variants: Sequence[Finished]) -> list[Verdict]:

@@ -132,7 +132,7 @@ def write_study(study: Study, outcomes: Sequence[Finished | Failed], folder: Pat
     ]  # fmt: skip
     content = {
         "study": study.name, "title": study.title, "source": [dict(outcome) for outcome in study.sources],
-        "trend": study.trend, "variants": rows, "checks": [vars(outcome) for outcome in verdicts(study, done)],
+        "trend": study.trend, "variants": rows, "checks": [verdict.to_dict() for verdict in verdicts(study, done)],
         "failed": {outcome.label: outcome.reason for outcome in outcomes if isinstance(outcome, Failed)},
         "warnings": {outcome.label: list(outcome.warnings) for outcome in done if outcome.warnings},
     }  # fmt: skip

@@ -50,11 +50,11 @@ def draw_pictures(
     Parameters
     ----------
     runs : Path
-        Results of the variants, as those of `eigencontact_verification.thesis.judge.judged`.
+        Results of the variants, as those of `eigencontact_verification.thesis.judge.judged_claims`.
     folder : Path
         Of the pictures.
     coarse, workers, cluster, tell
-        As for `judged`.
+        As for `judged_claims`.
 
     Raises
     ------
