@@ -280,8 +280,8 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         for body in bodies
         if body.different or body.damaged
     }
-    below, lost = stress_lines(stored, bodies, middle, bases)
-    gaps += lost
+    below, missing = stress_lines(stored, bodies, middle, bases)
+    gaps += missing
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
     if len(bodies) < deformable and bodies:
         gaps.append(

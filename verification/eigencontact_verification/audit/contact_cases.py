@@ -36,7 +36,7 @@ _DIVISIONS, _QUICK, _REACH = (3, 6, 12), (2, 4, 8), 40.0
 _ELASTIC, _GROWTH, _EXTENT = 2.0, 2.5, 1.6
 #: The same where something yields, which takes many iterations: small elements along the surface, where the edge of the
 #: contact wanders, and larger ones below, divided half as often.
-_YIELDING, _SLOWER, _PRESSED, _FEWER, _FEW = 8.0, 1.5, 1.25, (2, 4, 8), (1, 2, 4)
+_YIELDING, _SLOWER, _PRESSED, _COARSE_DIVISIONS, _COARSE_QUICK = 8.0, 1.5, 1.25, (2, 4, 8), (1, 2, 4)
 #: Elements to the width of the rounded edge of a punch that is under pressure.
 _EDGE = 4.0
 #: Elements of the undivided mesh to the thickness of a layer or the semi-axis of an inclusion, and least size of all.
@@ -140,8 +140,8 @@ def contact_cases_of(
     lines = contact_lines(folder, stored, scene)
     if coarser is not None and second is not None:
         try:
-            others = contact_lines(coarser, second, _scene_of(second))
-            lines = with_two_grids(lines, stored, others, second, regions=bool(scene.regions))
+            coarser_lines = contact_lines(coarser, second, _scene_of(second))
+            lines = with_two_grids(lines, stored, coarser_lines, second, regions=bool(scene.regions))
         except NotJudged as problem:
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     lines = with_bars(lines, stored, bars_of(folder), a)
@@ -180,7 +180,7 @@ def _flat(scene: ContactScene) -> float:
 
 def _divisions(scene: ContactScene, *, quick: bool) -> tuple[int, ...]:
     if _yields(scene) or _flat(scene):
-        return _FEW if quick else _FEWER
+        return _COARSE_QUICK if quick else _COARSE_DIVISIONS
     return _QUICK if quick else _DIVISIONS
 
 
@@ -189,8 +189,8 @@ def _mesh(scene: ContactScene, a: float) -> dict[str, float]:
     yields, flat = _yields(scene), _flat(scene)
     sizes = [a / _ELASTIC, *(layer["thickness"] / _PARTS for layer in scene.layers)]
     for region in scene.regions:
-        both = (region["radius"], region["height"]) if region["kind"] == "ellipsoid" else ()
-        sizes += [size / _PARTS for size in both]
+        radii = (region["radius"], region["height"]) if region["kind"] == "ellipsoid" else ()
+        sizes += [size / _PARTS for size in radii]
     sizes += [r / _PARTS for r in junctions(scene.profile)]
     fine = max(min(sizes), _SMALLEST * a) if not yields else a / _YIELDING
     mesh = {"radius": a, "fine": fine, "inner": 0.0, "reach": _REACH * a}

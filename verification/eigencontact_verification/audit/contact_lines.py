@@ -235,7 +235,7 @@ def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[Stored
     r = np.hypot(*np.meshgrid(stored.x, stored.y)).ravel()
     counted = np.array([counting_error(r, stored.cell**2, a[k]) for k in steps])
     fields = [(stored.gap[k].ravel(), stored.pressure[k].ravel()) for k in steps]
-    edges = np.array([edge_radius(r, *both, stored.cell, a[k]) for k, both in zip(steps, fields, strict=True)])
+    edges = np.array([edge_radius(r, *values, stored.cell, a[k]) for k, values in zip(steps, fields, strict=True)])
     read = np.isfinite(edges).all(axis=1)
     late = read & (steps > stored.peak)  # beyond the edge lies what was pressed before, and keeps its form
     edges[late, 1] = np.maximum(edges[late, 1], edges[read & (steps == stored.peak), 1].max(initial=0.0))

@@ -94,14 +94,14 @@ def _read(solution: LineSolution, line: StoredProfile, widest: float) -> FloatAr
         pairs = zip(line.profile.points[:, None, [0, 2]], line.moments, strict=True)
         return np.concatenate([solution.stress(point, k, line.body).T for point, k in pairs])
     (k,) = line.moments
-    x, now = line.profile.points[:, 0], solution.moments[k]
+    x, moment = line.profile.points[:, 0], solution.moments[k]
     if line.kind == "pressure":
-        return -np.sqrt(np.interp(x, solution.x, now.pressure**2))[:, None]  # p² is smooth to the edge
+        return -np.sqrt(np.interp(x, solution.x, moment.pressure**2))[:, None]  # p² is smooth to the edge
     if line.kind == "shear":
-        return np.interp(x, solution.x, now.shear)[:, None]
+        return np.interp(x, solution.x, moment.shear)[:, None]
     if line.kind == "slip":
-        before = solution.moments[k - 1].slip if k else 0 * now.slip
-        return -np.interp(x, solution.x, now.slip - before)[:, None]
+        before = solution.moments[k - 1].slip if k else 0 * moment.slip
+        return -np.interp(x, solution.x, moment.slip - before)[:, None]
     points = line.profile.points[:, [0, 2]]
     if line.kind == "plastic strain":
         return solution.plastic_strain(points, k, line.body)[:, None]
@@ -114,7 +114,7 @@ def _edges(stored: StoredLine, lines: Iterable[StoredProfile]) -> list[float]:
     a, ends = float(stored.half_width.max()), stored.edges(steps)
     for radius in junctions(stored.scene["profile"]):
         for end in np.unique([stored.place[k] + sign * radius for k in steps for sign in (-1, 1)]):
-            if radius < a and all(abs(other - end) > stored.cell for other in ends):
+            if radius < a and all(abs(place - end) > stored.cell for place in ends):
                 ends.append(float(end))
     return sorted(ends)
 

@@ -87,23 +87,24 @@ def _values(run: StoredLine, line: StoredProfile) -> FloatArray | None:
     """Values (n, components) of a run at the points of a line, nan outside what it stores; None of half widths."""
     if line.kind in _FIELDS:
         name, sign = _FIELDS[line.kind]
-        found = Akima1DInterpolator(run.x, sign * run.fields[name][line.moments[0]])(line.profile.points[:, 0])
-        return np.asarray(found[:, None])
+        columns = Akima1DInterpolator(run.x, sign * run.fields[name][line.moments[0]])(line.profile.points[:, 0])
+        return np.asarray(columns[:, None])
     number = run.scene["bodies"][line.body - 1]["number"]
     points = line.profile.points
     if line.kind == "plastic strain":
-        (strain,) = (one for one in run.strains if one.body == number)
+        (strain,) = (region for region in run.strains if region.body == number)
         return _within(strain.x, strain.z, strain.values[:, :, None], points)
     if line.kind not in ("stress", "history of stress"):
         return None
     stored = [
-        next(one for one in run.regions[k] if one.body == number and line.profile.name.endswith(one.name))
+        next(region for region in run.regions[k] if region.body == number and line.profile.name.endswith(region.name))
         for k in line.moments
     ]
-    found = [
-        _within(one.points[0, :, 0], one.points[:, 0, 2], one.stress[:, :, [0, 1, 2, 4]], points) for one in stored
+    columns = [
+        _within(region.points[0, :, 0], region.points[:, 0, 2], region.stress[:, :, [0, 1, 2, 4]], points)
+        for region in stored
     ]
-    return found[0] if len(found) == 1 else np.stack([one[k] for k, one in enumerate(found)])
+    return columns[0] if len(columns) == 1 else np.stack([column[k] for k, column in enumerate(columns)])
 
 
 def _within(x: FloatArray, z: FloatArray, field: FloatArray, points: FloatArray) -> FloatArray:

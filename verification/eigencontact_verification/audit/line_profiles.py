@@ -36,7 +36,7 @@ _PLASTIC, _SMOOTH = 1.25, 0.1
 #: Contacts are compared in width from this part of the widest.
 _WIDE = 0.6
 #: Part by which loads of steps may differ and count as one.
-_SAME = 1e-4
+_LOAD_TOLERANCE = 1e-4
 _MEAN = 1 / 8
 #: Distance from boundaries of regions and of layers that stress is compared from, and of columns, in half widths.
 _MARGIN, _THIN, _APART = 0.1, 0.02, 0.1
@@ -72,13 +72,15 @@ def line_profiles(stored: StoredLine) -> list[StoredProfile]:
         steps = (peak,) if kind == "pressure" else (pulled, last)
         for k in compared if stored.travels else dict.fromkeys(steps):
             values = stored.fields.get(name, 0 * stored.load[:, None] * stored.x)[k]
-            here = spread(np.flatnonzero(np.abs(stored.x - stored.place[k]) < _INNER * a[k]), _POINTS)
-            if np.any(values[here]):
-                points = np.stack((stored.x[here], 0 * stored.x[here], 0 * stored.x[here]), axis=1)
-                error = np.maximum(_bend(values)[here], _bend(values)[here].mean())
+            chosen = spread(np.flatnonzero(np.abs(stored.x - stored.place[k]) < _INNER * a[k]), _POINTS)
+            if np.any(values[chosen]):
+                points = np.stack((stored.x[chosen], 0 * stored.x[chosen], 0 * stored.x[chosen]), axis=1)
+                error = np.maximum(_bend(values)[chosen], _bend(values)[chosen].mean())
                 if kind == "pressure" and any(body["cut"] for body in stored.scene["bodies"]):
-                    error = error + _by_regions(stored, k)[here]
-                lines.append(_line(kind, f", step {k + 1}", points, 0, sign * values[here, None], error[:, None], (k,)))
+                    error = error + _by_regions(stored, k)[chosen]
+                lines.append(
+                    _line(kind, f", step {k + 1}", points, 0, sign * values[chosen, None], error[:, None], (k,))
+                )
     for k in compared:
         lines += _stress(stored, k)
     return lines + (_histories(stored) if stored.travels else []) + _strains(stored)
@@ -95,7 +97,7 @@ def _by_regions(stored: StoredLine, k: int) -> FloatArray:
 
 def _first_largest(values: FloatArray) -> int:
     """First step whose value is the largest but for the tolerance of a load."""
-    return int(np.flatnonzero(values >= (1 - _SAME) * values.max())[0])
+    return int(np.flatnonzero(values >= (1 - _LOAD_TOLERANCE) * values.max())[0])
 
 
 def _stress(stored: StoredLine, k: int) -> list[StoredProfile]:

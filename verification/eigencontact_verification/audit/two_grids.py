@@ -41,7 +41,7 @@ _FEWEST = 4
 def with_two_grids(
     lines: Sequence[StoredProfile],
     stored: StoredContact,
-    others: Sequence[StoredProfile],
+    coarser_lines: Sequence[StoredProfile],
     coarser: StoredContact,
     *,
     regions: bool = False,
@@ -50,7 +50,7 @@ def with_two_grids(
 
     Parameters
     ----------
-    lines, others : sequence of StoredProfile
+    lines, coarser_lines : sequence of StoredProfile
         Of the run that is judged, and of the coarser one.
     stored, coarser : StoredContact
         Both runs.
@@ -64,7 +64,7 @@ def with_two_grids(
     """
     edges = zip((stored.cell, stored.pitch), (coarser.cell, coarser.pitch), strict=True)
     ratio = ratio_of_cells(min(b / a for a, b in edges if a), stored.load, coarser.load)
-    named = {line.profile.name: line for line in others}
+    named = {line.profile.name: line for line in coarser_lines}
     kinds = _SMOOTH if regions else _SMOOTH + _WITHOUT_REGIONS
     return tuple(
         line if line.kind not in kinds or line.profile.name not in named
@@ -73,8 +73,10 @@ def with_two_grids(
     )  # fmt: skip
 
 
-def ratio_of_cells(ratio: float, load: FloatArray, other: FloatArray) -> float:
-    """Ratio of the cells of a coarser run to those of a run, checked; `load` and `other` are the loads of their steps.
+def ratio_of_cells(ratio: float, load: FloatArray, coarser_load: FloatArray) -> float:
+    """Ratio of the cells of a coarser run to those of a run, checked.
+
+    Their load steps have the loads `load` and `coarser_load`.
 
     Raises
     ------
@@ -83,12 +85,12 @@ def ratio_of_cells(ratio: float, load: FloatArray, other: FloatArray) -> float:
     """
     if not ratio >= _RATIO:
         raise NotJudged(f"the coarser run must have cells larger by a factor of {_RATIO} (got {ratio:.3g})")
-    if load.shape != other.shape or not np.allclose(load, other, rtol=1e-6, atol=0.0):
+    if load.shape != coarser_load.shape or not np.allclose(load, coarser_load, rtol=1e-6, atol=0.0):
         raise NotJudged("the coarser run must have the same loads")
     return ratio
 
 
-def with_index(line: StoredProfile, found: FloatArray, ratio: float) -> StoredProfile:
+def with_index(line: StoredProfile, coarser_values: FloatArray, ratio: float) -> StoredProfile:
     """Line whose error is at least the grid convergence index of two runs.
 
     The index is ``1.25 |f - g| / (ratio - 1)``, of first order, and nowhere less than half of the largest on the line:
@@ -96,16 +98,16 @@ def with_index(line: StoredProfile, found: FloatArray, ratio: float) -> StoredPr
 
     Parameters
     ----------
-    found : (n, components) array
+    coarser_values : (n, components) array
         Values of the coarser run at the points of the line, nan where it has none.
     ratio : float
         Of the cells of both runs.
     """
-    index, along = _SAFETY * np.abs(line.values - found) / (ratio**_ORDER - 1), line.profile.along
-    known = np.isfinite(index).all(axis=1)
-    if not known.any():
+    index, along = _SAFETY * np.abs(line.values - coarser_values) / (ratio**_ORDER - 1), line.profile.along
+    finite = np.isfinite(index).all(axis=1)
+    if not finite.any():
         return line
-    index = np.stack([np.interp(along, along[known], column[known]) for column in index.T], axis=1)
+    index = np.stack([np.interp(along, along[finite], column[finite]) for column in index.T], axis=1)
     return replace(line, error=np.maximum(line.error, np.maximum(index, 0.5 * index.max(axis=0))))
 
 
@@ -144,15 +146,15 @@ def _error(
     return error
 
 
-def _estimated(line: StoredProfile, other: StoredProfile, ratio: float) -> StoredProfile:
-    at, values = other.profile.along, other.values
+def _estimated(line: StoredProfile, coarser: StoredProfile, ratio: float) -> StoredProfile:
+    at, values = coarser.profile.along, coarser.values
     if line.kind == "approach":  # over the same steps
-        found = values
+        coarser_values = values
     else:
         if line.kind != "stress":  # of revolution: the row goes on beyond the axis
             at, where = np.unique(np.concatenate((-at, at)), return_index=True)
             values = np.concatenate((values, values))[where]
         if at.size < _FEWEST:
             return line
-        found = Akima1DInterpolator(at, values)(line.profile.along)
-    return with_index(line, found, ratio)
+        coarser_values = Akima1DInterpolator(at, values)(line.profile.along)
+    return with_index(line, coarser_values, ratio)

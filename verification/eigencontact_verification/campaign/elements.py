@@ -177,9 +177,9 @@ def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, cla
         )  # fmt: skip
 
 
-def _larger(first: float, other: float) -> float:
+def _larger(first: float, second: float) -> float:
     """Larger of two numbers; nan counts as the largest."""
-    return float(np.maximum(first, other))
+    return float(np.maximum(first, second))
 
 
 def _sum(values: Iterable[float | None]) -> float | None:

@@ -40,16 +40,16 @@ def axes_of_map(campaign: Campaign, points: Sequence[JudgedPoint]) -> tuple[str,
 
 def quantities_of(campaign: Campaign, points: Sequence[JudgedPoint]) -> list[str]:
     """Names of quantities that were judged; those that the file wants drawn."""
-    every = list(dict.fromkeys(finding.quantity for point in points for finding in point.findings))
-    names = campaign.drawn.get("quantities", every)
-    return [name for name in every if name in names] or every
+    judged_names = list(dict.fromkeys(finding.quantity for point in points for finding in point.findings))
+    names = campaign.drawn.get("quantities", judged_names)
+    return [name for name in judged_names if name in names] or judged_names
 
 
 def draw_map(campaign: Campaign, points: Sequence[JudgedPoint]) -> Figure:
     """One panel for each quantity, and for each value of further parameters."""
-    x, y, others = axes_of_map(campaign, points)
+    x, y, panel_axes = axes_of_map(campaign, points)
     names = quantities_of(campaign, points)
-    groups = list(product(*(levels_in(points, name) for name in others)))
+    groups = list(product(*(levels_in(points, name) for name in panel_axes)))
     panels = [(name, group) for group in groups for name in names]
     across, up = levels_in(points, x), [None] if y is None else levels_in(points, y)
     columns = min(len(panels), 3 if y is None else max(1, 10 // max(3, len(across))))
@@ -58,7 +58,7 @@ def draw_map(campaign: Campaign, points: Sequence[JudgedPoint]) -> Figure:
     figure = new_figure(max(5.0, columns * width), rows * height + 0.6)
     places = list(figure.subplots(rows, columns, squeeze=False).ravel())
     for place, (name, group) in zip(places, panels, strict=False):
-        at = dict(zip(others, group, strict=True))
+        at = dict(zip(panel_axes, group, strict=True))
         chosen = [point for point in points if all(point.point.values.get(key) == value for key, value in at.items())]
         panel = ", ".join([name, *(f"{label_in(campaign, key)} {plain(value)}" for key, value in at.items())])
         place.set_title(subscripts(panel))
@@ -170,19 +170,19 @@ def _key(figure: Figure, points: Sequence[JudgedPoint], *, cells: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    some = len({finding.claimed for point in points for finding in point.findings}) > 1
+    bordered = len({finding.claimed for point in points for finding in point.findings}) > 1
     entries: list[tuple[Any, str]] = []
     if cells:
         used = {finding.word for point in points for finding in point.findings}
         entries = [(Patch(color=tint), f"{MARKS[word]} {word}") for word, tint in _TINTS.items() if word in used]
-        entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if some else []
+        entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if bordered else []
     else:
         band = Patch(color=COLOURS[0], alpha=0.25)
         entries = [(band, "own error of the reference"),
                    (Line2D([], [], color="black", linestyle="--", linewidth=0.9), "tolerance")]  # fmt: skip
         if any(finding.run_error is not None for point in points for finding in point.findings):
             entries.append((Line2D([], [], color=_BARS, marker="|", linestyle="-"), "error bar of the model"))
-        if some:
+        if bordered:
             entries.append((Line2D([], [], color="black", marker="^", linestyle="none"), "agreement is claimed"))
     handles, words = zip(*entries, strict=True)
     figure.legend(handles, words, loc="outside lower center", ncols=len(entries), fontsize=8, frameon=False)

@@ -78,7 +78,7 @@ class MapReport:
                     "reference_seconds": point.reference_seconds, "reference_seconds_all": point.all_seconds,
                     "reference_memory_bytes": point.reference_memory,
                     "not_judged": list(point.gaps),
-                    "warnings": [said["code"] for said in (point.point.model.summary or {}).get("warnings", ())],
+                    "warnings": [warning["code"] for warning in (point.point.model.summary or {}).get("warnings", ())],
                 }
                 for point in self.points
             ],
@@ -121,8 +121,8 @@ def _time(value: float | None) -> str:
 
 def _maps(report: MapReport) -> list[str]:
     """Map of each quantity as a table; none where there are not two parameters."""
-    x, y, others = axes_of_map(report.campaign, report.points)
-    if y is None or others:
+    x, y, panel_axes = axes_of_map(report.campaign, report.points)
+    if y is None or panel_axes:
         return []
     across, up = levels_in(report.points, x), levels_in(report.points, y)
     rows_and_columns = f"Rows are {label_in(report.campaign, y)}, columns {label_in(report.campaign, x)}"
@@ -160,9 +160,9 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
     campaign = report.campaign
     blocks = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
     blocks += _sentences(report)
-    said = answers(campaign, report.points)
-    if said:
-        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    ranges = answers(campaign, report.points)
+    if ranges:
+        blocks.append("\n".join([ranges[0], "", *(f"- {line}" for line in ranges[1:])]))
     if trade:
         blocks += [markdown_table(_TRADE, _trade_rows(report.points)), _TRADE_METHOD]
     else:
@@ -172,9 +172,9 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
 
 def _markdown(report: MapReport) -> str:
     blocks = [f"# {report.campaign.title}", *_sentences(report), _METHOD, "![map](map.png)"]
-    said = answers(report.campaign, report.points)
-    if said:
-        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    ranges = answers(report.campaign, report.points)
+    if ranges:
+        blocks.append("\n".join([ranges[0], "", *(f"- {line}" for line in ranges[1:])]))
     blocks += ["## Verdicts", _verdicts(report)]
     if gaps := _gaps(report):
         blocks += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
@@ -192,9 +192,9 @@ def _html(report: MapReport, picture: Path) -> str:
     head, *rows = _rows(report.points)
     blocks = [f"<p>{html.escape(words)}</p>" for words in (*_sentences(report), _METHOD)]
     blocks.append(html_picture(picture, f"map of {report.campaign.title}"))
-    said = answers(report.campaign, report.points)
-    if said:
-        blocks.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
+    ranges = answers(report.campaign, report.points)
+    if ranges:
+        blocks.append(f"<p>{html.escape(ranges[0])}</p>{html_items(ranges[1:])}")
     blocks.append(f"<h2>Verdicts</h2>{html_table(head, rows)}")
     if gaps := _gaps(report):
         blocks.append(f"<h2>Not judged</h2>{html_items(gaps)}")

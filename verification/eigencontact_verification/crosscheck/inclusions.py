@@ -38,10 +38,10 @@ FloatArray = NDArray[np.float64]
 
 _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
-_OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
+_GEOMETRY = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
 _READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "lines:columns")
 _CODE = (
-    *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
+    *(f"{__name__}:{name}" for name in (*_GEOMETRY, "InclusionCase.reference")),
     *(f"eigencontact_verification.crosscheck.{name}" for name in _READING),
 )
 _MODULUS = 1.0

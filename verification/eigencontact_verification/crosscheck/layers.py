@@ -106,8 +106,8 @@ class LayeredCase(FieldCase):
             def contains(_x: FloatArray, _y: FloatArray, z: FloatArray, number: int = number) -> NDArray[np.bool_]:
                 return np.asarray(np.searchsorted(interfaces, z) == number)
 
-            here = layer == number
-            stress[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
+            in_layer = layer == number
+            stress[in_layer] = recovered_section_stress(solution, profile.points[in_layer], contains=contains)
         return stress
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
@@ -119,8 +119,8 @@ class LayeredCase(FieldCase):
         medium = make(KEY, kind="layered-medium", layers=parameters["layers"], substrate=substrate)
         values = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
         for depth in np.unique(points[:, 2]):
-            here = points[:, 2] == depth
-            values[here] = _at_depth(medium, parameters["pressure"], points[here, 0], float(depth), quantity)
+            at_depth = points[:, 2] == depth
+            values[at_depth] = _at_depth(medium, parameters["pressure"], points[at_depth, 0], float(depth), quantity)
         return values
 
     @property

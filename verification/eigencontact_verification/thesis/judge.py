@@ -103,10 +103,10 @@ def wanted_rows(study: Study, rules: Sequence[Rule], *, coarse: bool) -> list[Ma
         if parameters or parameters is rule.at
     ]
     needed_rows = [row for row in candidates if any(row in rows for rows in selections)]
-    return [row for n, row in enumerate(needed_rows) if not any(_same(row, other) for other in needed_rows[:n])]
+    return [row for n, row in enumerate(needed_rows) if not any(_equal(row, earlier) for earlier in needed_rows[:n])]
 
 
-def _same(row: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+def _equal(row: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
     return set(row) == set(other) and bool(selected([row], other))
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "variants"]
 
 #: Keys of all variations, in the order of the table.
-KEYS = ("grid", *(one.key for one in FIDELITIES))
+KEYS = ("grid", *(fidelity.key for fidelity in FIDELITIES))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -57,11 +57,11 @@ def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tu
         variants_found += [
             Variant(
                 key=fidelity.key,
-                words=fidelity.words(other),
-                changes={**fidelity.of(plan, other), "grid": grid},
+                words=fidelity.words(value),
+                changes={**fidelity.of(plan, value), "grid": grid},
                 fidelity=fidelity,
             )
-            for other in fidelity.others(plan)
+            for value in fidelity.others(plan)
         ]
     changes, words = finest(plan, fidelities.reference)
     reference = Variant(key="reference", words=", ".join(words), changes=changes)
