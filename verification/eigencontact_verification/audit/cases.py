@@ -38,11 +38,11 @@ _HALF = 0.5
 class RunCase(Case):
     """Stored values of a run against finite elements."""
 
-    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
+    def remedy(self, source: str, excess: float) -> str:  # noqa: ARG002
         """The finer meshes of a full audit, or finer cells of the run; see `Case.remedy`."""
-        if part == "judged":
+        if source == "judged":
             return "run the scene with finer cells"
-        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
+        return "repeat without --quick, on finer meshes" if self.quick and source == "discretisation" else ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -224,17 +224,17 @@ class Case(ABC):
         times = ceil(shared * factor - _ROUNDING)
         return replace(self, parameters={**self.parameters, _MESHES: [number // shared * times for number in meshes]})
 
-    def remedy(self, part: str, excess: float) -> str:
+    def remedy(self, source: str, excess: float) -> str:
         """Advice about an uncertainty above its limit; empty where there is none.
 
         Parameters
         ----------
-        part : str
+        source : str
             Largest part of the uncertainty: ``"discretisation"``, ``"truncation"``, ``"iteration"``, ``"judged"``.
         excess : float
             Uncertainty over its limit.
         """
-        return refine_option(excess) if part == "discretisation" and _MESHES in self.parameters else ""
+        return refine_option(excess) if source == "discretisation" and _MESHES in self.parameters else ""
 
     @property
     def words(self) -> str:

@@ -138,9 +138,9 @@ class PlasticCase(Case):
         cells, *coarser = (ceil(number * factor) for number in (self.cells, *self.coarser))
         return replace(finer, cells=cells, coarser=tuple(coarser))
 
-    def remedy(self, part: str, excess: float) -> str:
+    def remedy(self, source: str, excess: float) -> str:
         """Finer meshes and cells; see `Case.remedy`."""
-        return refine_option(excess) if part in ("discretisation", "judged") else ""
+        return refine_option(excess) if source in ("discretisation", "judged") else ""
 
     def by_cells(self, cells: int) -> Fields:
         """Values by so many cells to a contact radius."""

@@ -94,9 +94,9 @@ def stencil(
     low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
     first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
     index = first[:, None] + np.arange(COUNT)
-    lost = index >= high[:, None]
-    places = np.where(lost, np.nan, gauss[np.minimum(index, gauss.size - 1)])
-    return np.where(lost, places[:, :1], places), lagrange_weights(at, places)
+    beyond = index >= high[:, None]
+    places = np.where(beyond, np.nan, gauss[np.minimum(index, gauss.size - 1)])
+    return np.where(beyond, places[:, :1], places), lagrange_weights(at, places)
 
 
 def _continuous(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> FloatArray:
