@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.fem.plane_strain import PlaneBody
-from eigencontact_verification.fem.recovery import section_gauss_points
-from eigencontact_verification.fem.section_recovery import fitted, stencil
+from eigencontact_verification.fem.section_recovery import fitted, section_gauss_points, stencil
 
 __all__ = ["recovered_plane"]
 
