@@ -31,6 +31,7 @@ the first.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,8 +42,7 @@ from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.lines import spread
 from eigencontact_verification.audit.stored import read_step
-from eigencontact_verification.audit.stored_profile import StoredProfile
-from eigencontact_verification.crosscheck.case import Profile, Quantity
+from eigencontact_verification.audit.stored_profile import Form, StoredProfile, stored_profile
 from eigencontact_verification.fem.loaded_body import Tractions
 
 if TYPE_CHECKING:
@@ -64,8 +64,8 @@ _MARGIN = 0.1
 _POINTS = 40
 #: Part of the second difference by which a mean over a cell may differ from the value in its middle.
 _MEAN = 1 / 8
-#: Quantity, label of the abscissa, components and unit by kind of line. A radius is no displacement of the field.
-_PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
+#: Forms by kind of line. A radius is no displacement of the field.
+_FORMS: dict[str, Form] = {
     "approach": ("displacement", "step [1]", ("u_z",), "m"),
     "radius": ("strain", "step [1]", ("a",), "largest a"),
     "edge": ("strain", "step [1]", ("a",), "largest a"),
@@ -73,6 +73,7 @@ _PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "print": ("displacement", "x [m]", ("u_z",), "m"),
     "stress": ("stress", "z [m]", ("s_xx", "s_zz"), "Pa"),
 }
+_line = partial(stored_profile, _FORMS)
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
 
@@ -270,20 +271,6 @@ def _bend(p: FloatArray) -> FloatArray:
     """Difference between the mean over a cell and the value in its middle, the largest of three neighbours."""
     second = _MEAN * np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
-
-
-def _line(
-    kind: str, name: str, points: FloatArray, along: FloatArray, values: FloatArray, error: FloatArray,
-    moments: tuple[int, ...],
-) -> StoredProfile:  # fmt: skip
-    quantity, label, components, unit = _PROFILES[kind]
-    profile = Profile(
-        name=name, quantity=quantity, points=points, along=along, label=label, components=components, unit=unit
-    )
-    table = along.size, len(components)
-    return StoredProfile(
-        profile=profile, kind=kind, moments=moments, values=values.reshape(table), error=error.reshape(table)
-    )
 
 
 def _surface(

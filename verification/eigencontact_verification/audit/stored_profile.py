@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Fields, Profile, error_key
+from eigencontact_verification.crosscheck.case import Fields, Profile, Quantity, error_key
 
-__all__ = ["StoredProfile", "fields_of"]
+__all__ = ["Form", "StoredProfile", "fields_of", "stored_profile"]
 
 FloatArray = NDArray[np.float64]
+#: Quantity, label of the abscissa, components and unit of a kind of line.
+Form = tuple[Quantity, str, tuple[str, ...], str]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,6 +44,21 @@ class StoredProfile:
     body: int = 1
     values: FloatArray
     error: FloatArray
+
+
+def stored_profile(
+    forms: Mapping[str, Form], kind: str, name: str, points: FloatArray, along: FloatArray, values: FloatArray,
+    error: FloatArray, moments: tuple[int, ...], body: int = 1,
+) -> StoredProfile:  # fmt: skip
+    """Profile of one of the kinds in `forms`; of one component, values and errors may be (n,)."""
+    quantity, label, components, unit = forms[kind]
+    profile = Profile(
+        name=name, quantity=quantity, points=points, along=along, label=label, components=components, unit=unit
+    )
+    table = along.size, len(components)
+    return StoredProfile(
+        profile=profile, kind=kind, moments=moments, body=body, values=values.reshape(table), error=error.reshape(table)
+    )
 
 
 def fields_of(profiles: Iterable[StoredProfile]) -> Fields:
