@@ -19,7 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["COUNT", "OFFSETS", "gauss_lines", "lagrange_weights", "recovered", "recovered_stress"]
+__all__ = ["COUNT", "OFFSETS", "recovered", "recovered_stress", "stencil"]
 
 FloatArray = NDArray[np.float64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
@@ -92,11 +92,11 @@ def recovered(
         As `contains` there; any numbers that tell sides apart.
     """
     stencils = [
-        _stencil(grid.lines[axis], points[:, axis], np.sort(np.asarray(breaks[axis], dtype=float)),
-                 mirrored=axis < 2 and symmetry[axis] != "none")
+        stencil(grid.lines[axis], points[:, axis], breaks=breaks[axis], mirrored=axis < 2 and symmetry[axis] != "none")
         for axis in range(3)
-    ]  # fmt: skip
+    ]
     (xs, wx), (ys, wy), (zs, wz) = stencils
+    xs, ys, zs = (np.where(np.isnan(places), points[:, axis, None], places) for axis, places in enumerate((xs, ys, zs)))
     shape = (len(points), COUNT, COUNT, COUNT)
     samples = np.stack(
         [
@@ -119,39 +119,53 @@ def recovered(
     return tensor
 
 
-def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: bool) -> tuple[FloatArray, FloatArray]:
-    """Places ``(n, count)`` of Gauss points around coordinates `at`, and the weights of Lagrange's interpolation.
+def stencil(
+    line: FloatArray, at: FloatArray, *, breaks: ArrayLike = (), mirrored: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Places ``(n, COUNT)`` of Gauss points around coordinates, and the weights of Lagrange's interpolation.
+
+    A stretch between breaks that is one element thick has two Gauss points: other places are NaN, their weights 0.
+
+    Parameters
+    ----------
+    line : (m,) array
+        Lines of the mesh along one axis.
+    at : (n,) array
+        Coordinates.
+    breaks : sequence of float
+        Lines of the mesh that are not reached across.
+    mirrored : bool
+        Whether mesh and breaks continue beyond 0 as their image.
 
     Raises
     ------
     ValueError
         No element lies between the breaks on both sides of a coordinate.
     """
-    gauss = gauss_lines(line, mirrored=mirrored)
+    gauss, faces = _gauss_lines(line, mirrored=mirrored), np.sort(np.asarray(breaks, dtype=float))
     if mirrored:
-        breaks = np.sort(np.concatenate([breaks, -breaks]))
+        faces = np.sort(np.concatenate([faces, -faces]))
         # a face and its image that differ by round-off are one: nothing lies between them to interpolate from
-        breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * np.ptp(line))[: breaks.size]]
-    side = np.searchsorted(breaks, gauss)
-    places = np.empty((at.size, COUNT))
-    for row, (x, stretch) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
-        choice = gauss[side == stretch]
-        if not choice.size:
-            raise ValueError(f"faces must have elements between them (got none around {x:.9g}); merge them")
-        first = int(np.clip(np.searchsorted(choice, x) - COUNT // 2, 0, max(choice.size - COUNT, 0)))
-        chosen = choice[first : first + COUNT]
-        # a part of the body one element thick has two Gauss points: the line through them
-        places[row] = np.concatenate([chosen, np.full(COUNT - chosen.size, np.nan)])
-    return np.where(np.isnan(places), at[:, None], places), lagrange_weights(at, places)
+        faces = faces[np.append(True, np.diff(faces) > 1e-9 * np.ptp(line))[: faces.size]]
+    faces = np.concatenate([[-np.inf], faces, [np.inf]])
+    stretch = np.searchsorted(faces, at) - 1
+    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
+    if np.any(low == high):
+        place = at[low == high][0]
+        raise ValueError(f"faces must have elements between them (got none around {place:.9g}); merge them")
+    first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
+    index = first[:, None] + np.arange(COUNT)
+    places = np.where(index < high[:, None], gauss[np.minimum(index, gauss.size - 1)], np.nan)
+    return places, _lagrange_weights(at, places)
 
 
-def gauss_lines(line: FloatArray, *, mirrored: bool) -> FloatArray:
+def _gauss_lines(line: FloatArray, *, mirrored: bool) -> FloatArray:
     """Coordinates of the Gauss points between the lines of a mesh along one axis; mirrored at 0 on request."""
     gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(OFFSETS)).ravel()
     return np.concatenate([-gauss[::-1], gauss]) if mirrored else gauss
 
 
-def lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
+def _lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
     """Weights ``(n, COUNT)`` of Lagrange's interpolation from places to coordinates; 0 for a place that is NaN."""
     weights = np.ones_like(places)
     for i in range(COUNT):

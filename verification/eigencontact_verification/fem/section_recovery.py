@@ -23,9 +23,9 @@ from scipy.spatial import cKDTree
 
 from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
 from eigencontact_verification.fem.model import lame
-from eigencontact_verification.fem.recovery import COUNT, OFFSETS, gauss_lines, lagrange_weights
+from eigencontact_verification.fem.recovery import COUNT, OFFSETS, stencil
 
-__all__ = ["fitted", "recovered", "recovered_section_stress", "section_gauss_points", "stencil"]
+__all__ = ["fitted", "recovered", "recovered_section_stress", "section_gauss_points"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,6 +42,7 @@ def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
     side_of_points = _side(solution, r, z)
     rs, wr = stencil(solution.grid.lines[0], r, mirrored=True)
     zs, wz = stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
+    rs, zs = (np.where(np.isnan(places), places[:, :1], places) for places in (rs, zs))
     shape = (r.size, COUNT, COUNT)
     sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
     beside = _curved(solution, np.abs(sample_r), sample_z)
@@ -77,25 +78,6 @@ def _curved(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> NDA
         low, high = fit.box
         out |= (r > low[0]) & (r < high[0]) & (z > low[1]) & (z < high[1])
     return out
-
-
-def stencil(
-    line: FloatArray, at: FloatArray, *, breaks: FloatArray | None = None, mirrored: bool = False
-) -> tuple[FloatArray, FloatArray]:
-    """Places (n, 4) of Gauss points around coordinates and the weights of Lagrange's interpolation.
-
-    Breaks, lines of the mesh, are not reached across; a part that is one element thick has the line through its two
-    points, and the weights of what is left over are zero.
-    """
-    gauss = gauss_lines(line, mirrored=mirrored)
-    faces = np.concatenate([[-np.inf], [] if breaks is None else breaks, [np.inf]])
-    stretch = np.searchsorted(faces, at) - 1
-    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
-    first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
-    index = first[:, None] + np.arange(COUNT)
-    beyond = index >= high[:, None]
-    places = np.where(beyond, np.nan, gauss[np.minimum(index, gauss.size - 1)])
-    return np.where(beyond, places[:, :1], places), lagrange_weights(at, places)
 
 
 def _continuous(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> FloatArray:
