@@ -77,7 +77,8 @@ def _print(entries: Sequence[Entry], claims: Sequence[JudgedClaim], counts: dict
         if entry.lacks:
             typer.echo(f"  not computed, it lacks: {entry.lacks}")
         for claim in (claim for claim in claims if claim.name == entry.name):
-            both = "; ".join(f"{who} {what}" for who, what in (("here", claim.number), ("text", claim.text)) if what)
-            typer.echo(f"  {claim.verdict}: {claim.says}{f' ({both})' if both else ''}")
+            sources = ("here", claim.number), ("text", claim.text)
+            values = "; ".join(f"{source} {number}" for source, number in sources if number)
+            typer.echo(f"  {claim.verdict}: {claim.says}{f' ({values})' if values else ''}")
             if claim.why:
                 typer.echo(f"    {claim.why}")

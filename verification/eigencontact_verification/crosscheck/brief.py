@@ -90,7 +90,7 @@ def _gaps(gaps: Iterable[Gap]) -> list[str]:
     shared: dict[tuple[str, str], list[str]] = {}
     for gap in gaps:
         shared.setdefault((gap.what, gap.reason), []).append(gap.subject)
-    return [f"- {', '.join(kernels)}: {what} ({reason})" for (what, reason), kernels in shared.items()]
+    return [f"- {', '.join(kernels)}: {quantity} ({reason})" for (quantity, reason), kernels in shared.items()]
 
 
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
