@@ -9,6 +9,7 @@ import eigencontact as ec
 from close import close
 from eigencontact_verification.oracles import cattaneo, wear_springs
 from eigencontact_verification.oracles.wear_rings import Rings, fret, slide
+from worn_ball import SLIDING
 
 #: The sphere of HZ-2 on steel: contact radius, sphere's radius, load, p0; and the volume of the tables, π a⁴/(4R).
 A, RADIUS, LOAD, YOUNG = 20e-6, 200e-6, 12.307, 210e9
@@ -109,16 +110,6 @@ def test_wear_by_energy_asks_for_load_and_path_alone(young):
     assert volume == close(3.0768e-18, rel=1e-3)
     assert [volume, volume_of(data)] == close([1e-18 * energy] * 2, rel=1e-10)
     assert float(data["energy_volume_residual"][-1]) < 1e-10
-
-
-#: WR-9: p_max/p0, depth/(a²/R), contact radius/a by V/V_ref.
-SLIDING = {
-    0.01: (0.9967, 0.00374, 1.005),
-    0.1: (0.9674, 0.03688, 1.040),
-    1.0: (0.7200, 0.31907, 1.215),
-    10.0: (0.2182, 1.50099, 1.840),
-    100.0: (0.0670, 4.95873, 3.180),
-}
 
 
 @pytest.mark.parametrize(

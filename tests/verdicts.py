@@ -1,12 +1,14 @@
-"""Verdicts on a case of the cross-check, without its store and its processes."""
+"""Verdicts on a case of the cross-check without its store and its processes, and on a run."""
 
-from eigencontact_verification.crosscheck.case import own_error
+from eigencontact_verification.audit import cases_of
+from eigencontact_verification.crosscheck.case import error_key
 from eigencontact_verification.crosscheck.judge import judge
-from eigencontact_verification.crosscheck.run import Solved, tasks_of
-from eigencontact_verification.crosscheck.worker import Outcome
+from eigencontact_verification.crosscheck.run import Solved, run_cases, tasks_of
+from eigencontact_verification.crosscheck.store import Store
+from eigencontact_verification.crosscheck.worker import Outcome, perform
 from eigencontact_verification.fem.uncertainty import estimate, verdict
 
-__all__ = ["references", "rows_of", "words"]
+__all__ = ["references", "rows_of", "words", "words_of_audit"]
 
 
 def rows_of(case):
@@ -34,7 +36,7 @@ def references(case):
 def words(case, found):
     """Verdict on each quantity: the worst of its profiles."""
     judged = case.judged()
-    assert not any(own_error(profile.name) in judged for profile in case.profiles)
+    assert not any(error_key(profile.name) in judged for profile in case.profiles)
     out = {}
     for profile in case.profiles:
         word = verdict(judged[profile.name], found[profile.name]).word
@@ -43,3 +45,12 @@ def words(case, found):
         if word == "disagrees":
             out[profile.quantity] = word
     return out
+
+
+def words_of_audit(run, store):
+    """Verdicts of the audit of a run, solved in this process."""
+    cases, _ = cases_of(run)
+    solved = run_cases(cases, Store(store), executor=lambda tasks: ((task, perform(task)) for task in tasks))
+    verdicts = {row.word for case in solved for row in judge(case).rows}
+    assert verdicts
+    return verdicts

@@ -7,6 +7,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.plugin import LawStep, isotropic_stiffness
+from law_paths import pulled
 
 E, NU = 30e9, 0.2
 FIRST, A, B = 1e-4, 0.9, 1.5e4
@@ -23,21 +24,6 @@ def step(n=1, **means):
 
 def at_rest(n=1):
     return {"equivalent_strain": np.zeros((1, n)), "damage": np.zeros((1, n))}
-
-
-def pulled(found, strains):
-    """Stress along x and strain across at each axial strain of a path; the other stresses vanish (Newton's method)."""
-    before, strain, out = at_rest(), np.zeros((6, 1)), []
-    for axial in strains:
-        strain[0] = axial
-        for _ in range(60):
-            response = found.update(strain, before, step())
-            if np.abs(response.stress[1:3]).max() < 1e-4:
-                break
-            strain[1:3] -= np.linalg.solve(response.tangent[1:3, 1:3, 0], response.stress[1:3])
-        before = response.variables
-        out.append((float(response.stress[0, 0]), float(strain[1, 0])))
-    return np.array(out).T, before
 
 
 @pytest.mark.parametrize("closure", [False, True])

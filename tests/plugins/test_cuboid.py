@@ -13,19 +13,11 @@ from close import close
 from eigencontact.plugin import HasCornerPotentials, HasFarField, HasMirrorPotential, HasPotentials, SceneError
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from point_potentials import integrated, kernel, orders
+from shape_potentials import DERIVATIVES, RAISED, check_forms, check_gradient, check_scaling, columns, evaluate
 
 CENTER, EDGES = (0.3, -0.2, 1.1), (1.0, 0.7, 0.5)
-ASKED = [("phi", n) for n in (1, 2, 3, 4)] + [("psi", n) for n in (3, 4, 5)] + [("chi", n) for n in (3, 4)]
 BLOCK = Cuboid(center=CENTER, edges=EDGES)
 FLUSH = Cuboid(center=(0.0, 0.0, 0.5), edges=(1.0, 1.0, 1.0))
-
-
-def columns(points):
-    return tuple(np.array(points, dtype=float).T)
-
-
-def evaluate(shape, potential, order, points):
-    return getattr(shape, potential)(orders(order), *points)
 
 
 # Outside: anywhere, in line with an axis, a face, an edge and a corner.
@@ -43,7 +35,7 @@ def expected_loss(potential, points):
     return np.maximum(2.5e-15 * d * (d + max(EDGES)) ** 2 / np.prod(EDGES), 5e-15)
 
 
-@pytest.mark.parametrize(("potential", "order"), ASKED)
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
 def test_equals_quadrature_outside(potential, order):
     points = columns(OUTSIDE)
     found = evaluate(BLOCK, potential, order, points)
@@ -61,34 +53,19 @@ def test_recursion_of_the_tests_equals_differentiation():
         ),
     }
     with mpmath.workdps(30):
-        for potential, order in ASKED:
+        for potential, order in DERIVATIVES:
             for one in orders(order):
                 expected = mpmath.diff(potentials[potential], (0.3, -0.7, 0.4), one)
                 assert kernel(potential, one, (0.3, -0.7, 0.4)) == close(float(expected), rel=1e-12, abs=1e-12)
 
 
 INSIDE = [(0.3, -0.2, 1.1), (0.45, -0.1, 1.2), (0.0, -0.4, 0.95), (0.3, 0.05, 1.25)]
-RAISED = [("phi", n) for n in (2, 3, 4)] + [("psi", n) for n in (4, 5)]
-STENCIL = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
 
 
 @pytest.mark.parametrize("where", [INSIDE, OUTSIDE], ids=["inside", "outside"])
 @pytest.mark.parametrize(("potential", "order"), RAISED)
 def test_each_order_is_the_gradient_of_the_one_below(potential, order, where):
-    """Eighth-order differences; the error is that of rounding, 1e-16 / step."""
-    step, points = 2e-3, columns(where)
-    differences = {}
-    for axis in range(3):
-        total = 0.0
-        for distance, weight in STENCIL.items():
-            for sign in (1, -1):
-                moved = [t + sign * distance * step * (i == axis) for i, t in enumerate(points)]
-                total = total + sign * weight / step * evaluate(BLOCK, potential, order - 1, moved)
-        differences.update({(axis, one): row for one, row in zip(orders(order - 1), total, strict=True)})
-    found = evaluate(BLOCK, potential, order, points)
-    for (axis, one), expected in differences.items():
-        row = orders(order).index(tuple(n + (i == axis) for i, n in enumerate(one)))
-        np.testing.assert_allclose(found[row], expected, rtol=0, atol=3e-11 * np.abs(found).max())
+    check_gradient(BLOCK, potential, order, columns(where), step=2e-3, tolerance=3e-11)
 
 
 EVERYWHERE = [
@@ -182,7 +159,7 @@ def test_finite_and_silent_on_every_singular_point(potential):
     lattice = np.array([-1e4, -1.0, -0.5, -1e-14, 0.0, 0.5, 0.5 + 1e-16, 1.0, 1e4])
     depths = np.array([-1e4, -1.0, -0.0, 0.0, 0.5, 1.0, 2.0, 1e4])
     x, y, z = (t.ravel() for t in np.meshgrid(lattice, lattice, depths))
-    for _, order in [case for case in ASKED if case[0] == potential]:
+    for _, order in [case for case in DERIVATIVES if case[0] == potential]:
         found = evaluate(FLUSH, potential, order, (x, y, np.abs(z) if potential == "chi" else z))
         assert np.all(np.isfinite(found))
 
@@ -202,7 +179,7 @@ BARS = [((1000.0, 1.0, 1.0), 0), ((1.0, 1000.0, 1.0), 1), ((1.0, 1.0, 1000.0), 2
 
 
 @pytest.mark.parametrize(("edges", "along"), BARS)
-@pytest.mark.parametrize(("potential", "order"), ASKED)
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
 @pytest.mark.parametrize("distance", [25.0, 60.0, 500.0])
 def test_bar_of_1_to_1000(edges, along, potential, order, distance):
     center = np.array([0.0, 0.0, edges[2] / 2 + 3.0])
@@ -292,7 +269,7 @@ def test_far_field_stands_for_the_region(edges):
     assert far.volumes.sum() == close(np.prod(edges), rel=1e-14)
     assert np.all(shape.contains(*far.positions.T))
     assert far.volumes.size <= 500
-    for potential, order in ASKED:
+    for potential, order in DERIVATIVES:
         point = np.array([0.48, -0.6, 0.64]) * far.distance + (0.0, 0.0, edges[2] / 2)
         if potential == "chi":
             point[2] -= edges[2]
@@ -304,23 +281,20 @@ def test_far_field_stands_for_the_region(edges):
         np.testing.assert_allclose(itself, sources, rtol=0, atol=1e-10 * np.abs(sources).max())
 
 
-@pytest.mark.parametrize("exponent", [1e-9, 1e3])
-@pytest.mark.parametrize(("potential", "order"), ASKED)
-def test_scaling_of_all_lengths(exponent, potential, order):
-    points = columns(EVERYWHERE)
-    scaled = Cuboid(center=tuple(exponent * c for c in CENTER), edges=tuple(exponent * e for e in EDGES))
-    found = evaluate(scaled, potential, order, tuple(exponent * t for t in points))
-    expected = evaluate(BLOCK, potential, order, points) * exponent ** ((2 if potential == "phi" else 4) - order)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+@pytest.mark.parametrize("factor", [1e-9, 1e3])
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
+def test_scaling_of_all_lengths(factor, potential, order):
+    scaled = Cuboid(center=tuple(factor * c for c in CENTER), edges=tuple(factor * e for e in EDGES))
+    check_scaling(BLOCK, scaled, factor, potential, order, columns(EVERYWHERE))
 
 
 coordinate = st.floats(-3, 3, allow_subnormal=False)
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.tuples(coordinate, coordinate, coordinate), st.sampled_from(ASKED), st.permutations(range(3)))
-def test_parity_and_permutation(offset, asked, axes):
-    potential, order = asked
+@given(st.tuples(coordinate, coordinate, coordinate), st.sampled_from(DERIVATIVES), st.permutations(range(3)))
+def test_parity_and_permutation(offset, derivative, axes):
+    potential, order = derivative
     edges = np.array([1.0, 0.7, 0.5])
     if potential == "chi":  # only x and y are alike
         axes = (1, 0, 2) if axes[0] > axes[1] else (0, 1, 2)
@@ -341,7 +315,7 @@ def test_parity_and_permutation(offset, asked, axes):
         np.testing.assert_allclose(swapped[other], found[row], rtol=0, atol=atol)
 
 
-@pytest.mark.parametrize(("potential", "order"), ASKED)
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
 def test_corner_functions_on_a_lattice_of_nodes(potential, order):
     """What grids do: difference the corner function of a lattice; cells of edge 1 at odd multiples of 1/2."""
     nodes = np.arange(-2, 3) + 0.5
@@ -359,12 +333,7 @@ def test_corner_functions_on_a_lattice_of_nodes(potential, order):
 def test_abilities_shapes_and_purity():
     for ability in (HasPotentials, HasMirrorPotential, HasFarField, HasCornerPotentials):
         assert isinstance(BLOCK, ability)
-    x, y, z = (np.linspace(0, 1, 6).reshape(2, 3) for _ in range(3))
-    for t in (x, y, z):
-        t.flags.writeable = False
-    assert BLOCK.psi([(4, 0, 0), (3, 1, 0)], x, y, z).shape == (2, 2, 3)
-    assert BLOCK.phi([], x, y, z).shape == (0, 2, 3)
-    assert BLOCK.chi([(4, 0, 0)], x[:0], y[:0], z[:0]).shape == (1, 0, 3)
+    check_forms(BLOCK)
     np.testing.assert_allclose(BLOCK.bounds, [(-0.2, -0.55, 0.85), (0.8, 0.15, 1.35)], rtol=1e-15)
     assert BLOCK.contains(np.array([0.8, 0.81]), -0.2, 1.35).tolist() == [True, False]
 

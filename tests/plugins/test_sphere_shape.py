@@ -9,19 +9,11 @@ from close import close
 from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials, SceneError
 from eigencontact_plugins.shapes.sphere import SphericalInclusion
 from point_potentials import kernel, orders
+from shape_potentials import DERIVATIVES, RAISED, check_forms, check_gradient, check_scaling, columns, evaluate
 
 CENTER, RADIUS = (0.3, -0.2, 1.4), 0.8
 BALL = SphericalInclusion(center=CENTER, radius=RADIUS)
 TANGENT = SphericalInclusion(center=(0.0, 0.0, 1.0), radius=1.0)
-ASKED = [("phi", n) for n in (1, 2, 3, 4)] + [("psi", n) for n in (3, 4, 5)] + [("chi", n) for n in (3, 4)]
-
-
-def columns(points):
-    return tuple(np.array(points, dtype=float).T)
-
-
-def evaluate(shape, potential, order, points):
-    return getattr(shape, potential)(orders(order), *points)
 
 
 def ball_integral(potential, chosen, point):
@@ -44,30 +36,17 @@ INSIDE = [(0.3, -0.2, 1.4), (0.5, -0.1, 1.2), (0.3, 0.2, 1.4), (-0.1, 0.1, 1.7)]
 BOUNDARY = [(0.3, -0.2, 2.2), (1.1, -0.2, 1.4), (0.3, -0.2 + 0.64, 1.4 - 0.48)]
 
 
-@pytest.mark.parametrize(("potential", "order"), ASKED)
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
 def test_equals_quadrature_outside(potential, order):
     found = evaluate(BALL, potential, order, columns(OUTSIDE))
     expected = np.stack([ball_integral(potential, orders(order), point) for point in OUTSIDE], axis=1)
     assert np.all(np.abs(found - expected).max(axis=0) <= 2e-12 * np.abs(expected).max(axis=0))
 
 
-STENCIL = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
-
-
 @pytest.mark.parametrize("where", [INSIDE, OUTSIDE], ids=["inside", "outside"])
-@pytest.mark.parametrize(("potential", "order"), [("phi", 2), ("phi", 3), ("phi", 4), ("psi", 4), ("psi", 5)])
+@pytest.mark.parametrize(("potential", "order"), RAISED)
 def test_each_order_is_the_gradient_of_the_one_below(potential, order, where):
-    step, points = 4e-3, columns(where)
-    found = evaluate(BALL, potential, order, points)
-    for axis in range(3):
-        total = 0.0
-        for distance, weight in STENCIL.items():
-            for sign in (1, -1):
-                moved = [t + sign * distance * step * (i == axis) for i, t in enumerate(points)]
-                total = total + sign * weight / step * evaluate(BALL, potential, order - 1, moved)
-        for one, expected in zip(orders(order - 1), total, strict=True):
-            row = orders(order).index(tuple(n + (i == axis) for i, n in enumerate(one)))
-            np.testing.assert_allclose(found[row], expected, rtol=0, atol=1e-11 * max(1.0, np.abs(found).max()))
+    check_gradient(BALL, potential, order, columns(where), step=4e-3, tolerance=1e-11, floor=1.0)
 
 
 def test_laplacians():
@@ -123,7 +102,7 @@ def test_touching_point_has_the_limit_along_the_surface():
 @pytest.mark.parametrize("potential", ["phi", "psi", "chi"])
 def test_finite_and_silent_everywhere(potential):
     x, y, z = (t.ravel() for t in np.meshgrid(*[np.array([-1e8, -1.0, -1e-14, -0.0, 0.0, 1.0, 2.0, 1e8])] * 3))
-    for _, order in [case for case in ASKED if case[0] == potential]:
+    for _, order in [case for case in DERIVATIVES if case[0] == potential]:
         for shape in (TANGENT, BALL):
             assert np.all(
                 np.isfinite(evaluate(shape, potential, order, (x, y, np.abs(z) if potential == "chi" else z)))
@@ -147,19 +126,16 @@ def test_far_field_is_the_closed_form(distance):
 
 
 @pytest.mark.parametrize("factor", [1e-9, 1e3])
-@pytest.mark.parametrize(("potential", "order"), ASKED)
+@pytest.mark.parametrize(("potential", "order"), DERIVATIVES)
 def test_scaling_of_all_lengths(factor, potential, order):
-    points = columns([*OUTSIDE, *INSIDE])
     scaled = SphericalInclusion(center=tuple(factor * c for c in CENTER), radius=factor * RADIUS)
-    found = evaluate(scaled, potential, order, tuple(factor * t for t in points))
-    expected = evaluate(BALL, potential, order, points) * factor ** ((2 if potential == "phi" else 4) - order)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+    check_scaling(BALL, scaled, factor, potential, order, columns([*OUTSIDE, *INSIDE]))
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.tuples(*[st.floats(-3, 3)] * 3), st.sampled_from(ASKED), st.permutations(range(3)))
-def test_parity_and_permutation(offset, asked, axes):
-    potential, order = asked
+@given(st.tuples(*[st.floats(-3, 3)] * 3), st.sampled_from(DERIVATIVES), st.permutations(range(3)))
+def test_parity_and_permutation(offset, derivative, axes):
+    potential, order = derivative
     shape = SphericalInclusion(center=(0.0, 0.0, 0.0 if potential != "chi" else 1.0), radius=1.0)
     signs = np.array((-1, 1, 1) if potential == "chi" else (-1, 1, -1))
     offset = np.array(offset) if potential != "chi" else np.abs(offset)
@@ -178,11 +154,7 @@ def test_parity_and_permutation(offset, asked, axes):
 def test_abilities_shapes_and_purity():
     for ability in (HasPotentials, HasMirrorPotential, HasFarField):
         assert isinstance(BALL, ability)
-    x, y, z = (np.linspace(0, 1, 6).reshape(2, 3) for _ in range(3))
-    for t in (x, y, z):
-        t.flags.writeable = False
-    assert BALL.psi([(4, 0, 0), (3, 1, 0)], x, y, z).shape == (2, 2, 3)
-    assert BALL.chi([(4, 0, 0)], x[:0], y[:0], z[:0]).shape == (1, 0, 3)
+    check_forms(BALL)
     np.testing.assert_allclose(BALL.bounds, [(-0.5, -1.0, 0.6), (1.1, 0.6, 2.2)], rtol=1e-14)
     assert BALL.contains(np.array([1.1, 1.11]), -0.2, 1.4).tolist() == [True, False]
 

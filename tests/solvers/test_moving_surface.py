@@ -11,16 +11,9 @@ from eigencontact.solvers.control import Control
 from eigencontact.solvers.moving_surface import moved
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from solvers.contacts import halfspace, paraboloid, square_grid
+from worn_ball import SLIDING
 
 RANDOM = settings(deadline=None, derandomize=True, max_examples=30, phases=[Phase.generate])
-#: WR-9, volume over π a⁴/4R: largest pressure over p0, depth over a²/R, contact radius over a (rings, implicit).
-SPHERE = {
-    0.01: (0.9967, 0.00374, 1.005),
-    0.1: (0.9674, 0.03688, 1.040),
-    1.0: (0.7200, 0.31907, 1.215),
-    10.0: (0.2182, 1.50099, 1.840),
-    100.0: (0.0670, 4.95873, 3.180),
-}
 
 
 class Bed:
@@ -188,7 +181,7 @@ def sphere(cells, half_width, volumes, tolerance):
     for volume, (depth, pressure, solves) in zip(
         volumes, worn(grid, paraboloid(grid), rate, 4 / 3, stages, tolerance), strict=True
     ):
-        peak, deepest, reach = SPHERE[volume]
+        peak, deepest, reach = SLIDING[volume]
         found = np.sqrt(np.count_nonzero(pressure) * grid.cell_area / np.pi)
         yield pressure.max() * np.pi / 2 / peak - 1, depth.max() / deepest - 1, (found - reach) * cells, solves
 

@@ -22,14 +22,8 @@ from eigencontact.errors import ClusterError, EigencontactError, SceneError
 from eigencontact.sweeps.runner import Outcome
 from eigencontact.sweeps.sweep import sweep
 from hooks.test_plugin_files import BOWL
+from sweep.test_sweep import SCENE
 
-SCENE = {
-    "name": "ball",
-    "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
-    "geometry": {"type": "sphere", "radius": "100 um"},
-    "grid": {"cells": 32, "size": "30 um"},
-    "steps": {"normal-load": "0.5 N"},
-}
 VARY = {"steps.normal-load": {"from": 0.1, "to": 1.0, "count": 8}}
 
 

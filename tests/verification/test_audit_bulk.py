@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact_verification.audit import bodies, cases_of
+from eigencontact_verification.audit import bodies
 from eigencontact_verification.audit.bulk import bulk_stress_at, eigenstrain_by_bulk, strain_of
-from eigencontact_verification.crosscheck.judge import judge
-from eigencontact_verification.crosscheck.run import run_cases
-from eigencontact_verification.crosscheck.store import Store
-from eigencontact_verification.crosscheck.worker import perform
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.model import Layer
 from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, sphere_in_body
+from verdicts import words_of_audit
 
 BULK = np.array([[2e8, 8e7, 0.0], [8e7, -5e7, 0.0], [0.0, 0.0, 0.0]])
 STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
@@ -44,15 +41,6 @@ def test_layers_are_strained_as_the_substrate_and_free_across():
 # ---------------------------------------------------------------- finite elements
 
 
-def words(run, store):
-    """Verdicts of the audit of a run."""
-    cases, _ = cases_of(run)
-    solved = run_cases(cases, Store(store), executor=lambda tasks: ((task, perform(task)) for task in tasks))
-    rows = [row for one in solved for row in judge(one).rows]
-    assert rows
-    return {row.word for row in rows}
-
-
 @pytest.fixture(scope="module")
 def stiff_block(tmp_path_factory):
     folder = tmp_path_factory.mktemp("block") / "run"
@@ -70,6 +58,6 @@ def stiff_block(tmp_path_factory):
 
 @pytest.mark.slow
 def test_elements_agree_with_a_stiff_block_under_contact_and_bulk_stress(stiff_block, tmp_path, monkeypatch):
-    assert "disagrees" not in words(stiff_block, tmp_path / "true")
+    assert "disagrees" not in words_of_audit(stiff_block, tmp_path / "true")
     monkeypatch.setattr(bodies, "eigenstrain_by_bulk", lambda *_: np.zeros((3, 3)))
-    assert "disagrees" in words(stiff_block, tmp_path / "fault")
+    assert "disagrees" in words_of_audit(stiff_block, tmp_path / "fault")

@@ -6,7 +6,8 @@ import pytest
 from close import close
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_edge import counting_error, edge_radius
-from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact
+from eigencontact_verification.audit.contact_lines import StoredContact
+from eigencontact_verification.audit.stored_profile import StoredProfile
 from eigencontact_verification.audit.two_grids import with_two_grids
 from eigencontact_verification.crosscheck.case import Profile
 
@@ -75,7 +76,7 @@ def line(kind, cell, wrong):
         name=kind, quantity="displacement", points=np.zeros((along.size, 3)), along=along, label="x [m]",
         components=("u_z",), unit="m",
     )  # fmt: skip
-    return ContactLine(profile=profile, kind=kind, moments=(1,), values=values, own=0 * values)
+    return StoredProfile(profile=profile, kind=kind, moments=(1,), values=values, error=0 * values)
 
 
 @pytest.mark.parametrize("kind", ["print", "stress"])
@@ -83,8 +84,8 @@ def test_two_grids_tell_an_error_of_first_order(kind):
     fine, coarse = line(kind, 0.2, 0.3), line(kind, 0.3, 0.3)
     (found,) = with_two_grids([fine], run(0.2), [coarse], run(0.3))
     error = 0.06 * np.exp(-0.1 * fine.profile.along**2)[:, None]
-    assert found.own.max() == close(1.25 * error.max(), rel=0.02)
-    assert np.all(found.own > error)
+    assert found.error.max() == close(1.25 * error.max(), rel=0.02)
+    assert np.all(found.error > error)
 
 
 def test_stress_beside_regions_and_lines_that_the_second_run_lacks_keep_their_error():

@@ -10,20 +10,8 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact_verification.audit import cases_of, engines
-from eigencontact_verification.crosscheck.judge import judge
-from eigencontact_verification.crosscheck.run import run_cases
-from eigencontact_verification.crosscheck.store import Store
-from eigencontact_verification.crosscheck.worker import perform
-
-
-def words(run, store):
-    """Verdicts of the audit of a run."""
-    cases, _ = cases_of(run)
-    solved = run_cases(cases, Store(store), executor=lambda tasks: ((task, perform(task)) for task in tasks))
-    rows = [row for one in solved for row in judge(one).rows]
-    assert rows
-    return {row.word for row in rows}
+from eigencontact_verification.audit import engines
+from verdicts import words_of_audit
 
 
 def solved(folder, scene, *changes):
@@ -93,7 +81,7 @@ def store(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["hertz", "coated", "ball", "printed"])
 def test_true_results_do_not_disagree(name, store, request):
-    found = words(request.getfixturevalue(name), store)
+    found = words_of_audit(request.getfixturevalue(name), store)
     assert "agrees" in found
     assert found <= {"agrees", "inconclusive"}
 
@@ -103,13 +91,13 @@ def test_tractions_that_are_two_per_cent_too_large_disagree(hertz, store, tmp_pa
     def larger(file):
         file["pressure"][...] = 1.02 * np.asarray(file["pressure"])
 
-    assert "disagrees" in words(changed(hertz, tmp_path / "run", larger), store)
+    assert "disagrees" in words_of_audit(changed(hertz, tmp_path / "run", larger), store)
 
 
 @pytest.mark.slow
 def test_a_layer_that_is_five_per_cent_too_thin_disagrees(coated, store, tmp_path):
     thinner = other_text('thickness = "2 um"', 'thickness = "1.9 um"')
-    assert "disagrees" in words(changed(coated, tmp_path / "run", thinner), store)
+    assert "disagrees" in words_of_audit(changed(coated, tmp_path / "run", thinner), store)
 
 
 @pytest.mark.slow
@@ -125,7 +113,7 @@ def test_an_inclusion_one_cell_deeper_disagrees(ball, store, tmp_path):
         assert text.count(f'    "{old}",\n') == 1  # the third coordinate, on a line of its own
         file.attrs["scene"] = text.replace(f'    "{old}",\n', f'    "{new}",\n')
 
-    assert "disagrees" in words(changed(ball, tmp_path / "run", deeper), store)
+    assert "disagrees" in words_of_audit(changed(ball, tmp_path / "run", deeper), store)
 
 
 @pytest.mark.slow
@@ -133,4 +121,4 @@ def test_plastic_strain_that_is_dropped_disagrees(printed, store, tmp_path):
     def dropped(file):
         file["plastic_strain_1"][...] = 0.0 * np.asarray(file["plastic_strain_1"])
 
-    assert "disagrees" in words(changed(printed, tmp_path / "run", dropped), store)
+    assert "disagrees" in words_of_audit(changed(printed, tmp_path / "run", dropped), store)

@@ -17,7 +17,7 @@ from eigencontact_verification.audit.line_model import line_model
 from eigencontact_verification.audit.line_profiles import line_profiles
 from eigencontact_verification.audit.line_scene import read_line
 from eigencontact_verification.audit.table import halved_in_words
-from eigencontact_verification.crosscheck.case import HALVED, own_error
+from eigencontact_verification.crosscheck.case import HALVED, error_key
 from eigencontact_verification.crosscheck.judge import JudgedCase
 from eigencontact_verification.crosscheck.worker import Task, perform
 from eigencontact_verification.fem import line_contact
@@ -67,7 +67,7 @@ def test_a_run_agrees_with_the_elements(fretted):
     for line in case.lines:
         bound = {"half width": 1e-3, "pressure": 0.006, "stress": 0.005, "shear": 0.02, "slip": 0.02}[line.kind]
         assert found[line.profile.name] < bound, line.profile.name
-        own = case.judged()[own_error(line.profile.name)]
+        own = case.judged()[error_key(line.profile.name)]
         assert np.all(own > 0)
     shear, stored = (fields["shear, step 2"] for fields in (reference, case.judged()))
     assert stored.mean() == close(shear.mean(), rel=0.01)
@@ -264,14 +264,14 @@ def test_a_coarser_run_tells_the_error_of_cells_that_yield(tmp_path):
     coarse, fine = ([f"{cells[0]}={n}", f"{cells[1]}={180 / n} um"] for n in (12, 36))
     case = gallery_case("plastic-line-contact", coarse, tmp_path / "run")
     ec.run(ec.load_scene("plastic-line-contact", [*fine, "output.pictures=false"]), tmp_path / "fine").dataset.close()
-    rule = {line.profile.name: line.own for line in line_profiles(read_line(tmp_path / "run"))}
+    rule = {line.profile.name: line.error for line in line_profiles(read_line(tmp_path / "run"))}
     better = values_at(read_line(tmp_path / "fine"), case.lines)
     within = {}
     for line in case.lines:
         if line.kind != "half width":
             error, name = np.abs(better[line.profile.name] - line.values), line.profile.name
             slack = 1e-6 * np.abs(line.values).max()
-            within[name] = [float(np.nanmean(error <= own + slack)) for own in (line.own, rule[name])]
+            within[name] = [float(np.nanmean(error <= own + slack)) for own in (line.error, rule[name])]
     assert min(found for found, _ in within.values()) > 0.95
     assert within["pressure, step 14"][1] < 0.5
     assert within["stress near the edge, step 14, section"][1] < 0.5

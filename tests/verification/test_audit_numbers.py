@@ -146,9 +146,9 @@ def test_the_error_of_a_line_is_the_bar_of_its_number(run):
     (case,), _ = contact_cases_of(run)
     bars = {name: bar for name, (_, bar) in bars_of(run).items()}
     lines = {line.kind: line for line in case.lines}
-    assert lines["approach"].own[-1, 0] == bars["approach"].error
+    assert lines["approach"].error[-1, 0] == bars["approach"].error
     widest = case.parameters["mesh"]["radius"]
-    assert widest * lines["radius"].own[-1, 0] == close(bars["contact_radius"].error)
+    assert widest * lines["radius"].error[-1, 0] == close(bars["contact_radius"].error)
 
 
 @pytest.mark.slow
@@ -175,8 +175,8 @@ def test_errors_that_a_run_stores_are_those_of_its_lines(run, tmp_path):
             file[error].attrs["role"], file[error].attrs["estimates"] = "error", name
     (case,), _ = contact_cases_of(other)
     lines = {line.kind: line for line in case.lines}
-    assert lines["approach"].own == close(0.03 * lines["approach"].values)
-    assert lines["pressure"].own == close(-0.04 * lines["pressure"].values)
+    assert lines["approach"].error == close(0.03 * lines["approach"].values)
+    assert lines["pressure"].error == close(-0.04 * lines["pressure"].values)
 
 
 @pytest.mark.slow

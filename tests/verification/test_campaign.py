@@ -21,13 +21,13 @@ from eigencontact_verification.campaign.answer import answers, totals
 from eigencontact_verification.campaign.campaign import CAMPAIGNS, read_campaign
 from eigencontact_verification.campaign.elements import judge_by_elements
 from eigencontact_verification.campaign.figure import axes_of_map, draw_map
-from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.campaign.finding import JudgedPoint, MapFinding
 from eigencontact_verification.campaign.form import FORM
 from eigencontact_verification.campaign.perform import perform
 from eigencontact_verification.campaign.report import MapReport, as_section, write_map
 from eigencontact_verification.campaign.runs import perform_runs, points_of
 from eigencontact_verification.commands.campaign import campaign as command
-from eigencontact_verification.crosscheck.case import Case, Gap, Profile, own_error
+from eigencontact_verification.crosscheck.case import Case, Gap, Profile, error_key
 from eigencontact_verification.crosscheck.worker import perform as perform_task
 from eigencontact_verification.reporting.verdict import word_of, worst
 from hooks.test_plugin_files import BOWL
@@ -128,15 +128,15 @@ def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
         findings = {finding.quantity: finding for finding in one.findings}
         bar = one.point.model.summary["errors"]["approach"]
         approach = findings["approach"]
-        assert approach.own == close(bar["error"] / approach.scale)
-        assert findings["pressure"].own is None
+        assert approach.run_error == close(bar["error"] / approach.scale)
+        assert findings["pressure"].run_error is None
         soft = one.point.values["softer"] > 0
         assert approach.word == ("disagrees" if soft else "agrees")
-        u_val = np.hypot(approach.own, approach.uncertainty)
+        u_val = np.hypot(approach.run_error, approach.uncertainty)
         assert bool(approach.error > u_val) is soft
         assert approach.reason.startswith("model or implementation error E ± u_val" if soft else "agrees within u_val")
         before = {finding.quantity: finding for finding in judged.findings}
-        assert before["approach"].own is None
+        assert before["approach"].run_error is None
         assert "tolerance" in before["approach"].reason
     files = write_map(report, tmp_path / "report")
     assert "| u_SA |" in files["markdown"].read_text(encoding="utf-8")
@@ -146,7 +146,7 @@ def test_error_bars_of_the_model_stand_beside_its_error(toy, done, tmp_path):
     (bars,) = container[2]
     spans = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
     found = sorted(report.points, key=lambda one: one.point.values["softer"])
-    assert spans == close([200 * one.findings[0].own for one in found])
+    assert spans == close([200 * one.findings[0].run_error for one in found])
 
 
 def test_disagreement_inside_the_claim_fails(found):
@@ -246,7 +246,7 @@ def test_an_island_is_no_answer(found):
         numbers = {"tolerance": 0.1, "error": 0.0, "uncertainty": 0.0}
         finding = MapFinding(quantity="q", word=word, reason="", claimed=True, **numbers)
         values = {"softer": at, "load": 0.4}
-        return Judged(point=replace(source.point, values=values), findings=(finding,))
+        return JudgedPoint(point=replace(source.point, values=values), findings=(finding,))
 
     words = ["disagrees", "agrees", "inconclusive", "agrees", "agrees"]
     course = [point(float(n), word) for n, word in enumerate(words)]
@@ -356,7 +356,7 @@ class Ball(Case):
 
     def judged(self):
         # what a run says of its own error does not excuse it in a map
-        return {"depth": np.full((2, 1), self.approach), own_error("depth"): np.full((2, 1), 0.3 * self.approach)}
+        return {"depth": np.full((2, 1), self.approach), error_key("depth"): np.full((2, 1), 0.3 * self.approach)}
 
 
 def by_hertz(*, scale=1.0, broken=False, subject="ball"):
@@ -480,9 +480,9 @@ def test_numbers_of_a_contact_have_their_bars(tmp_path):
     summary = report.points[0].point.model.summary
     for quantity, name in {"contact area": "contact_area", "approach": "approach"}.items():
         bar = summary["errors"][name]
-        assert findings[quantity].own == close(bar["relative"])
+        assert findings[quantity].run_error == close(bar["relative"])
         assert findings[quantity].value == close(bar["value"])
-        assert findings[quantity].error < findings[quantity].own + findings[quantity].uncertainty
+        assert findings[quantity].error < findings[quantity].run_error + findings[quantity].uncertainty
     assert len({finding.quantity for finding in report.points[0].findings}) == len(report.points[0].findings)
 
 

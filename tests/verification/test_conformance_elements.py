@@ -11,8 +11,8 @@ from close import close
 from eigencontact.plugin import InclusionShape, Place
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 from eigencontact_verification.conformance import finite_elements as kit
+from eigencontact_verification.crosscheck.cell_errors import from_coarser, widened
 from eigencontact_verification.crosscheck.inclusions import _CELL_RATIOS, SAFETY
-from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 
 BALL = ec.make("sphere", kind="inclusion-shape", center=(0.3e-6, 0.0, 2e-6), radius=1e-6)
 

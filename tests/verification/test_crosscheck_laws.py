@@ -9,7 +9,7 @@ import eigencontact as ec
 from bodies import STEEL
 from close import close
 from eigencontact.execution.interiors.cells import Cells
-from eigencontact_verification.crosscheck.case import own_error
+from eigencontact_verification.crosscheck.case import error_key
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.laws import LawOfPlugin, law_cases
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
@@ -95,7 +95,7 @@ def test_an_inconclusive_law_names_the_largest_part_and_the_refinement(my_damage
     for task in tasks_of(case):
         fields = {profile.name: exact for profile in case.profiles}
         if task.level is None:
-            fields |= {own_error(profile.name): 0.05 + 0 * exact for profile in case.profiles}
+            fields |= {error_key(profile.name): 0.05 + 0 * exact for profile in case.profiles}
         outcomes.append((task, Outcome(status="done", fields=fields)))
     row = judge(Solved(case=case, outcomes=tuple(outcomes))).rows[0]
     assert row.word == "inconclusive"
@@ -113,7 +113,7 @@ def test_the_error_of_cells_has_the_order_of_what_the_law_remembers(my_damage, m
     monkeypatch.setattr(type(case), "by_cells", lambda _self, cells: made[cells])
     fields = case.judged()
     for name, order in (("axis-equivalent_plastic_strain", 2.0), ("axis-damage", 1.5), ("axis-stress", 1.5)):
-        assert fields[own_error(name)].max() == close(0.3 / (2.0**order - 1.0), rel=1e-12)
+        assert fields[error_key(name)].max() == close(0.3 / (2.0**order - 1.0), rel=1e-12)
 
 
 def test_what_the_law_remembers_is_compared(my_damage):

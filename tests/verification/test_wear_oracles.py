@@ -11,6 +11,7 @@ from close import close
 from eigencontact_verification.oracles import cattaneo, hertz, wear_springs
 from eigencontact_verification.oracles.coated_contact import coated_contact
 from eigencontact_verification.oracles.wear_rings import Rings, fret, slide
+from worn_ball import SLIDING
 
 #: Sphere of the catalogue, HZ-2, pressed by a steel half-space's load: a, R, P, E*, p0.
 A, RADIUS, LOAD = 20e-6, 200e-6, 12.307
@@ -97,16 +98,6 @@ def test_layers_of_rings_are_the_coated_contact():
     assert [found.approach, found.pressure[0]] == close(
         [wanted.approach, float(wanted.pressure(edges[1] / 2))], rel=3e-4
     )
-
-
-#: WR-9: V/V_ref, p_max/p0, depth/(a²/R), contact radius/a.
-SLIDING = {
-    0.01: (0.9967, 0.00374, 1.005),
-    0.1: (0.9674, 0.03688, 1.040),
-    1.0: (0.7200, 0.31907, 1.215),
-    10.0: (0.2182, 1.50099, 1.840),
-    100.0: (0.0670, 4.95873, 3.180),
-}
 
 
 def sliding_history(number, steps):

@@ -25,7 +25,7 @@ __all__ = ["EXCEPTIONS", "compare", "measured", "scenes"]
 
 REFERENCE = Path(__file__).with_name("identity.json")
 #: Relative to the size of a variable: where the arithmetic is the same, and at most.
-SAME, CLOSE = 1e-12, 1e-9
+ROUNDING, CLOSE = 1e-12, 1e-9
 #: Measures of the work, and residuals, which are rounding: not results.
 WORK = (
     "iterations", "convolutions", "seconds", "residual", "rounds", "substeps", "coupling_iterations",
@@ -83,31 +83,31 @@ def measured(name: str, changes: list[str]) -> dict[str, list[float]]:
     return norms
 
 
-def compare(now: dict[str, list[float]], then: dict[str, list[float]]) -> list[tuple[str, float]]:
-    """Variables that differ by more than `SAME`, and by how much; a variable that is gone differs by infinity."""
+def compare(current: dict[str, list[float]], reference: dict[str, list[float]]) -> list[tuple[str, float]]:
+    """Variables that differ by more than `ROUNDING`, and by how much; a variable that is gone differs by infinity."""
     differences = []
-    for variable, before in then.items():
+    for variable, before in reference.items():
         size = before[1]
-        floor = _rounding(variable, then)
-        if variable not in now:
+        floor = _rounding(variable, reference)
+        if variable not in current:
             differences.append((variable, np.inf))
-        elif size > floor or now[variable][1] > floor:
+        elif size > floor or current[variable][1] > floor:
             # The signed sum adds numbers that cancel: it is measured by the norm too.
-            change = max(abs(a - b) for a, b in zip(now[variable], before, strict=True)) / max(size, floor)
-            if change > SAME:
+            change = max(abs(a - b) for a, b in zip(current[variable], before, strict=True)) / max(size, floor)
+            if change > ROUNDING:
                 differences.append((variable, change))
     return sorted(differences, key=lambda item: -item[1])
 
 
-def _rounding(variable: str, then: dict[str, list[float]]) -> float:
+def _rounding(variable: str, reference: dict[str, list[float]]) -> float:
     """Norm below which a variable is the rounding of its neighbours: a shear of 1e-7 Pa beside a pressure of 1e9 Pa.
 
     Moments are measured by the load on an arm of a contact radius.
     """
     stem = "moment" if "moment" in variable else variable.rsplit("_", 1)[0]
-    kin = [values[1] for other, values in then.items() if other.rsplit("_", 1)[0] == stem]
+    kin = [values[1] for name, values in reference.items() if name.rsplit("_", 1)[0] == stem]
     if stem == "moment":
-        kin.append(then["normal_load"][1] * then["contact_radius"][1])
+        kin.append(reference["normal_load"][1] * reference["contact_radius"][1])
     return 1e-9 * max(kin)
 
 
@@ -137,7 +137,7 @@ def main(arguments: list[str] | None = None) -> int:
         REFERENCE.write_text(json.dumps(stored, indent=1) + "\n", encoding="utf-8")
         return 0
     reference, wrong = json.loads(REFERENCE.read_text(encoding="utf-8")), 0
-    print(f"against commit {reference['commit']}; relative differences above {SAME:.0e}")
+    print(f"against commit {reference['commit']}; relative differences above {ROUNDING:.0e}")
     for name, changes in chosen:
         if name not in reference["scenes"]:
             print(f"new      {name}")

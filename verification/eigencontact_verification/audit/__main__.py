@@ -119,10 +119,10 @@ def _contacts(runs: Sequence[Path], solve: Solve, *, quick: bool, coarser: Path 
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.crosscheck.progress import Bar
 
-    second = [None if coarser is None else coarser / run.name for run in runs]
+    coarser_runs = [None if coarser is None else coarser / run.name for run in runs]
     answers = [
-        contact_cases_of(run, quick=quick, coarser=other if other is not None and other.is_dir() else None)
-        for run, other in zip(runs, second, strict=True)
+        contact_cases_of(run, quick=quick, coarser=second if second is not None and second.is_dir() else None)
+        for run, second in zip(runs, coarser_runs, strict=True)
     ]
     with Bar(show=True) as bar:
         solved = solve([case for cases, _ in answers for case in cases], progress=bar)

@@ -168,12 +168,12 @@ def _body(
             )
         strain = _strain(inhomogeneity, stored.time) + eigenstrain_by_bulk(bulk, (young, nu), around)
         region = place.with_eigenstrain(strain)
-        same = np.isclose(young, material.young_modulus, rtol=1e-9, atol=0) and np.isclose(
+        unchanged = np.isclose(young, material.young_modulus, rtol=1e-9, atol=0) and np.isclose(
             nu, material.poisson_ratio, atol=0
         )
-        if not (same and not np.any(region.eigenstrain)):
+        if not (unchanged and not np.any(region.eigenstrain)):
             regions.append(replace(region, young_modulus=young, poisson_ratio=nu))
-        if not same:
+        if not unchanged:
             different.append(place)
     if damaged and np.any(bulk):
         if different:

@@ -73,8 +73,8 @@ def smooth_cells(block: Cells, sources: list[Inhomogeneity], material: Any, *, o
     corner_law = np.full(sides[0].shape, int(own_law))
     for number, source in enumerate(sources, 2):
         constants = material.young_modulus, material.poisson_ratio
-        same = bool(source.law.variables) and not source.law.varies
-        alike = same and np.allclose(moduli_of(source.law, material), constants, atol=0)
+        uniform = bool(source.law.variables) and not source.law.varies
+        alike = uniform and np.allclose(moduli_of(source.law, material), constants, atol=0)
         inside = source.shape.contains(sides[2], sides[1], sides[0])
         corner_law[inside] = number if alike else 0
     windows = np.lib.stride_tricks.sliding_window_view(corner_law, (2, 2, 2)).reshape(

@@ -21,9 +21,9 @@ from eigencontact_verification.audit.homogeneous import homogeneous_displacement
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
-from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, error_key
+from eigencontact_verification.crosscheck.cell_errors import widened
 from eigencontact_verification.crosscheck.lines import STRESSES, chosen, columns
-from eigencontact_verification.crosscheck.own_errors import widened
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
 __all__ = ["AuditCase", "RunCase", "cases_of", "cases_of_step"]
@@ -38,18 +38,18 @@ _HALF = 0.5
 class RunCase(Case):
     """Stored values of a run against finite elements."""
 
-    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
+    def remedy(self, source: str, excess: float) -> str:  # noqa: ARG002
         """The finer meshes of a full audit, or finer cells of the run; see `Case.remedy`."""
-        if part == "judged":
+        if source == "judged":
             return "run the scene with finer cells"
-        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
+        return "repeat without --quick, on finer meshes" if self.quick and source == "discretisation" else ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AuditCase(RunCase):
     """Stored values of a step against finite elements under its tractions.
 
-    The run's own error (`own_error`) counts only where the run cuts into cells what has no cells: inclusions of other
+    The run's own error (`error_key`) counts only where the run cuts into cells what has no cells: inclusions of other
     constants, and damage. Their boundary may be off by half a cell, so that the field which they cause is uncertain by
     what it changes over half a cell. That field is the stored displacement by eigenstrain, and the stored stress less
     that of a homogeneous half-space under the same tractions. Plastic strain is uniform in cells for both methods, and
@@ -136,7 +136,7 @@ class AuditCase(RunCase):
             if line.body:
                 error = error + _of_blocks(self.bodies, line)
             if np.any(error):
-                fields[own_error(name)] = error
+                fields[error_key(name)] = error
         return fields
 
     @property
@@ -280,8 +280,8 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         for body in bodies
         if body.different or body.damaged
     }
-    below, lost = stress_lines(stored, bodies, middle, bases)
-    gaps += lost
+    below, missing = stress_lines(stored, bodies, middle, bases)
+    gaps += missing
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
     if len(bodies) < deformable and bodies:
         gaps.append(

@@ -92,12 +92,12 @@ def audit_results(
     def beside(judged: Sequence[JudgedCase]) -> tuple[list[JudgedCase], list[Gap]]:
         """Checks of all runs, and numbers of those with error bars."""
         more = [checks for checks in map(checked, runs) if checks.rows]
-        lost: list[Gap] = []
+        new_gaps: list[Gap] = []
         for run in runs:
             cases, gaps = compared_numbers(run, bars[run.name], judged)
             more += cases
-            lost += gaps
-        return more, lost
+            new_gaps += gaps
+        return more, new_gaps
 
     return crosscheck(
         [case for cases, _ in answers for case in cases], [gap for _, gaps in answers for gap in gaps], output,

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
-from eigencontact_verification.audit.contact_lines import ContactLine, StoredContact, contact_lines, read_contact
+from eigencontact_verification.audit.contact_lines import StoredContact, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.line_cases import line_cases_of
 from eigencontact_verification.audit.line_scene import is_line
 from eigencontact_verification.audit.stored import bars_of, run_name
+from eigencontact_verification.audit.stored_profile import StoredProfile, fields_of
 from eigencontact_verification.audit.two_grids import with_bars, with_two_grids
-from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer
 from eigencontact_verification.fem.yielding import solve_indentation
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ _DIVISIONS, _QUICK, _REACH = (3, 6, 12), (2, 4, 8), 40.0
 _ELASTIC, _GROWTH, _EXTENT = 2.0, 2.5, 1.6
 #: The same where something yields, which takes many iterations: small elements along the surface, where the edge of the
 #: contact wanders, and larger ones below, divided half as often.
-_YIELDING, _SLOWER, _PRESSED, _FEWER, _FEW = 8.0, 1.5, 1.25, (2, 4, 8), (1, 2, 4)
+_YIELDING, _SLOWER, _PRESSED, _COARSE_DIVISIONS, _COARSE_QUICK = 8.0, 1.5, 1.25, (2, 4, 8), (1, 2, 4)
 #: Elements to the width of the rounded edge of a punch that is under pressure.
 _EDGE = 4.0
 #: Elements of the undivided mesh to the thickness of a layer or the semi-axis of an inclusion, and least size of all.
@@ -51,11 +52,11 @@ class ContactCase(RunCase):
 
     Parameters
     ----------
-    lines : tuple of ContactLine
+    lines : tuple of StoredProfile
         Their profiles are `profiles`.
     """
 
-    lines: tuple[ContactLine, ...]
+    lines: tuple[StoredProfile, ...]
 
     code: ClassVar[tuple[str, ...]] = (
         "eigencontact_verification.audit.contact_model",
@@ -74,12 +75,7 @@ class ContactCase(RunCase):
 
     def judged(self) -> Fields:
         """Stored values, with their own error."""
-        fields: Fields = {}
-        for line in self.lines:
-            fields[line.profile.name] = line.values
-            if np.any(line.own):
-                fields[own_error(line.profile.name)] = line.own
-        return fields
+        return fields_of(self.lines)
 
     @property
     def words(self) -> str:
@@ -87,7 +83,7 @@ class ContactCase(RunCase):
         return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 
-def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:
+def _read(solution: IndentationSolution, line: StoredProfile, widest: float) -> FloatArray:
     """Values (n, components) of a line; radii in the widest of the run."""
     if line.kind == "approach":
         return np.array([[solution.moments[k].depth] for k in line.moments])
@@ -144,8 +140,8 @@ def contact_cases_of(
     lines = contact_lines(folder, stored, scene)
     if coarser is not None and second is not None:
         try:
-            others = contact_lines(coarser, second, _scene_of(second))
-            lines = with_two_grids(lines, stored, others, second, regions=bool(scene.regions))
+            coarser_lines = contact_lines(coarser, second, _scene_of(second))
+            lines = with_two_grids(lines, stored, coarser_lines, second, regions=bool(scene.regions))
         except NotJudged as problem:
             gaps.append(Gap(subject=name, what="whole contact: error of the cells", reason=str(problem)))
     lines = with_bars(lines, stored, bars_of(folder), a)
@@ -184,7 +180,7 @@ def _flat(scene: ContactScene) -> float:
 
 def _divisions(scene: ContactScene, *, quick: bool) -> tuple[int, ...]:
     if _yields(scene) or _flat(scene):
-        return _FEW if quick else _FEWER
+        return _COARSE_QUICK if quick else _COARSE_DIVISIONS
     return _QUICK if quick else _DIVISIONS
 
 
@@ -193,8 +189,8 @@ def _mesh(scene: ContactScene, a: float) -> dict[str, float]:
     yields, flat = _yields(scene), _flat(scene)
     sizes = [a / _ELASTIC, *(layer["thickness"] / _PARTS for layer in scene.layers)]
     for region in scene.regions:
-        both = (region["radius"], region["height"]) if region["kind"] == "ellipsoid" else ()
-        sizes += [size / _PARTS for size in both]
+        radii = (region["radius"], region["height"]) if region["kind"] == "ellipsoid" else ()
+        sizes += [size / _PARTS for size in radii]
     sizes += [r / _PARTS for r in junctions(scene.profile)]
     fine = max(min(sizes), _SMALLEST * a) if not yields else a / _YIELDING
     mesh = {"radius": a, "fine": fine, "inner": 0.0, "reach": _REACH * a}

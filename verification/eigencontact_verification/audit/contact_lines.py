@@ -31,6 +31,7 @@ the first.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +42,7 @@ from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.lines import spread
 from eigencontact_verification.audit.stored import read_step
-from eigencontact_verification.crosscheck.case import Profile, Quantity
+from eigencontact_verification.audit.stored_profile import Form, StoredProfile, stored_profile
 from eigencontact_verification.fem.loaded_body import Tractions
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     from eigencontact_verification.audit.contact_scene import ContactScene
     from eigencontact_verification.audit.stored import StoredRegion
 
-__all__ = ["ContactLine", "StoredContact", "contact_lines", "read_contact"]
+__all__ = ["StoredContact", "contact_lines", "read_contact"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -63,8 +64,8 @@ _MARGIN = 0.1
 _POINTS = 40
 #: Part of the second difference by which a mean over a cell may differ from the value in its middle.
 _MEAN = 1 / 8
-#: Quantity, label of the abscissa, components and unit by kind of line. A radius is no displacement of the field.
-_PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
+#: Forms by kind of line. A radius is no displacement of the field.
+_FORMS: dict[str, Form] = {
     "approach": ("displacement", "step [1]", ("u_z",), "m"),
     "radius": ("strain", "step [1]", ("a",), "largest a"),
     "edge": ("strain", "step [1]", ("a",), "largest a"),
@@ -72,31 +73,9 @@ _PROFILES: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "print": ("displacement", "x [m]", ("u_z",), "m"),
     "stress": ("stress", "z [m]", ("s_xx", "s_zz"), "Pa"),
 }
+_line = partial(stored_profile, _FORMS)
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ContactLine:
-    """Stored values along one line.
-
-    Attributes
-    ----------
-    profile : Profile
-        ``along`` of lines over load steps is the number of the step.
-    kind : str
-        ``"approach"``, ``"radius"``, ``"edge"``, ``"pressure"``, ``"print"`` or ``"stress"``.
-    moments : tuple of int
-        Load steps, from 0: of every point, or one for all.
-    values, own : (n, components) float64
-        Stored values and their numerical error.
-    """
-
-    profile: Profile
-    kind: str
-    moments: tuple[int, ...]
-    values: FloatArray
-    own: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -202,7 +181,7 @@ def read_contact(path: str | Path) -> StoredContact:
     )
 
 
-def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) -> tuple[ContactLine, ...]:
+def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) -> tuple[StoredProfile, ...]:
     """Lines of all that is stored and can be compared."""
     steps = range(stored.straight)
     peak, last = stored.peak, stored.straight - 1
@@ -252,12 +231,12 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
     return tuple(lines)
 
 
-def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[ContactLine]:
+def _radii(stored: StoredContact, a: FloatArray, steps: IntArray) -> list[StoredProfile]:
     """Contact radius over steps: as it is stored, and read between the cells."""
     r = np.hypot(*np.meshgrid(stored.x, stored.y)).ravel()
     counted = np.array([counting_error(r, stored.cell**2, a[k]) for k in steps])
     fields = [(stored.gap[k].ravel(), stored.pressure[k].ravel()) for k in steps]
-    edges = np.array([edge_radius(r, *both, stored.cell, a[k]) for k, both in zip(steps, fields, strict=True)])
+    edges = np.array([edge_radius(r, *values, stored.cell, a[k]) for k, values in zip(steps, fields, strict=True)])
     read = np.isfinite(edges).all(axis=1)
     late = read & (steps > stored.peak)  # beyond the edge lies what was pressed before, and keeps its form
     edges[late, 1] = np.maximum(edges[late, 1], edges[read & (steps == stored.peak), 1].max(initial=0.0))
@@ -294,24 +273,10 @@ def _bend(p: FloatArray) -> FloatArray:
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
 
 
-def _line(
-    kind: str, name: str, points: FloatArray, along: FloatArray, values: FloatArray, error: FloatArray,
-    moments: tuple[int, ...],
-) -> ContactLine:  # fmt: skip
-    quantity, label, components, unit = _PROFILES[kind]
-    profile = Profile(
-        name=name, quantity=quantity, points=points, along=along, label=label, components=components, unit=unit
-    )
-    table = along.size, len(components)
-    return ContactLine(
-        profile=profile, kind=kind, moments=moments, values=values.reshape(table), own=error.reshape(table)
-    )
-
-
 def _surface(
     kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray, error: FloatArray,
     step: int,
-) -> ContactLine:  # fmt: skip
+) -> StoredProfile:  # fmt: skip
     """Line along x on the surface."""
     chosen = spread(np.flatnonzero(which), _POINTS)
     x = stored.x[chosen]
@@ -334,7 +299,7 @@ def _column(region: StoredRegion) -> tuple[FloatArray, FloatArray] | None:
 def _stress(
     name: str, points: FloatArray, stress: FloatArray, stored: StoredContact, scene: ContactScene, a: float, h: float,
     under: float, step: int,
-) -> ContactLine | None:  # fmt: skip
+) -> StoredProfile | None:  # fmt: skip
     z = points[:, 2]
     if np.hypot(*points[0, :2]) > 0.25 * a:
         return None

@@ -104,8 +104,8 @@ def contact_scene(text: str, contact_radius: float) -> ContactScene:
     refuse(scene)
     registry = scene.known_plugins()
     solids = bodies_of(scene, registry)
-    (number, solid), *others = [(k, elastic) for k, elastic in enumerate(solids, 1) if elastic is not None]
-    if others:
+    (number, solid), *second = [(k, elastic) for k, elastic in enumerate(solids, 1) if elastic is not None]
+    if second:
         raise NotJudged("both bodies are elastic, and the axisymmetric elements need a rigid one")
     material: Any = getattr(solid, "deep_material", solid)
     if material.poisson_ratio > INCOMPRESSIBLE:

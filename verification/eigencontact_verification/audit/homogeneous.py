@@ -62,13 +62,13 @@ def homogeneous_displacement(
         return displacement
     x, y, forces, middles, sizes = _forces(tractions)
     rows, columns = np.nonzero(np.any(tractions.values != 0.0, axis=0))
-    each = tractions.values[:, rows, columns]
+    tractions_of_cells = tractions.values[:, rows, columns]
     for k, at in enumerate(points):
         off = np.abs(at[:2, None] - middles)
         near = np.all(off <= _NEAR * sizes, axis=0)
         far = np.tile(~near, 9)
         place = at[0] - x[far], at[1] - y[far], np.zeros(int(far.sum()))
-        for load, force, traction in zip(_LOADS, forces, each, strict=True):
+        for load, force, traction in zip(_LOADS, forces, tractions_of_cells, strict=True):
             if not np.any(force):
                 continue
             displacement[k] += point_force(load, *place, poisson_ratio)[:3] @ force[far]

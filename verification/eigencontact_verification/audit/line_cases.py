@@ -19,10 +19,11 @@ from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_model import junctions
 from eigencontact_verification.audit.line_grids import run_coarser, with_coarser
 from eigencontact_verification.audit.line_model import line_model
-from eigencontact_verification.audit.line_profiles import LineProfile, line_profiles
+from eigencontact_verification.audit.line_profiles import line_profiles
 from eigencontact_verification.audit.line_scene import StoredLine, read_line
 from eigencontact_verification.audit.stored import run_name
-from eigencontact_verification.crosscheck.case import HALVED, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.audit.stored_profile import StoredProfile, fields_of
+from eigencontact_verification.crosscheck.case import HALVED, Fields, Gap, Level, Outer
 from eigencontact_verification.fem.line_contact import LineStep, solve_line_contact
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class LineCase(RunCase):
 
     small: ClassVar[float] = 0.05
 
-    lines: tuple[LineProfile, ...]
+    lines: tuple[StoredProfile, ...]
 
     code: ClassVar[tuple[str, ...]] = (
         "eigencontact_verification.audit.line_model",
@@ -71,8 +72,7 @@ class LineCase(RunCase):
 
     def judged(self) -> Fields:
         """Stored values, with their own error."""
-        fields: Fields = {line.profile.name: line.values for line in self.lines}
-        return fields | {own_error(line.profile.name): line.own for line in self.lines}
+        return fields_of(self.lines)
 
     @property
     def words(self) -> str:
@@ -85,7 +85,7 @@ def line_steps(parameters: Mapping[str, Any]) -> list[LineStep]:
     return [LineStep(normal=p, shear=q, bulk=(b1, b2), place=place) for p, q, b1, b2, place in parameters["steps"]]
 
 
-def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArray:
+def _read(solution: LineSolution, line: StoredProfile, widest: float) -> FloatArray:
     """Values (n, components) of a line; half widths in the widest of the run."""
     if line.kind == "half width":
         ends = np.array([solution.contact(k) for k in line.moments])
@@ -94,27 +94,27 @@ def _read(solution: LineSolution, line: LineProfile, widest: float) -> FloatArra
         pairs = zip(line.profile.points[:, None, [0, 2]], line.moments, strict=True)
         return np.concatenate([solution.stress(point, k, line.body).T for point, k in pairs])
     (k,) = line.moments
-    x, now = line.profile.points[:, 0], solution.moments[k]
+    x, moment = line.profile.points[:, 0], solution.moments[k]
     if line.kind == "pressure":
-        return -np.sqrt(np.interp(x, solution.x, now.pressure**2))[:, None]  # p² is smooth to the edge
+        return -np.sqrt(np.interp(x, solution.x, moment.pressure**2))[:, None]  # p² is smooth to the edge
     if line.kind == "shear":
-        return np.interp(x, solution.x, now.shear)[:, None]
+        return np.interp(x, solution.x, moment.shear)[:, None]
     if line.kind == "slip":
-        before = solution.moments[k - 1].slip if k else 0 * now.slip
-        return -np.interp(x, solution.x, now.slip - before)[:, None]
+        before = solution.moments[k - 1].slip if k else 0 * moment.slip
+        return -np.interp(x, solution.x, moment.slip - before)[:, None]
     points = line.profile.points[:, [0, 2]]
     if line.kind == "plastic strain":
         return solution.plastic_strain(points, k, line.body)[:, None]
     return solution.stress(points, k, line.body).T
 
 
-def _edges(stored: StoredLine, lines: Iterable[LineProfile]) -> list[float]:
+def _edges(stored: StoredLine, lines: Iterable[StoredProfile]) -> list[float]:
     """Places x where the elements are small [m]."""
     steps = {k for line in lines for k in line.moments if line.kind not in ("half width", "history of stress")}
     a, ends = float(stored.half_width.max()), stored.edges(steps)
     for radius in junctions(stored.scene["profile"]):
         for end in np.unique([stored.place[k] + sign * radius for k in steps for sign in (-1, 1)]):
-            if radius < a and all(abs(other - end) > stored.cell for other in ends):
+            if radius < a and all(abs(place - end) > stored.cell for place in ends):
                 ends.append(float(end))
     return sorted(ends)
 
@@ -164,8 +164,8 @@ def line_cases_of(
 
 
 def _with_error_of_cells(
-    lines: tuple[LineProfile, ...], stored: StoredLine, coarser: str | Path | None
-) -> tuple[LineProfile, ...]:
+    lines: tuple[StoredProfile, ...], stored: StoredLine, coarser: str | Path | None
+) -> tuple[StoredProfile, ...]:
     """Lines with the error from a coarser run; results with cut cells stay, because they cannot be interpolated."""
     if any(body["cut"] for body in stored.scene["bodies"]):
         return lines

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from eigencontact_verification.audit.bodies import NotJudged
-from eigencontact_verification.audit.line_profiles import LineProfile
 from eigencontact_verification.audit.line_scene import StoredLine
+from eigencontact_verification.audit.stored_profile import StoredProfile
 from eigencontact_verification.audit.two_grids import ratio_of_cells, with_index
 
 __all__ = ["run_coarser", "values_at", "with_coarser"]
@@ -59,7 +59,7 @@ def run_coarser(text: str, stored: StoredLine, folder: Path) -> Path:
     return folder
 
 
-def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: StoredLine) -> tuple[LineProfile, ...]:
+def with_coarser(lines: Sequence[StoredProfile], stored: StoredLine, coarser: StoredLine) -> tuple[StoredProfile, ...]:
     """Lines with the errors of `eigencontact_verification.audit.two_grids.with_index`.
 
     The error of the half width, which follows from the number of strips, does not change.
@@ -73,37 +73,38 @@ def with_coarser(lines: Sequence[LineProfile], stored: StoredLine, coarser: Stor
     return tuple(_widened(line, coarser, ratio) for line in lines)
 
 
-def values_at(run: StoredLine, lines: Sequence[LineProfile]) -> dict[str, FloatArray | None]:
+def values_at(run: StoredLine, lines: Sequence[StoredProfile]) -> dict[str, FloatArray | None]:
     """Values of another run at the points of lines, by their names; None of half widths."""
     return {line.profile.name: _values(run, line) for line in lines}
 
 
-def _widened(line: LineProfile, coarser: StoredLine, ratio: float) -> LineProfile:
+def _widened(line: StoredProfile, coarser: StoredLine, ratio: float) -> StoredProfile:
     values = _values(coarser, line)
     return line if values is None else with_index(line, values, ratio)
 
 
-def _values(run: StoredLine, line: LineProfile) -> FloatArray | None:
+def _values(run: StoredLine, line: StoredProfile) -> FloatArray | None:
     """Values (n, components) of a run at the points of a line, nan outside what it stores; None of half widths."""
     if line.kind in _FIELDS:
         name, sign = _FIELDS[line.kind]
-        found = Akima1DInterpolator(run.x, sign * run.fields[name][line.moments[0]])(line.profile.points[:, 0])
-        return np.asarray(found[:, None])
+        columns = Akima1DInterpolator(run.x, sign * run.fields[name][line.moments[0]])(line.profile.points[:, 0])
+        return np.asarray(columns[:, None])
     number = run.scene["bodies"][line.body - 1]["number"]
     points = line.profile.points
     if line.kind == "plastic strain":
-        (strain,) = (one for one in run.strains if one.body == number)
+        (strain,) = (region for region in run.strains if region.body == number)
         return _within(strain.x, strain.z, strain.values[:, :, None], points)
     if line.kind not in ("stress", "history of stress"):
         return None
     stored = [
-        next(one for one in run.regions[k] if one.body == number and line.profile.name.endswith(one.name))
+        next(region for region in run.regions[k] if region.body == number and line.profile.name.endswith(region.name))
         for k in line.moments
     ]
-    found = [
-        _within(one.points[0, :, 0], one.points[:, 0, 2], one.stress[:, :, [0, 1, 2, 4]], points) for one in stored
+    columns = [
+        _within(region.points[0, :, 0], region.points[:, 0, 2], region.stress[:, :, [0, 1, 2, 4]], points)
+        for region in stored
     ]
-    return found[0] if len(found) == 1 else np.stack([one[k] for k, one in enumerate(found)])
+    return columns[0] if len(columns) == 1 else np.stack([column[k] for k, column in enumerate(columns)])
 
 
 def _within(x: FloatArray, z: FloatArray, field: FloatArray, points: FloatArray) -> FloatArray:

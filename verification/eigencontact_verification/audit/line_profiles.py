@@ -11,7 +11,7 @@ half a cell along both axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.line_scene import StoredLine
 from eigencontact_verification.audit.lines import spread
-from eigencontact_verification.crosscheck.case import Profile, Quantity
+from eigencontact_verification.audit.stored_profile import Form, StoredProfile, stored_profile
 from eigencontact_verification.oracles.line_contact import flamant
 
-__all__ = ["LineProfile", "line_profiles"]
+__all__ = ["line_profiles"]
 
 FloatArray = NDArray[np.float64]
 
@@ -36,13 +36,13 @@ _PLASTIC, _SMOOTH = 1.25, 0.1
 #: Contacts are compared in width from this part of the widest.
 _WIDE = 0.6
 #: Part by which loads of steps may differ and count as one.
-_SAME = 1e-4
+_LOAD_TOLERANCE = 1e-4
 _MEAN = 1 / 8
 #: Distance from boundaries of regions and of layers that stress is compared from, and of columns, in half widths.
 _MARGIN, _THIN, _APART = 0.1, 0.02, 0.1
 #: Distance of a point from the middle of a cell, in its height.
 _MIDDLE = 0.1
-_KINDS: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
+_FORMS: dict[str, Form] = {
     "half width": ("strain", "step [1]", ("a",), "largest a"),
     "pressure": ("stress", "x [m]", ("s_zz",), "Pa"),
     "shear": ("stress", "x [m]", ("s_xz",), "Pa"),
@@ -51,35 +51,10 @@ _KINDS: dict[str, tuple[Quantity, str, tuple[str, ...], str]] = {
     "history of stress": ("stress", "step [1]", ("s_xx", "s_yy", "s_zz", "s_xz"), "Pa"),
     "plastic strain": ("strain", "z [m]", ("e_p",), "1"),
 }
+_line = partial(stored_profile, _FORMS)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LineProfile:
-    """Stored values along one line.
-
-    Attributes
-    ----------
-    profile : Profile
-    kind : str
-        Key of what is compared: ``"half width"``, ``"pressure"``, ``"shear"``, ``"slip"``, ``"stress"``,
-        ``"history of stress"``, stress at one point over the steps, or ``"plastic strain"``, the equivalent one.
-    moments : tuple of int
-        Load steps, from 0: of every point, or one for all.
-    body : int
-        Of stress and plastic strain, from 1 among those that deform.
-    values, own : (n, components) float64
-        Stored values and their numerical error.
-    """
-
-    profile: Profile
-    kind: str
-    moments: tuple[int, ...]
-    body: int
-    values: FloatArray
-    own: FloatArray
-
-
-def line_profiles(stored: StoredLine) -> list[LineProfile]:
+def line_profiles(stored: StoredLine) -> list[StoredProfile]:
     """Half width, pressure, shear, slip, columns of stress and of plastic strain."""
     a, last = stored.half_width, len(stored.load) - 1
     peak, pulled = _first_largest(stored.load), _first_largest(np.abs(stored.force))
@@ -90,21 +65,23 @@ def line_profiles(stored: StoredLine) -> list[LineProfile]:
         wide = np.intersect1d(wide, compared)
     widths = np.stack((wide + 1.0, 0 * wide, 0 * wide), axis=1)
     scale = float(a.max())
-    half = np.full(
-        (wide.size, 1), (_PLASTIC if stored.yields else _SMOOTH if stored.smooth else 0.5) * stored.cell / scale
-    )
-    lines = [_line("half width", "", widths, 0, a[wide, None] / scale, half, tuple(int(k) for k in wide))]
-    for kind, name, sign in (("pressure", "pressure", -1.0), ("shear", "shear_x", 1.0), ("slip", "slip_x", 1.0)):
+    strips = _PLASTIC if stored.yields else _SMOOTH if stored.smooth else 0.5
+    half = np.full(wide.size, strips * stored.cell / scale)
+    lines = [
+        _line("half width", "half width", widths, widths[:, 0], a[wide] / scale, half, tuple(int(k) for k in wide))
+    ]
+    for kind, field, sign in (("pressure", "pressure", -1.0), ("shear", "shear_x", 1.0), ("slip", "slip_x", 1.0)):
         steps = (peak,) if kind == "pressure" else (pulled, last)
         for k in compared if stored.travels else dict.fromkeys(steps):
-            values = stored.fields.get(name, 0 * stored.load[:, None] * stored.x)[k]
-            here = spread(np.flatnonzero(np.abs(stored.x - stored.place[k]) < _INNER * a[k]), _POINTS)
-            if np.any(values[here]):
-                points = np.stack((stored.x[here], 0 * stored.x[here], 0 * stored.x[here]), axis=1)
-                error = np.maximum(_bend(values)[here], _bend(values)[here].mean())
+            values = stored.fields.get(field, 0 * stored.load[:, None] * stored.x)[k]
+            chosen = spread(np.flatnonzero(np.abs(stored.x - stored.place[k]) < _INNER * a[k]), _POINTS)
+            if np.any(values[chosen]):
+                points = np.stack((stored.x[chosen], 0 * stored.x[chosen], 0 * stored.x[chosen]), axis=1)
+                error = np.maximum(_bend(values)[chosen], _bend(values)[chosen].mean())
                 if kind == "pressure" and any(body["cut"] for body in stored.scene["bodies"]):
-                    error = error + _by_regions(stored, k)[here]
-                lines.append(_line(kind, f", step {k + 1}", points, 0, sign * values[here, None], error[:, None], (k,)))
+                    error = error + _by_regions(stored, k)[chosen]
+                name = f"{kind}, step {k + 1}"
+                lines.append(_line(kind, name, points, stored.x[chosen], sign * values[chosen], error, (k,)))
     for k in compared:
         lines += _stress(stored, k)
     return lines + (_histories(stored) if stored.travels else []) + _strains(stored)
@@ -121,10 +98,10 @@ def _by_regions(stored: StoredLine, k: int) -> FloatArray:
 
 def _first_largest(values: FloatArray) -> int:
     """First step whose value is the largest but for the tolerance of a load."""
-    return int(np.flatnonzero(values >= (1 - _SAME) * values.max())[0])
+    return int(np.flatnonzero(values >= (1 - _LOAD_TOLERANCE) * values.max())[0])
 
 
-def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
+def _stress(stored: StoredLine, k: int) -> list[StoredProfile]:
     """Columns of a section in the middle, near the left edge of the contact (largest tension), and through regions."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a = float(stored.half_width.max())
@@ -156,13 +133,13 @@ def _stress(stored: StoredLine, k: int) -> list[LineProfile]:
                 padded = np.pad(change, ((1, 1), (0, 0)), mode="edge")  # where a change happens to vanish no error does
                 error += stored.pitch / 2 * np.maximum.reduce([padded[:-2], change, padded[2:]])
             error = np.maximum(error, error[good].max(axis=0) / 2)[chosen]
-            name = f" {where}, step {k + 1}, {region.name}"
+            name = f"stress {where}, step {k + 1}, {region.name}"
             number = numbers.index(region.body) + 1
-            lines.append(_line("stress", name, points[chosen], 2, stress[chosen], error, (k,), number))
+            lines.append(_line("stress", name, points[chosen], points[chosen, 2], stress[chosen], error, (k,), number))
     return lines
 
 
-def _histories(stored: StoredLine) -> list[LineProfile]:
+def _histories(stored: StoredLine) -> list[StoredProfile]:
     """Stress over the steps half of a half width below the middle of a section, over which the geometry travels."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a = float(stored.half_width.max())
@@ -182,19 +159,8 @@ def _histories(stored: StoredLine) -> list[LineProfile]:
         along = np.broadcast_to(points[row], (steps.size, 3))
         error = np.maximum(error, error.max(axis=0) / 2)
         moments = tuple(int(k) for k in steps)
-        lines.append(
-            _line(
-                "history of stress",
-                f", {region.name}",
-                along,
-                0,
-                columns[:, row],
-                error,
-                moments,
-                body + 1,
-                np.asarray(steps + 1.0, dtype=float),
-            )
-        )
+        name, number = f"history of stress, {region.name}", np.asarray(steps + 1.0, dtype=float)
+        lines.append(_line("history of stress", name, along, number, columns[:, row], error, moments, body + 1))
     return lines
 
 
@@ -248,7 +214,7 @@ def _homogeneous(stored: StoredLine, k: int, body: dict[str, Any], points: Float
     return np.stack((xx, body["poisson_ratio"] * (xx + zz), zz, sign * xz), axis=1)
 
 
-def _strains(stored: StoredLine) -> list[LineProfile]:
+def _strains(stored: StoredLine) -> list[StoredProfile]:
     """Columns of cells in the middle and near the left edge of the contact, after the last step."""
     numbers = [body["number"] for body in stored.scene["bodies"]]
     a, last = float(stored.half_width.max()), len(stored.load) - 1
@@ -265,8 +231,8 @@ def _strains(stored: StoredLine) -> list[LineProfile]:
             points = np.stack((np.full_like(z, strain.x[column]), 0 * z, z), axis=1)
             error = np.maximum(_bend(strain.values[:, column]), _bend(strain.values[:, column]).max() / 2)[chosen]
             body = numbers.index(strain.body) + 1
-            name = f" {where}, step {last + 1}, body {strain.body}"
-            lines.append(_line("plastic strain", name, points, 2, values[:, None], error[:, None], (last,), body))
+            name = f"plastic strain {where}, step {last + 1}, body {strain.body}"
+            lines.append(_line("plastic strain", name, points, z, values, error, (last,), body))
     return lines
 
 
@@ -278,15 +244,3 @@ def _bend(values: FloatArray, good: NDArray[np.bool_] | None = None) -> FloatArr
         whole = np.pad(good, 1, mode="edge")
         second[~(whole[:-2] & good & whole[2:])] = 0.0
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
-
-
-def _line(
-    kind: str, name: str, points: FloatArray, axis: int, values: FloatArray, error: FloatArray,
-    moments: tuple[int, ...], body: int = 1, along: FloatArray | None = None,
-) -> LineProfile:  # fmt: skip
-    quantity, label, components, unit = _KINDS[kind]
-    profile = Profile(
-        name=kind + name, quantity=quantity, points=points, along=points[:, axis] if along is None else along,
-        label=label, components=components, unit=unit,
-    )  # fmt: skip
-    return LineProfile(profile=profile, kind=kind, moments=moments, body=body, values=values, own=error)

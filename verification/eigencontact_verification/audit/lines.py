@@ -155,8 +155,8 @@ def stress_lines(
         if region.body not in numbers:
             continue  # a gap says why there is no such body
         body = numbers[region.body]
-        fit, lost = judged_points(stored, region, body, middle)
-        gaps += [Gap(subject=stored.name, what=f"stress in '{region.name}'", reason=text) for text in lost]
+        fit, reasons = judged_points(stored, region, body, middle)
+        gaps += [Gap(subject=stored.name, what=f"stress in '{region.name}'", reason=text) for text in reasons]
         strained = _strained(body, region.points)
         ways = [(way, yielded) for way in _through(region, body, middle) for yielded in (False, True)]
         for (words, indices, abscissa, label), yielded in ways:
@@ -194,29 +194,29 @@ def judged_points(
     stored: StoredStep, region: StoredRegion, body: AuditedBody, middle: Middle
 ) -> tuple[NDArray[np.bool_], list[str]]:
     """Which points of a region can be judged, and why others cannot."""
-    points, lost = region.points, []
+    points, reasons = region.points, []
     x, y, z = (points[..., axis] for axis in range(3))
     shallow = max(region.mean_above, _SHALLOW * max(stored.window.cell)) if middle.loaded else 0.0
     deep = z >= shallow
     if not deep.all():
-        lost.append(f"above a depth of {shallow:.3g} m the tractions of single cells disturb the field")
+        reasons.append(f"above a depth of {shallow:.3g} m the tractions of single cells disturb the field")
     finite = np.isfinite(region.stress).all(axis=-1)
     smooth = np.ones(z.shape, dtype=bool)
     for interface in body.different:
         for cells in range(1, _CUT + 1):
             smooth &= ~_near_boundary(interface, x, y, z, tuple(cells * edge for edge in body.cell))
     if not smooth.all():
-        lost.append(f"within {_CUT} cells of an interface, where the steps of its cells disturb the field")
+        reasons.append(f"within {_CUT} cells of an interface, where the steps of its cells disturb the field")
     for inclusion in (candidate for candidate in body.loaded.regions if candidate.contains not in body.different):
         size = max(high - low for low, high in zip(*inclusion.bounds, strict=True))
         clear = ~_near_boundary(inclusion.contains, x, y, z, (_RIM * size,) * 3)
         if not clear.all():
-            lost.append("beside the boundary of an inclusion, where stress jumps")
+            reasons.append("beside the boundary of an inclusion, where stress jumps")
         smooth &= clear
     faces = _on_faces(body, points)
     if faces.any():
-        lost.append("on faces of cells whose eigenstrain differs, where stress jumps")
-    return deep & finite & smooth & ~faces, list(dict.fromkeys(lost))
+        reasons.append("on faces of cells whose eigenstrain differs, where stress jumps")
+    return deep & finite & smooth & ~faces, list(dict.fromkeys(reasons))
 
 
 def _near_boundary(
@@ -324,17 +324,17 @@ def _through(
     paths: list[tuple[str, tuple[IntArray, ...], FloatArray, str]] = []
     cut_planes = set()
     for name, line in lines.items():
-        others = [other for other in region.axes if other != name]
-        for chosen in _combinations([places[other] for other in others]):
-            fixed = dict(zip(others, chosen, strict=True))
-            key = (name, *(fixed[other] for other in others))
+        cut_axes = [cut_axis for cut_axis in region.axes if cut_axis != name]
+        for chosen in _combinations([places[cut_axis] for cut_axis in cut_axes]):
+            fixed = dict(zip(cut_axes, chosen, strict=True))
+            key = (name, *(fixed[cut_axis] for cut_axis in cut_axes))
             if key in cut_planes:
                 continue
             cut_planes.add(key)
             at = tuple(
                 np.arange(line.size) if axis == name else np.full(line.size, fixed[axis]) for axis in region.axes
             )
-            words = ", ".join(f"{other} = {lines[other][fixed[other]]:.4g} m" for other in others)
+            words = ", ".join(f"{cut_axis} = {lines[cut_axis][fixed[cut_axis]]:.4g} m" for cut_axis in cut_axes)
             paths.append((f"along {name} at {words}", at, line, f"{name} [m]"))
     return paths
 

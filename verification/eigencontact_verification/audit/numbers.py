@@ -152,8 +152,8 @@ def _of_contact(kind: str, values: FloatArray, reference: FloatArray, band: Floa
     sign = float(np.sign(values[k])) or 1.0
     yield _Reading(_OF_LINES[kind], sign * values[k], sign * reference[k], band[k])
     if kind == "radius":
-        area, other = np.pi * values[k] ** 2, np.pi * reference[k] ** 2
-        yield _Reading("contact_area", area, other, 2.0 * np.pi * abs(reference[k]) * band[k])
+        area, reference_area = np.pi * values[k] ** 2, np.pi * reference[k] ** 2
+        yield _Reading("contact_area", area, reference_area, 2.0 * np.pi * abs(reference[k]) * band[k])
 
 
 def _under_tractions(
@@ -169,8 +169,10 @@ def _under_tractions(
     if components == STRESSES:
         mises, _ = _von_mises(values)
         k = int(np.argmax(mises))
-        other, slope = _von_mises(reference[k : k + 1])
-        yield _Reading("max_von_mises", float(mises[k]), float(other[0]), float((np.abs(slope) * band[k]).sum()))
+        reference_mises, slope = _von_mises(reference[k : k + 1])
+        yield _Reading(
+            "max_von_mises", float(mises[k]), float(reference_mises[0]), float((np.abs(slope) * band[k]).sum())
+        )
     elif "u_z" in components and pressure is not None and np.any(pressure[at] > 0.0):
         column, k = components.index("u_z"), int(np.argmax(pressure[at]))
         depth = stored.scalars.get("approach", np.nan)

@@ -102,14 +102,14 @@ class Trial:
         sample |= {"first_s": first, "first_cpu_s": cpu, "peak_bytes": memory.peak(), "peak_reset": memory.reset}
         floors, again = self.floors(), list[float]()
         times = {name: [] if self.always else measure() for name, measure in floors.items()}
-        while len(again) < max(warm, self.always) and (len(again) < self.always or self._left(task) > 2 * first):
+        while len(again) < max(warm, self.always) and (len(again) < self.always or self._remaining(task) > 2 * first):
             again.append(timed(self.call)[1])
             for name, measure in floors.items():
                 times[name] += measure()
         sample |= {"again_s": again} | {f"{name}_s": self.floor(values) for name, values in times.items()}
         return sample | self.judge(answer)
 
-    def _left(self, task: Task) -> float:
+    def _remaining(self, task: Task) -> float:
         return self.began + task.budget - time.perf_counter()
 
 

@@ -45,7 +45,7 @@ def collect(kind: str, numbers: Iterable[int], file: Path, seconds: float) -> di
     """
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     stored = {row["scene"]: row["errors"] for row in map(json.loads, lines)}
-    _part, degrees, truth = _PARTS[kind]
+    _, degrees, truth = _PARTS[kind]
     numbers, began = list(numbers), perf_counter()
     scenes = random_scenes(kind, max(numbers, default=-1) + 1)
     for number in numbers:

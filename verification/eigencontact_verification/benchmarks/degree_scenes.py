@@ -86,9 +86,9 @@ def _inclusions(rng: np.random.Generator, kind: str) -> list[dict[str, Any]]:
     while kind == "two balls" and len(balls) == 1:
         second, gap = rng.uniform(0.1, 0.5), _between(rng, 0.1, 2.0)
         way = rng.standard_normal(3)
-        other = center + way / np.linalg.norm(way) * (radius + second + gap * min(radius, second))
-        if other[2] > 1.1 * second:
-            balls.append((other, second))
+        second_center = center + way / np.linalg.norm(way) * (radius + second + gap * min(radius, second))
+        if second_center[2] > 1.1 * second:
+            balls.append((second_center, second))
     return [
         {"type": "sphere", "center": (at * RADIUS).tolist(), "radius": size * RADIUS, "material": _material(rng)}
         for at, size in balls
@@ -173,8 +173,8 @@ class _Run:
         strain = compliance(_matrix()) @ values
         out, first = [], 0
         for places, weights in rules:
-            here = strain[:, first : first + len(places)]
-            out.append(np.sqrt((here**2).sum(axis=0) @ weights / weights.sum()))
+            strain_of_rule = strain[:, first : first + len(places)]
+            out.append(np.sqrt((strain_of_rule**2).sum(axis=0) @ weights / weights.sum()))
             first += len(places)
         return np.array(out)
 

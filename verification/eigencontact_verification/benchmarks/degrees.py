@@ -82,8 +82,10 @@ def measure(_code: Code, task: Task) -> Sample:
         results[f"degree {degree}"] = pressure(material, float(depth), _CELLS, degree), right
     highest = results[f"degree {max(DEGREES)}"][0][0]
     for cells in CELLS:
-        there = highest if cells == _CELLS else pressure(material, float(depth), cells, max(DEGREES))[0]
-        corrected = None if there is None or right is None or highest is None else there + right - highest
+        highest_of_cells = highest if cells == _CELLS else pressure(material, float(depth), cells, max(DEGREES))[0]
+        corrected = (
+            None if highest_of_cells is None or right is None or highest is None else highest_of_cells + right - highest
+        )
         results[f"cells {cells}"] = pressure(material, float(depth), cells), corrected
     sample: Sample = {"status": "ok", "material": material, "depth": float(depth), "right": right}
     for name, ((value, seconds), correct) in results.items():

@@ -152,7 +152,7 @@ def _per_cell(task: Task, row: Row) -> Row:
 
 def scaling(rows: list[Row], bound: float = 1.5) -> list[str]:
     """Sentences on how time and memory per cell grow from the smallest to the largest size."""
-    said = []
+    sentences = []
     for case in dict.fromkeys(row["case"] for row in rows):
         chosen = sorted((row for row in rows if row["case"] == case), key=lambda row: row["n"])
         small, large = chosen[0], chosen[-1]
@@ -166,8 +166,10 @@ def scaling(rows: list[Row], bound: float = 1.5) -> list[str]:
             if small[key] and large[key]:
                 ratio = large[key] / small[key]
                 verdict = "within" if ratio <= bound else "beyond"
-                said.append(f"{case}, {words}: {ratio:.2f} times from {small['n']} to {large['n']} ({verdict} {bound})")
-    return said
+                sentences.append(
+                    f"{case}, {words}: {ratio:.2f} times from {small['n']} to {large['n']} ({verdict} {bound})"
+                )
+    return sentences
 
 
 BENCHMARK = Benchmark(

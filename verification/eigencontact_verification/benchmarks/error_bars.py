@@ -100,15 +100,15 @@ def judged(row: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         if stored["source"] in sources
     ]
     scales, truth = _scales(row), row["judge"]
-    found: dict[str, dict[str, Any]] = {}
+    bars: dict[str, dict[str, Any]] = {}
     for name, bar in joined_bars(summary, comparisons).items():
         unit = row["numbers"][name]["unit"]
         zero = abs(bar.value) < ZERO * scales.get(unit, 0.0)
         least = ZERO * scales[unit] if zero else _NOTHING * abs(bar.value)
-        seen = name in truth and (bar.value != 0.0 or truth[name] != 0.0)
-        if seen and max(bar.error, abs(truth[name] - bar.value)) > least:
-            found[name] = {**bar.to_dict(), "difference": abs(truth[name] - bar.value)}
-    return found
+        compared = name in truth and (bar.value != 0.0 or truth[name] != 0.0)
+        if compared and max(bar.error, abs(truth[name] - bar.value)) > least:
+            bars[name] = {**bar.to_dict(), "difference": abs(truth[name] - bar.value)}
+    return bars
 
 
 def _scales(row: Mapping[str, Any]) -> dict[str, float]:
@@ -173,8 +173,10 @@ def _remarks(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """All physics together, and the scenes that were refused."""
     counted = [row for row in rows if row.get("numbers")]
     scenes, numbers = (sum(row[name] for row in counted) for name in ("scenes", "numbers"))
-    held = sum(row["share"] * row["numbers"] for row in counted)
-    together = f"all physics: {scenes} scenes, {numbers} numbers, bars hold for {held / numbers:.3f}" if numbers else ""
+    honest = sum(row["share"] * row["numbers"] for row in counted)
+    together = (
+        f"all physics: {scenes} scenes, {numbers} numbers, bars hold for {honest / numbers:.3f}" if numbers else ""
+    )
     refused = [f"{row['case']}: not solved: {text}" for row in rows for text in row.get("failed", ())]
     return [*([together] if together else []), *refused]
 
@@ -183,7 +185,7 @@ def coverage(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """Share of bars that hold, median of bar over true error, price, and the numbers whose bars fail most."""
     from eigencontact.accuracy.sources import SOURCES
 
-    counted, known = list(rows), {source.name for source in SOURCES}
+    counted, sources = list(rows), {source.name for source in SOURCES}
     pairs = [pair for row in counted for pair in _pairs(row)]
     if not pairs:
         return {}
@@ -192,7 +194,10 @@ def coverage(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     for name, _, _, holds in pairs:
         missed[name] += not holds
     worst = sorted((name for name in missed if missed[name]), key=lambda name: -missed[name])
-    spent = [sum(one["seconds"] for one in row["comparisons"] if one["source"] in known) for row in counted]
+    spent = [
+        sum(comparison["seconds"] for comparison in row["comparisons"] if comparison["source"] in sources)
+        for row in counted
+    ]
     return {
         "scenes": len(counted),
         "numbers": len(pairs),

@@ -56,15 +56,15 @@ def measure(code: Code, task: Task) -> Sample:
 
     points, steps = _CASES[task.case]
     criterion = make(code.name, kind="fatigue-criterion", **CRITERIA[code.name])
-    cycle, few = cycle_of(points, steps), cycle_of(_TURNED, steps)
+    cycle, short_cycle = cycle_of(points, steps), cycle_of(_TURNED, steps)
     axes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
     axes *= np.sign(np.linalg.det(axes))
 
     def judge(_: Any) -> dict[str, Any]:
-        value, turned = (criterion.damage(item).value for item in (few, cycle_of(_TURNED, steps, axes)))
+        value, turned = (criterion.damage(item).value for item in (short_cycle, cycle_of(_TURNED, steps, axes)))
         return {"turned": float(np.max(np.abs(turned / value - 1.0)))}
 
-    trial = Trial(call=lambda: criterion.damage(cycle), judge=judge, setup=lambda: criterion.damage(few))
+    trial = Trial(call=lambda: criterion.damage(cycle), judge=judge, setup=lambda: criterion.damage(short_cycle))
     return trial.run(task, warm=0)
 
 

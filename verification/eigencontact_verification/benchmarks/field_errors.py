@@ -44,13 +44,13 @@ def compared(tables: dict[str, Any]) -> dict[str, tuple[float, float]]:
     shares = {}
     for name in result.summary["field_errors"]:
         values, errors = (run[stored].values[-1] for stored in (name, f"{name}_error"))
-        places, others = axes_of(run, name), axes_of(judge, name)
-        true = interpolated(judge[name].values[-1], others, places, smooth=True)
+        places, judge_places = axes_of(run, name), axes_of(judge, name)
+        true = interpolated(judge[name].values[-1], judge_places, places, smooth=True)
         least = _NOTHING * np.nanmax(np.abs(values))
         differences = np.abs(values - true)
         counts = (np.abs(values) > _MATTERS * np.nanmax(np.abs(values))) & (np.fmax(errors, differences) > least)
         # windows of whole cells differ a little: the judge does not know what lies beyond its own
-        inside = [(at >= other[0]) & (at <= other[-1]) for at, other in zip(places, others, strict=True)]
+        inside = [(at >= line[0]) & (at <= line[-1]) for at, line in zip(places, judge_places, strict=True)]
         counts &= reduce(np.logical_and.outer, inside)
         if counts.any():
             ratios = errors[counts] / np.maximum(differences[counts], least)

@@ -26,7 +26,7 @@ __all__ = ["Cost", "main", "measure", "written"]
 #: Variants at the beginning that are not timed: workers import what they need.
 _FIRST = 100
 #: Number of variants that is extrapolated to.
-_MANY = 100_000
+_COUNT = 100_000
 #: A run that leaves what a variant leaves, in a moment.
 _SMALL = ["stress=[]", "grid.cells=32", 'grid.size="30 um"', "output.pictures=false", "output.vtk=false"]
 
@@ -35,7 +35,7 @@ _SMALL = ["stress=[]", "grid.cells=32", 'grid.size="30 um"', "output.pictures=fa
 class Cost:
     """One measured cost, with its unit and its value by number of variants."""
 
-    what: str
+    name: str
     unit: str
     values: dict[int, float]
 
@@ -44,7 +44,7 @@ class Cost:
 
         Examples
         --------
-        >>> Cost(what="time", unit="s", values={10: 3.0, 30: 7.0}).at(100)
+        >>> Cost(name="time", unit="s", values={10: 3.0, 30: 7.0}).at(100)
         21.0
         """
         low = min(self.values)
@@ -74,7 +74,7 @@ def measure(counts: Sequence[int], workers: int) -> list[Cost]:
         costs["files in folders of variants", "1"] = float(number * count)
         for name, value in costs.items():
             by_number.setdefault(name, {})[count] = value
-    return [Cost(what=what, unit=unit, values=values) for (what, unit), values in by_number.items()]
+    return [Cost(name=cost, unit=unit, values=values) for (cost, unit), values in by_number.items()]
 
 
 def _variants(count: int) -> tuple[list[Axis], list[Variant], float]:
@@ -99,8 +99,8 @@ def _of_handing(count: int, workers: int) -> dict[tuple[str, str], float]:
     trivial, within, back = [replace(variant, refused="trivial") for variant in variants], 0.0, list[object]()
     began, paused = perf_counter(), 0.0
     with tempfile.TemporaryDirectory() as folder:
-        for done, outcome in enumerate(outcomes(trivial, Path(folder), engine=Cluster(f"local:{workers}")), 1):
-            if done == _FIRST:
+        for count_done, outcome in enumerate(outcomes(trivial, Path(folder), engine=Cluster(f"local:{workers}")), 1):
+            if count_done == _FIRST:
                 began, within, paused = perf_counter(), 0.0, resident_bytes()
             within += outcome.seconds
             back.append(outcome)
@@ -152,8 +152,8 @@ def written(costs: Sequence[Cost], workers: int) -> str:
         more = (
             f"{cost.slope:.3g}" if cost.unit == "1" else f"{1e3 * cost.slope:.3g} {'ms' if cost.unit == 's' else 'kB'}"
         )
-        cells = [*(f"{cost.values[count]:.3g}{unit}" for count in counts), more, f"{cost.at(_MANY):.3g}{unit}"]
-        rows.append(f"| {cost.what} | {' | '.join(cells)} |")
+        cells = [*(f"{cost.values[count]:.3g}{unit}" for count in counts), more, f"{cost.at(_COUNT):.3g}{unit}"]
+        rows.append(f"| {cost.name} | {' | '.join(cells)} |")
     return "\n".join([*rows, "", f"On {workers} workers of one machine. Measured {describe(facts())}."])
 
 

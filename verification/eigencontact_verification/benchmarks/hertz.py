@@ -54,7 +54,7 @@ def _cost(task: Task, row: Row) -> Row:
 def scaling(rows: list[Row], small: int = 512, large: int = 2048, bound: float = 1.5) -> list[str]:
     """Sentences on how the cost per point and log2(N) grows from `small` to `large`, for codes that ran both."""
     cost = {(row["code"], row["n"]): row for row in rows}
-    said = []
+    sentences = []
     for code in dict.fromkeys(row["code"] for row in rows):
         if (code, small) not in cost or (code, large) not in cost:
             continue
@@ -64,11 +64,11 @@ def scaling(rows: list[Row], small: int = 512, large: int = 2048, bound: float =
                 continue
             ratio = after / before
             verdict = "within" if ratio <= bound else "beyond"
-            said.append(
+            sentences.append(
                 f"{code}, {words}: cost per point and log2 N at {large} is {ratio:.2f} times that at {small}"
                 f" ({verdict} {bound})"
             )
-    return said
+    return sentences
 
 
 BENCHMARK = Benchmark(

@@ -80,9 +80,9 @@ def _call(task: Task) -> Callable[[], float]:
         from eigencontact.execution.fields.fatigue import damage_in_parts
 
         criteria = [ec.make(name, kind="fatigue-criterion", **table) for name, table in CRITERIA.items()]
-        few, cycle = cycle_of(200, _CYCLE[1]), cycle_of(*_CYCLE)
+        short_cycle, cycle = cycle_of(200, _CYCLE[1]), cycle_of(*_CYCLE)
         for criterion in criteria:  # compiling is no part of it
-            criterion.damage(few)
+            criterion.damage(short_cycle)
         return lambda: float(sum(damage_in_parts(criterion, cycle, task.threads)[0].max() for criterion in criteria))
     if task.case == "plastic":
         yielding = ec.plan(ec.load_scene(_plastic(task)))

@@ -62,12 +62,12 @@ def measure_all(
         spent = dict.fromkeys(running, 0.0)
         for repeat in range(repeats):
             for code in running:
-                left = limit - spent[code]
-                if code in stopped or left * len(by_code[code]) < spent[code]:
+                remaining = limit - spent[code]
+                if code in stopped or remaining * len(by_code[code]) < spent[code]:
                     continue  # another process would take about as long as those before
                 say(f"N = {n}, {code}, process {repeat + 1} of {repeats}")
                 began = time.perf_counter()
-                sample = run(replace(template, code=code, n=n, budget=left / (repeats - repeat)), left)
+                sample = run(replace(template, code=code, n=n, budget=remaining / (repeats - repeat)), remaining)
                 spent[code] += time.perf_counter() - began
                 out.samples.append({"benchmark": template.benchmark, "code": code, "n": n, **sample})
                 if sample["status"] == "ok":
@@ -81,8 +81,8 @@ def measure_all(
                 out.rows.append(summarise(replace(template, code=code, n=n), samples))
             if code not in stopped and spent[code] > limit:
                 stopped.add(code)
-                said = f"{code}: larger than N = {n} skipped, slower than the limit of {limit:.0f} s there"
-                out.notes += [said] if n < max(sizes) else []
+                note = f"{code}: larger than N = {n} skipped, slower than the limit of {limit:.0f} s there"
+                out.notes += [note] if n < max(sizes) else []
     return out
 
 

@@ -105,7 +105,7 @@ def measure(_: Code, task: Task) -> Sample:
 
 
 def _apart(*arguments: Any) -> dict[str, Any]:
-    """Ask `_alone` in a fresh process, which ends by itself even where this one is ended before."""
+    """Ask `_operator_cost` in a fresh process, which ends by itself even where this one is ended before."""
     context = get_context("spawn")
     answer, sender = context.Pipe(duplex=False)
     child = context.Process(target=_sent, args=(sender, *arguments))
@@ -117,10 +117,10 @@ def _apart(*arguments: Any) -> dict[str, Any]:
 
 
 def _sent(sender: Connection, *arguments: Any) -> None:
-    sender.send(_alone(*arguments))
+    sender.send(_operator_cost(*arguments))
 
 
-def _alone(axes: list[Any], values: Any, threads: int) -> dict[str, Any]:
+def _operator_cost(axes: list[Any], values: Any, threads: int) -> dict[str, Any]:
     """Processor time of one application of the operator in its cells [s], and its memory [byte]."""
     METHODS["eigencontact"].load()
     from eigencontact.solvers.cells import Cells

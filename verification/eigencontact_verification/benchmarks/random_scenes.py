@@ -19,7 +19,8 @@ KINDS: dict[str, dict[str, float]] = {
     "damage": {"concrete-bars-damage": 0.5, "bone-indentation": 0.35},
     "wear": {"wear-gross-sliding": 0.5, "fretting-wear-gross-slip": 0.5},
 }
-_OWN = 2.0
+#: Least cells per contact radius in `KINDS`.
+_PER_RADIUS = 2.0
 _LOADS = ("normal-load", "approach", "moment-y", "tangential-load-x", "tangential-load-y", "shift-x", "shift-y")
 #: Keys of components, and the factors between which their values are drawn.
 _FACTORS = {
@@ -53,7 +54,7 @@ def random_scene(name: str, cells: float, random: Random) -> dict[str, Any]:
     for table in (body[name] for name in ("medium", "law") if body.get(name)):
         _draw(table, random)
     tables["numerics"] |= {"threads": 1, "allow-coarse": True}
-    if cells >= _OWN:
+    if cells >= _PER_RADIUS:
         grid, numerics = tables["grid"], tables["numerics"]
         if numerics.get("inclusion-pitch"):
             numerics["inclusion-pitch"] *= grid["cells-per-contact-radius"] / (share * cells)

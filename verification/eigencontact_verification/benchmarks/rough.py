@@ -84,16 +84,16 @@ def measure(code: RoughCode, task: Task) -> Sample:
 
 def ratios(rows: list[Row]) -> list[str]:
     """Sentences on how many times the processor time the best peer takes."""
-    said = []
+    sentences = []
     for case, n in dict.fromkeys((row["case"], row["n"]) for row in rows):
         times = {row["code"]: row["first_cpu_s"] for row in rows if (row["case"], row["n"]) == (case, n)}
         ours = times.pop("eigencontact", None)
         if ours and times:
             best = min(times, key=lambda code: times[code])
-            said.append(
+            sentences.append(
                 f"{case}, N = {n}: {best}, the best peer, takes {times[best] / ours:.3g} times the processor time"
             )
-    return said
+    return sentences
 
 
 #: Loosest round numbers with a residual of at most 1e-6 in every case at N = 256.

@@ -136,11 +136,11 @@ def measure(code: Code, task: Task) -> Sample:
 
             began = perf_counter()
             with h5py.File(path, "r") as file:
-                same = all(np.array_equal(file[name][-1], values) for name, values in steps[-1].items())
+                equal = all(np.array_equal(file[name][-1], values) for name, values in steps[-1].items())
             return {
                 "step_ms": 1e3 * float(np.median(times[:-1])) if times else None,
                 "read_ms": 1e3 * (perf_counter() - began),
-                "same": same,
+                "same": equal,
                 "size_mb": 1e-6 * path.stat().st_size,
             }
 

@@ -169,7 +169,7 @@ def measure(code: ShearCode, task: Task) -> Sample:
 
 def growth(rows: list[Row]) -> list[str]:
     """Sentences on how applications and time grow with N, and on the cycle, for codes that report them."""
-    said = []
+    sentences = []
     for case, code in dict.fromkeys((row["case"], row["code"]) for row in rows):
         mine = [row for row in rows if (row["case"], row["code"]) == (case, code)]
         for key, words in (("applications", "applications"), ("again_s", "seconds")):
@@ -178,14 +178,14 @@ def growth(rows: list[Row]) -> list[str]:
                 continue
             n, value = np.log(np.array(pairs, dtype=float)).T
             power = float(np.polyfit(n, value, 1)[0])
-            said.append(f"{case}, {code}: {words} grow as N^{power:.2f} from N = {pairs[0][0]} to {pairs[-1][0]}")
-        said += [
+            sentences.append(f"{case}, {code}: {words} grow as N^{power:.2f} from N = {pairs[0][0]} to {pairs[-1][0]}")
+        sentences += [
             f"{case}, {code}: a cycle of {CYCLE_STEPS} load steps, |Q| up to 0.9 of friction, at N = {row['n']} takes"
             f" {row['cycle_s']:.2g} s and {row['cycle_applications']} applications"
             for row in mine
             if row.get("cycle_s") is not None
         ]
-    return said
+    return sentences
 
 
 PEERS = ("tamaas-condat", "tamaas-polonsky-keer", "tamaas-kato", "aspher")

@@ -159,8 +159,8 @@ def draw(rows: list[Row], path: Path) -> None:
                 members = [row for row in rows if row["code"].startswith(family) and row[key]]
                 x = [scale * row[key] for row in members]
                 axes.plot(x, [row["error"] for row in members], marker=marker, color=colour, label=family)
-            others = [row for row in rows if not row["code"].startswith("FE") and row[key]]
-            for mark, row in zip("oDvP*Xd", others, strict=False):
+            semi_analytical = [row for row in rows if not row["code"].startswith("FE") and row[key]]
+            for mark, row in zip("oDvP*Xd", semi_analytical, strict=False):
                 place = scale * row[key]
                 axes.plot(place, row["error"], mark, color=COLOURS[0], markerfacecolor="white", label=row["code"])
             axes.set(xscale="log", yscale="log", xlabel=label)

@@ -12,12 +12,12 @@ from eigencontact_verification.studies.study import number_of, plain
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
-    from eigencontact_verification.campaign.finding import Judged
+    from eigencontact_verification.campaign.finding import JudgedPoint
 
 __all__ = ["answers", "totals"]
 
 
-def totals(campaign: Campaign, points: Sequence[Judged]) -> str:
+def totals(campaign: Campaign, points: Sequence[JudgedPoint]) -> str:
     """Numbers of points and verdicts in sentences, claims first."""
     inside = [finding.word for point in points for finding in point.findings if finding.claimed]
     broken = sum(word in ("disagrees", "failed") for word in inside)
@@ -35,14 +35,14 @@ def totals(campaign: Campaign, points: Sequence[Judged]) -> str:
     )
 
 
-def answers(campaign: Campaign, points: Sequence[Judged]) -> list[str]:
+def answers(campaign: Campaign, points: Sequence[JudgedPoint]) -> list[str]:
     """For each quantity: from which value of the parameter across, or up to which, every point agrees.
 
     Only points from that value to the end of the axis count, so that an island of agreement is no answer. Empty where
     the parameter across has no order.
     """
-    x, y, others = axes_of_map(campaign, points)
-    parameters = [name for name in (y, *others) if name is not None]
+    x, y, panel_axes = axes_of_map(campaign, points)
+    parameters = [name for name in (y, *panel_axes) if name is not None]
     groups: dict[tuple[str, tuple[Any, ...]], list[tuple[float, str]]] = {}
     for point in points:
         at = number_of(point.point.values.get(x))
@@ -68,9 +68,9 @@ def _span(course: Sequence[tuple[float, str]], x: str) -> str:
         return f"everywhere, {x} = {plain(course[0][0])} to {plain(course[-1][0])}"
     upper = next((k for k in range(len(agree)) if all(agree[k:])), len(agree))
     lower = next((k for k in range(len(agree), 0, -1) if all(agree[:k])), 0)
-    said = []
+    ranges = []
     if lower:
-        said.append(f"up to {x} = {plain(course[lower - 1][0])}")
+        ranges.append(f"up to {x} = {plain(course[lower - 1][0])}")
     if upper < len(course):
-        said.append(f"from {x} = {plain(course[upper][0])}")
-    return " and ".join(said) or "nowhere at an end of the axis"
+        ranges.append(f"from {x} = {plain(course[upper][0])}")
+    return " and ".join(ranges) or "nowhere at an end of the axis"

@@ -101,7 +101,7 @@ def read_campaign(path: Path, text: str | None = None) -> Campaign:
     coarse = checked(table.get("coarse", {}), "coarse", "coarse", form=FORM)
     reference = _reference(table, judge)
     tolerance = _tolerance(table.get("tolerance", 0.02), "tolerance")
-    scenes, few = _scenes(table, coarse)
+    scenes, coarse_scenes = _scenes(table, coarse)
     fine, first = _refined(reference, coarse)
     folder = path.resolve().parent if path.is_file() or text is None else None
 
@@ -121,7 +121,7 @@ def read_campaign(path: Path, text: str | None = None) -> Campaign:
         trend=" ".join(str(table.get("trend", "")).split()),
         judge=judge,
         models=models(scenes, fine),
-        coarse_models=models(few, first),
+        coarse_models=models(coarse_scenes, first),
         words=str(table.get("model", "the model")),
         reference=str(reference.get("words", JUDGES[judge])),
         quantities=_quantities(table, judge, tolerance),

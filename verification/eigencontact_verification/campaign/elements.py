@@ -1,7 +1,7 @@
 """Judge of a campaign: finite elements, under the tractions of each run, or with a contact of their own.
 
 The verdict of a map asks how far the run is from the truth, its cells included. What the run says of its own error (see
-`campaign.case.own_error`) is therefore no part of the uncertainty here, as it is where a code is verified. Runs with
+`crosscheck.case.error_key`) is therefore no part of the uncertainty here, as it is where a code is verified. Runs with
 error bars have their numbers compared too, with the bar beside the error.
 """
 
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.errors import EigencontactError
-from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.campaign.finding import JudgedPoint, MapFinding
 from eigencontact_verification.crosscheck.judge import JudgedCase, judge
 from eigencontact_verification.crosscheck.run import Limits, in_processes, run_cases
 from eigencontact_verification.crosscheck.store import Store
@@ -76,7 +76,7 @@ class _Question:
 def judge_by_elements(
     campaign: Campaign, points: Sequence[Point], folder: Path, *, cases_of: CasesOf, executor: Executor,
     progress: Progress | None = None,
-) -> list[Judged]:  # fmt: skip
+) -> list[JudgedPoint]:  # fmt: skip
     """Verdicts of points from the runs in the folder ``runs``; solutions are stored in the folder ``solutions``.
 
     See `cases_for` and `executor_for`; `progress` learns of the solutions.
@@ -103,13 +103,13 @@ def _question_of(point: Point, runs: Path, cases_of: CasesOf) -> _Question:
     return _Question(point=point, cases=cases, gaps=reasons, failed=failed, folder=runs / label)
 
 
-def _judged(campaign: Campaign, question: _Question, cases: Sequence[JudgedCase]) -> Judged:
+def _judged(campaign: Campaign, question: _Question, cases: Sequence[JudgedCase]) -> JudgedPoint:
     tolerance, claimed = campaign.tolerance, campaign.claimed(question.point.model.names)
     if question.failed:
         nothing = MapFinding(
             quantity="all", word="failed", reason=question.failed, tolerance=tolerance, claimed=claimed
         )
-        return Judged(point=question.point, findings=(nothing,), gaps=tuple(question.gaps))
+        return JudgedPoint(point=question.point, findings=(nothing,), gaps=tuple(question.gaps))
     groups: dict[str, list[tuple[JudgedCase, Profile]]] = {}
     for case in cases:
         for profile in case.case.profiles:
@@ -128,7 +128,7 @@ def _judged(campaign: Campaign, question: _Question, cases: Sequence[JudgedCase]
     )
     solves = [(task, outcome) for case in cases for task, outcome in case.outcomes if task.level is not None]
     finest = _sum(outcome.seconds for task, outcome in solves if task.level == 2 and task.outer == "fixed")
-    return Judged(
+    return JudgedPoint(
         point=question.point, findings=findings, gaps=tuple(question.gaps), reference_seconds=finest,
         all_seconds=_sum(outcome.seconds for _, outcome in solves),
         reference_memory=largest(outcome.memory for _, outcome in solves),
@@ -173,13 +173,13 @@ def _numbers(folder: Path, cases: Sequence[JudgedCase], tolerance: float, *, cla
         yield MapFinding(
             quantity=row.profile, word=row.word, reason=row.reason, tolerance=tolerance, claimed=claimed,
             error=abs(row.error) / scale, uncertainty=row.u_fe / scale, value=row.simulation, reference=row.reference,
-            scale=scale, own=row.u_sa / scale,
+            scale=scale, run_error=row.u_sa / scale,
         )  # fmt: skip
 
 
-def _larger(first: float, other: float) -> float:
+def _larger(first: float, second: float) -> float:
     """Larger of two numbers; nan counts as the largest."""
-    return float(np.maximum(first, other))
+    return float(np.maximum(first, second))
 
 
 def _sum(values: Iterable[float | None]) -> float | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.style import COLOURS, new_figure
-from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.campaign.finding import JudgedPoint, MapFinding
 from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.reporting.verdict import MARKS, percent
 from eigencontact_verification.studies.study import label_of, levels_of, number_of, plain
@@ -27,7 +27,7 @@ _BARS = COLOURS[1]
 _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
 
 
-def axes_of_map(campaign: Campaign, points: Sequence[Judged]) -> tuple[str, str | None, list[str]]:
+def axes_of_map(campaign: Campaign, points: Sequence[JudgedPoint]) -> tuple[str, str | None, list[str]]:
     """Parameter across, parameter upwards or None, and those that make a panel for each of their values."""
     names = list(dict.fromkeys(parameter.name for model in campaign.models for parameter in model.study.parameters))
     varied = [name for name in names if len(levels_in(points, name)) > 1] or names[:1]
@@ -38,18 +38,18 @@ def axes_of_map(campaign: Campaign, points: Sequence[Judged]) -> tuple[str, str 
     return x, y, [name for name in remaining if name != y]
 
 
-def quantities_of(campaign: Campaign, points: Sequence[Judged]) -> list[str]:
+def quantities_of(campaign: Campaign, points: Sequence[JudgedPoint]) -> list[str]:
     """Names of quantities that were judged; those that the file wants drawn."""
-    every = list(dict.fromkeys(finding.quantity for point in points for finding in point.findings))
-    names = campaign.drawn.get("quantities", every)
-    return [name for name in every if name in names] or every
+    judged_names = list(dict.fromkeys(finding.quantity for point in points for finding in point.findings))
+    names = campaign.drawn.get("quantities", judged_names)
+    return [name for name in judged_names if name in names] or judged_names
 
 
-def draw_map(campaign: Campaign, points: Sequence[Judged]) -> Figure:
+def draw_map(campaign: Campaign, points: Sequence[JudgedPoint]) -> Figure:
     """One panel for each quantity, and for each value of further parameters."""
-    x, y, others = axes_of_map(campaign, points)
+    x, y, panel_axes = axes_of_map(campaign, points)
     names = quantities_of(campaign, points)
-    groups = list(product(*(levels_in(points, name) for name in others)))
+    groups = list(product(*(levels_in(points, name) for name in panel_axes)))
     panels = [(name, group) for group in groups for name in names]
     across, up = levels_in(points, x), [None] if y is None else levels_in(points, y)
     columns = min(len(panels), 3 if y is None else max(1, 10 // max(3, len(across))))
@@ -58,7 +58,7 @@ def draw_map(campaign: Campaign, points: Sequence[Judged]) -> Figure:
     figure = new_figure(max(5.0, columns * width), rows * height + 0.6)
     places = list(figure.subplots(rows, columns, squeeze=False).ravel())
     for place, (name, group) in zip(places, panels, strict=False):
-        at = dict(zip(others, group, strict=True))
+        at = dict(zip(panel_axes, group, strict=True))
         chosen = [point for point in points if all(point.point.values.get(key) == value for key, value in at.items())]
         panel = ", ".join([name, *(f"{label_in(campaign, key)} {plain(value)}" for key, value in at.items())])
         place.set_title(subscripts(panel))
@@ -80,17 +80,17 @@ def label_in(campaign: Campaign, name: str) -> str:
     return label_of((parameter for model in campaign.models for parameter in model.study.parameters), name)
 
 
-def levels_in(points: Sequence[Judged], name: str) -> list[Any]:
+def levels_in(points: Sequence[JudgedPoint], name: str) -> list[Any]:
     """Values of a parameter at points, in order."""
     return levels_of((judged.point.values for judged in points), name)
 
 
-def _of(point: Judged, name: str) -> MapFinding | None:
+def _of(point: JudgedPoint, name: str) -> MapFinding | None:
     return next((finding for finding in point.findings if finding.quantity == name), None)
 
 
 def _cells(
-    axes: Axes, chosen: Sequence[Judged], name: str, x: tuple[str, Sequence[Any]], y: tuple[str, Sequence[Any]]
+    axes: Axes, chosen: Sequence[JudgedPoint], name: str, x: tuple[str, Sequence[Any]], y: tuple[str, Sequence[Any]]
 ) -> None:
     """Cell for each point: tint and mark are the verdict, the number is the error; thick lines bound the claim."""
     from matplotlib.patches import Rectangle
@@ -119,7 +119,7 @@ def _cells(
     axes.tick_params(length=0)
 
 
-def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequence[Any]) -> None:
+def _curve(axes: Axes, chosen: Sequence[JudgedPoint], name: str, x: str, levels: Sequence[Any]) -> None:
     """Error against the parameter with the reference's own error as a band, tolerance and claim."""
     numbers = all(isinstance(number_of(level), int | float) for level in levels)
     points = []
@@ -143,7 +143,7 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
         else:
             axes.errorbar(across, error, yerr=reference_error, fmt="none", color=COLOURS[0], capsize=3)
         axes.plot(across, error, style, color=COLOURS[0])
-        bars = np.array([100 * level.own if level.own is not None else np.nan for *_, level in points])
+        bars = np.array([100 * level.run_error if level.run_error is not None else np.nan for *_, level in points])
         if np.isfinite(bars).any():
             axes.errorbar(across, error, yerr=bars, fmt="none", ecolor=_BARS, capsize=4, linewidth=0.9)
         for at, height, _, finding in points:
@@ -165,24 +165,24 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
     axes.set_ylabel("error [%]")
 
 
-def _key(figure: Figure, points: Sequence[Judged], *, cells: bool) -> None:
+def _key(figure: Figure, points: Sequence[JudgedPoint], *, cells: bool) -> None:
     """Draw the legend of tints, marks and lines."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    some = len({finding.claimed for point in points for finding in point.findings}) > 1
+    bordered = len({finding.claimed for point in points for finding in point.findings}) > 1
     entries: list[tuple[Any, str]] = []
     if cells:
         used = {finding.word for point in points for finding in point.findings}
         entries = [(Patch(color=tint), f"{MARKS[word]} {word}") for word, tint in _TINTS.items() if word in used]
-        entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if some else []
+        entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if bordered else []
     else:
         band = Patch(color=COLOURS[0], alpha=0.25)
         entries = [(band, "own error of the reference"),
                    (Line2D([], [], color="black", linestyle="--", linewidth=0.9), "tolerance")]  # fmt: skip
-        if any(finding.own is not None for point in points for finding in point.findings):
+        if any(finding.run_error is not None for point in points for finding in point.findings):
             entries.append((Line2D([], [], color=_BARS, marker="|", linestyle="-"), "error bar of the model"))
-        if some:
+        if bordered:
             entries.append((Line2D([], [], color="black", marker="^", linestyle="none"), "agreement is claimed"))
     handles, words = zip(*entries, strict=True)
     figure.legend(handles, words, loc="outside lower center", ncols=len(entries), fontsize=8, frameon=False)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from eigencontact_verification.campaign.runs import Point
 from eigencontact_verification.reporting.verdict import Finding, largest, percent, worst
 
-__all__ = ["Judged", "MapFinding"]
+__all__ = ["JudgedPoint", "MapFinding"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,16 +20,20 @@ class MapFinding(Finding):
     error: float | None = None  #: largest |model - reference|, as `uncertainty` a part of the scale
     value: float | None = None  #: number of the model, where the quantity is a single number
     reference: float | None = None  #: number of the reference likewise
-    own: float | None = None  #: numerical error of the model by its error bars, u_SA; a part of the scale
+    run_error: float | None = None  #: numerical error of the model by its error bars, u_SA; a part of the scale
 
     @property
     def numbers(self) -> str:
         """Error and uncertainty in per cent."""
         return f"{percent(self.error)} ± {percent(self.uncertainty)}"
 
+    def to_dict(self) -> dict[str, Any]:
+        """Table for JSON; the numerical error of the model is stored as ``own``."""
+        return {{"run_error": "own"}.get(name, name): value for name, value in asdict(self).items()}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
+class JudgedPoint:
     """A point with its verdicts, and the cost of the reference."""
 
     point: Point

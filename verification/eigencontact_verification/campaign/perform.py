@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["perform"]
 
-#: Told what has ended, how many have, and how many there are by now.
-Told = Callable[[str, int, int], None]
+#: Called with what has ended, how many runs have, and how many there are by now.
+ProgressCallback = Callable[[str, int, int], None]
 
 
 def perform(
@@ -32,7 +32,7 @@ def perform(
     cluster: Cluster | None = None,
     memory: float | None = None,
     cases_of: CasesOf | None = None,
-    tell: Told | None = None,
+    tell: ProgressCallback | None = None,
 ) -> MapReport:
     """Run and judge; finished runs and solutions of the folder are read, not computed again.
 
@@ -74,7 +74,7 @@ def perform(
 class _Counted:
     """Counts runs and then solutions in one row; a `Progress` of the campaign of solutions."""
 
-    def __init__(self, tell: Told | None, total: int) -> None:
+    def __init__(self, tell: ProgressCallback | None, total: int) -> None:
         self._tell, self._total, self._done = tell, total, 0
         #: Label of each point by the name of its folder, with which the names of its cases begin.
         self.labels: dict[str, str] = {}

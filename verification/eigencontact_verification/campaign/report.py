@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,7 @@ from eigencontact_verification.studies.study import plain
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
-    from eigencontact_verification.campaign.finding import Judged
+    from eigencontact_verification.campaign.finding import JudgedPoint
 
 __all__ = ["FILES", "MapReport", "as_section", "write_map"]
 
@@ -50,7 +50,7 @@ class MapReport:
     """Points and verdicts of a campaign."""
 
     campaign: Campaign
-    points: tuple[Judged, ...]
+    points: tuple[JudgedPoint, ...]
     coarse: bool = False  #: whether it was a first look
     seconds: float = 0.0  #: wall time [s]
 
@@ -73,12 +73,12 @@ class MapReport:
             "points": [
                 {
                     "label": point.point.label, "values": dict(point.point.values),
-                    "verdict": point.word, "findings": [asdict(finding) for finding in point.findings],
+                    "verdict": point.word, "findings": [finding.to_dict() for finding in point.findings],
                     "model_seconds": point.point.model.seconds, "model_memory_bytes": point.point.model.memory,
                     "reference_seconds": point.reference_seconds, "reference_seconds_all": point.all_seconds,
                     "reference_memory_bytes": point.reference_memory,
                     "not_judged": list(point.gaps),
-                    "warnings": [said["code"] for said in (point.point.model.summary or {}).get("warnings", ())],
+                    "warnings": [warning["code"] for warning in (point.point.model.summary or {}).get("warnings", ())],
                 }
                 for point in self.points
             ],
@@ -91,22 +91,22 @@ _HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "u_SA", "t
 _TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
 
 
-def _rows(points: Sequence[Judged]) -> list[tuple[str, ...]]:
+def _rows(points: Sequence[JudgedPoint]) -> list[tuple[str, ...]]:
     """Head and rows of the verdicts; u_SA has a column where any model has error bars."""
     rows = [
         (
             point.point.label, "yes" if finding.claimed else "no", finding.quantity,
             f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
-            percent(finding.own), percent(finding.tolerance), finding.reason,
+            percent(finding.run_error), percent(finding.tolerance), finding.reason,
         )
         for point in points
         for finding in point.findings
     ]  # fmt: skip
-    barred = any(finding.own is not None for point in points for finding in point.findings)
+    barred = any(finding.run_error is not None for point in points for finding in point.findings)
     return [row if barred else (*row[:6], *row[7:]) for row in (_HEAD, *rows)]
 
 
-def _trade_rows(points: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+def _trade_rows(points: Sequence[JudgedPoint]) -> Iterable[tuple[str, ...]]:
     for point in points:
         model = point.point.model
         yield (
@@ -121,8 +121,8 @@ def _time(value: float | None) -> str:
 
 def _maps(report: MapReport) -> list[str]:
     """Map of each quantity as a table; none where there are not two parameters."""
-    x, y, others = axes_of_map(report.campaign, report.points)
-    if y is None or others:
+    x, y, panel_axes = axes_of_map(report.campaign, report.points)
+    if y is None or panel_axes:
         return []
     across, up = levels_in(report.points, x), levels_in(report.points, y)
     rows_and_columns = f"Rows are {label_in(report.campaign, y)}, columns {label_in(report.campaign, x)}"
@@ -160,9 +160,9 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
     campaign = report.campaign
     blocks = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
     blocks += _sentences(report)
-    said = answers(campaign, report.points)
-    if said:
-        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    ranges = answers(campaign, report.points)
+    if ranges:
+        blocks.append("\n".join([ranges[0], "", *(f"- {line}" for line in ranges[1:])]))
     if trade:
         blocks += [markdown_table(_TRADE, _trade_rows(report.points)), _TRADE_METHOD]
     else:
@@ -172,9 +172,9 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
 
 def _markdown(report: MapReport) -> str:
     blocks = [f"# {report.campaign.title}", *_sentences(report), _METHOD, "![map](map.png)"]
-    said = answers(report.campaign, report.points)
-    if said:
-        blocks.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    ranges = answers(report.campaign, report.points)
+    if ranges:
+        blocks.append("\n".join([ranges[0], "", *(f"- {line}" for line in ranges[1:])]))
     blocks += ["## Verdicts", _verdicts(report)]
     if gaps := _gaps(report):
         blocks += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
@@ -192,9 +192,9 @@ def _html(report: MapReport, picture: Path) -> str:
     head, *rows = _rows(report.points)
     blocks = [f"<p>{html.escape(words)}</p>" for words in (*_sentences(report), _METHOD)]
     blocks.append(html_picture(picture, f"map of {report.campaign.title}"))
-    said = answers(report.campaign, report.points)
-    if said:
-        blocks.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
+    ranges = answers(report.campaign, report.points)
+    if ranges:
+        blocks.append(f"<p>{html.escape(ranges[0])}</p>{html_items(ranges[1:])}")
     blocks.append(f"<h2>Verdicts</h2>{html_table(head, rows)}")
     if gaps := _gaps(report):
         blocks.append(f"<h2>Not judged</h2>{html_items(gaps)}")

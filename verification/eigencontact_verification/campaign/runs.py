@@ -134,17 +134,17 @@ def perform_runs(
     runs = [run for point in points for run in (point.model, *point.reference)]
     labels = [label for point in points for label in _labels(point)]
     variants = [replace(run.variant, place=(n,)) for n, run in enumerate(runs)]
-    done = dict[int, Run]()
+    finished = dict[int, Run]()
     if by_itself and cluster is None:
         several = [outcomes([variant], folder, engine=Processes(1)) for variant in variants]
     else:
         several = [outcomes(variants, folder, workers=workers, engine=cluster)]
     for outcome in chain.from_iterable(several):
         n = outcome.place[0]
-        done[n] = replace(runs[n], failed=outcome.failed, summary=outcome.summary)
+        finished[n] = replace(runs[n], failed=outcome.failed, summary=outcome.summary)
         if tell is not None:
             tell(labels[n])
-    outcomes_in_order = iter(done[n] for n in range(len(runs)))
+    outcomes_in_order = iter(finished[n] for n in range(len(runs)))
     return [
         replace(point, model=next(outcomes_in_order), reference=tuple(next(outcomes_in_order) for _ in point.reference))
         for point in points

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eigencontact.errors import SceneError
-from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.campaign.finding import JudgedPoint, MapFinding
 from eigencontact_verification.fem.uncertainty import estimate
 from eigencontact_verification.reporting.verdict import largest, verdict_on
 from eigencontact_verification.studies.errors import Errors, error_of, errors_at_end
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["judge_by_scene"]
 
 
-def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: float) -> Judged:
+def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: float) -> JudgedPoint:
     """Verdicts of a point from the folder of its runs; `ratio` is that of the refinements of the reference."""
     runs = (point.model, *point.reference)
     missing = "; ".join(f"{run.variant.label}: {run.failed}" for run in runs if run.failed)
@@ -45,7 +45,7 @@ def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: flo
                 finding = _failed(quantity, str(problem))
             findings.append(replace(finding, claimed=campaign.claimed(names.names, quantity)))
     seconds = [run.seconds for run in point.reference if run.seconds is not None]
-    return Judged(
+    return JudgedPoint(
         point=point, findings=tuple(findings), reference_seconds=point.reference[-1].seconds,
         all_seconds=sum(seconds) if seconds else None, reference_memory=largest(run.memory for run in point.reference),
     )  # fmt: skip
@@ -83,7 +83,7 @@ def _finding(quantity: Quantity, contexts: list[Context], ratio: float, bars: Er
         quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
         uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
         reference=float(estimated.value[0, 0]) if single else None, scale=scale,
-        own=run_error,
+        run_error=run_error,
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from eigencontact_verification.studies.study import plain
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
-    from eigencontact_verification.campaign.finding import Judged
+    from eigencontact_verification.campaign.finding import JudgedPoint
 
 __all__ = ["csv_table", "latex_table"]
 
@@ -31,7 +31,7 @@ _ESCAPED = {
 _SIGNS = {"agrees": "", "inconclusive": "?", "disagrees": r"$^\ast$", "failed": "failed"}
 
 
-def csv_table(points: Sequence[Judged]) -> str:
+def csv_table(points: Sequence[JudgedPoint]) -> str:
     """One row for each point and quantity: parameters, verdict and numbers in SI units."""
     parameters = _parameters(points)
     text = io.StringIO()
@@ -41,14 +41,14 @@ def csv_table(points: Sequence[Judged]) -> str:
         values = [point.point.values.get(name) for name in parameters]
         times = [point.point.model.seconds, point.reference_seconds]
         for finding in point.findings:
-            numbers = [finding.error, finding.uncertainty, finding.own, finding.tolerance]
+            numbers = [finding.error, finding.uncertainty, finding.run_error, finding.tolerance]
             numbers += [finding.value, finding.reference, finding.scale]
             head = [point.point.label, *values, finding.quantity, "yes" if finding.claimed else "no", finding.word]
             writer.writerow([*head, *numbers, *times, finding.reason])
     return text.getvalue()
 
 
-def latex_table(campaign: Campaign, points: Sequence[Judged]) -> str:
+def latex_table(campaign: Campaign, points: Sequence[JudgedPoint]) -> str:
     """Table of the package booktabs: a row for each point, a column for each parameter and each quantity."""
     parameters, quantities = _parameters(points), quantities_of(campaign, points)
     head = [_latex(label_in(campaign, name)) for name in parameters] + [_latex(name) for name in quantities]
@@ -74,7 +74,7 @@ def latex_table(campaign: Campaign, points: Sequence[Judged]) -> str:
     )
 
 
-def _parameters(points: Sequence[Judged]) -> list[str]:
+def _parameters(points: Sequence[JudgedPoint]) -> list[str]:
     return list(dict.fromkeys(name for point in points for name in point.point.values))
 
 

@@ -67,15 +67,15 @@ def _computed(features: tuple[Feature, ...], *, quick: bool, show: bool) -> Repo
     from eigencontact_verification.reporting.progress import counted
 
     total, count = sum(corner.quick or not quick for feature in features for corner in feature.corners), 0
-    done: list[FeatureVerdict] = []
-    with counted("extremes", show=show, every=inf) as tell:
+    verdicts: list[FeatureVerdict] = []
+    with counted("extremes", show=show, interval=inf) as tell:
         for feature, verdict in run(features, quick=quick):
             if isinstance(verdict, FeatureVerdict):
-                done.append(verdict)
+                verdicts.append(verdict)
             else:
                 count += 1
                 tell(feature.key, count, total)
-    return Report(features=tuple(done), quick=quick)
+    return Report(features=tuple(verdicts), quick=quick)
 
 
 def _tell(report: Report, folder: Path, markdown: Path | None, *, as_json: bool, quiet: bool) -> None:

@@ -167,19 +167,19 @@ def _report(item: Study, outcomes: Sequence[Finished | Failed]) -> None:
     from eigencontact_verification.studies.run import source_in_words
     from eigencontact_verification.studies.study import Finished
 
-    done = [outcome for outcome in outcomes if isinstance(outcome, Finished)]
-    columns = dict.fromkeys(name for outcome in done for name in outcome.row)
+    finished = [outcome for outcome in outcomes if isinstance(outcome, Finished)]
+    columns = dict.fromkeys(name for outcome in finished for name in outcome.row)
     typer.echo(item.title)
     table = Table("variant", *columns, box=None, pad_edge=False)
-    for outcome in done:
+    for outcome in finished:
         cells = {name: f"{value:.4g}" for name, value in outcome.row.items()}
         cells |= {name: f"{cells[name]} ± {error:.2g}" for name, error in item.row_errors(outcome).items()}
         table.add_row(outcome.label, *(cells.get(name, "") for name in columns))
     print_table(table)
-    for line in warnings_in_words({outcome.label: outcome.warnings for outcome in done}, len(outcomes)):
+    for line in warnings_in_words({outcome.label: outcome.warnings for outcome in finished}, len(outcomes)):
         typer.echo(line)
-    for verdict in verdicts(item, done):
-        typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.found})")
+    for verdict in verdicts(item, finished):
+        typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.numbers})")
     if item.trend:
         typer.echo(item.trend)
     for source in item.sources:

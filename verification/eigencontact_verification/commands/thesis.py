@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from eigencontact.engines.cluster import Cluster
     from eigencontact_verification.thesis.entries import Entry
-    from eigencontact_verification.thesis.judge import Judged
+    from eigencontact_verification.thesis.judge import JudgedClaim
 
 __all__ = ["report_thesis"]
 
@@ -31,19 +31,19 @@ def report_thesis(
 ) -> None:
     """Judge the claims of some figures, print their verdicts, and write them to ``thesis.json``; draw them if asked."""
     from eigencontact_verification.reporting.files import open_folder, write_json
-    from eigencontact_verification.thesis.judge import judged
+    from eigencontact_verification.thesis.judge import judged_claims
 
     open_folder(output, ("thesis.json",))
 
     def tell(name: str) -> None:
         typer.echo(f"study {name}", err=True)
 
-    claims = list(judged(
+    claims = list(judged_claims(
         entries, output, coarse=coarse, errors=errors, workers=workers, cluster=cluster,
         tell=tell,
     ))  # fmt: skip
     content: dict[str, Any] = {
-        "quick": coarse, "counts": _counts(entries, claims), "claims": [vars(claim) for claim in claims],
+        "quick": coarse, "counts": _counts(entries, claims), "claims": [claim.to_dict() for claim in claims],
     }  # fmt: skip
     write_json(output / "thesis.json", content)
     if pictures is not None:
@@ -57,7 +57,7 @@ def report_thesis(
     typer.echo(f"written: {output / 'thesis.json'}")
 
 
-def _counts(entries: Sequence[Entry], claims: Sequence[Judged]) -> dict[str, dict[str, int]]:
+def _counts(entries: Sequence[Entry], claims: Sequence[JudgedClaim]) -> dict[str, dict[str, int]]:
     from eigencontact_verification.thesis.judge import VERDICTS
 
     states, verdicts = Counter(item.state for item in entries), Counter(item.verdict for item in claims)
@@ -67,7 +67,7 @@ def _counts(entries: Sequence[Entry], claims: Sequence[Judged]) -> dict[str, dic
     }
 
 
-def _print(entries: Sequence[Entry], claims: Sequence[Judged], counts: dict[str, dict[str, int]]) -> None:
+def _print(entries: Sequence[Entry], claims: Sequence[JudgedClaim], counts: dict[str, dict[str, int]]) -> None:
     for name, numbers in counts.items():
         counts_in_words = ", ".join(f"{count} {word}" for word, count in numbers.items())
         typer.echo(f"{sum(numbers.values())} {name}: {counts_in_words}")
@@ -77,7 +77,8 @@ def _print(entries: Sequence[Entry], claims: Sequence[Judged], counts: dict[str,
         if entry.lacks:
             typer.echo(f"  not computed, it lacks: {entry.lacks}")
         for claim in (claim for claim in claims if claim.name == entry.name):
-            both = "; ".join(f"{who} {what}" for who, what in (("here", claim.found), ("text", claim.text)) if what)
-            typer.echo(f"  {claim.verdict}: {claim.says}{f' ({both})' if both else ''}")
+            sources = ("here", claim.number), ("text", claim.text)
+            values = "; ".join(f"{source} {number}" for source, number in sources if number)
+            typer.echo(f"  {claim.verdict}: {claim.says}{f' ({values})' if values else ''}")
             if claim.why:
                 typer.echo(f"    {claim.why}")

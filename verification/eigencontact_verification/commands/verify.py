@@ -215,9 +215,9 @@ def _refuse_together(
         if contact:
             raise ValueError("--contact must be given with a run (got none); name its folder")
         return
-    others = [*(name for name in names if name not in runs), *laws]
-    if others:
-        raise ValueError(f"runs must be audited without kernels (got {runs[0]} and {others[0]}); use two commands")
+    kernels = [*(name for name in names if name not in runs), *laws]
+    if kernels:
+        raise ValueError(f"runs must be audited without kernels (got {runs[0]} and {kernels[0]}); use two commands")
     if refine != 1.0:
         raise ValueError(f"--refine must be for kernels or laws (got {refine:g} with a run); refine the scene itself")
     if figures:
@@ -333,8 +333,8 @@ def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[G
     """Gaps of what was asked for, and the kernels that were not."""
     from eigencontact_verification.crosscheck.case import Gap
 
-    some = bool(names or laws)
-    gaps = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
+    chosen = bool(names or laws)
+    gaps = tuple(gap for gap in cases.gaps() if not chosen or gap.subject in names)
     gaps += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
-    left = [key for key in cases.kernels() if some and key not in names]
-    return gaps + tuple(Gap(subject=key, what="everything", reason="not requested in this run") for key in left)
+    remaining = [key for key in cases.kernels() if chosen and key not in names]
+    return gaps + tuple(Gap(subject=key, what="everything", reason="not requested in this run") for key in remaining)

@@ -40,20 +40,20 @@ def _places(shape: Any, which: str) -> FloatArray:
 def check_potential_arrays(shape: Any) -> None:
     """Answers have shape (len(orders), ...) for 0-d, (1,), (n,), (nz, ny, nx) and no points; each point for itself."""
     for which, orders in _potentials(shape):
-        some, places = orders[::3], _places(shape, which)[:12]
-        flat = potential(shape, which, some, places)
+        chosen_orders, places = orders[::3], _places(shape, which)[:12]
+        flat = potential(shape, which, chosen_orders, places)
         for form in ((), (1,), (12,), (3, 2, 2), (0,)):
             count = int(np.prod(form))
             points = np.resize(places, (12, 3))[:count].reshape((*form, 3))
-            answer = potential(shape, which, some, points)
+            answer = potential(shape, which, chosen_orders, points)
             ensure_array(
                 answer,
-                (len(some), *form),
-                f"{which} of {len(some)} orders at points of shape {form}",
+                (len(chosen_orders), *form),
+                f"{which} of {len(chosen_orders)} orders at points of shape {form}",
                 "allocate np.empty((len(orders), *x.shape))",
             )
             expected = np.resize(places, (12, 3))[:count]
-            in_a_row = potential(shape, which, some, expected).reshape(answer.shape)
+            in_a_row = potential(shape, which, chosen_orders, expected).reshape(answer.shape)
             ensure(
                 np.allclose(answer, in_a_row, rtol=1e-9, atol=1e-12 * float(np.nanmax(np.abs(flat))), equal_nan=True),
                 f"{which} at points of shape {form}",
@@ -61,7 +61,7 @@ def check_potential_arrays(shape: Any) -> None:
                 "something else",
                 "treat every point alike, whatever the shape of the arrays",
             )
-        backwards = potential(shape, which, some[::-1], places)[::-1]
+        backwards = potential(shape, which, chosen_orders[::-1], places)[::-1]
         ensure(
             np.array_equal(backwards, flat, equal_nan=True),
             f"{which} of orders in reverse",
@@ -80,7 +80,7 @@ def check_potentials_pure(shape: Any) -> None:
         def ask(which: str = which, orders: list[Order] = orders, points: FloatArray = points) -> Any:
             return getattr(shape, which)(orders, *points)
 
-        ensure_pure(which, ask, [points], given=f"the arrays given to {which}")
+        ensure_pure(which, ask, [points], arguments=f"the arrays given to {which}")
 
 
 @check

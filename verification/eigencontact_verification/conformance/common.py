@@ -81,7 +81,7 @@ def check_fields_are_the_table(component: Any) -> None:
     for item in fields(component):
         before, after = getattr(component, item.name), getattr(again, item.name)
         ensure(
-            _same(before, after),
+            _equal(before, after),
             item.name,
             f"{before!r} again when read from a scene table",
             repr(after),
@@ -189,7 +189,7 @@ def _plain(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value
 
 
-def _same(before: Any, after: Any) -> bool:
+def _equal(before: Any, after: Any) -> bool:
     if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
         return np.array_equal(before, after)
     return bool(before == after)

@@ -107,7 +107,9 @@ def check_densities_arrays(shape: Any) -> None:
             "treat every point alike, whatever the shape of the arrays",
         )
     arrays = list(np.ascontiguousarray(points.T))
-    ensure_pure("densities", lambda: shape.densities(DEGREE, *arrays), arrays, given="the arrays given to densities")
+    ensure_pure(
+        "densities", lambda: shape.densities(DEGREE, *arrays), arrays, arguments="the arrays given to densities"
+    )
 
 
 @check

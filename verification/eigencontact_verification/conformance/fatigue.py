@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 _AMPLITUDE, _YOUNG, _POISSON = 1e8, 200e9, 0.3
 #: Turned axes, and closed forms: the search for planes ends at finite angles, and quadrature over them has an error.
-_TURNED, _KNOWN = 2e-3, 1e-3
+_TURNED, _CLOSED_FORM = 2e-3, 1e-3
 #: Round-off of what is the same question.
 _EXACT = 1e-9
 
@@ -54,11 +54,13 @@ def _named() -> dict[str, FloatArray]:
     }
 
 
-def _same(got: FloatArray, expected: FloatArray, tolerance: float, what: str, rule: str, advice: str) -> None:
+def _ensure_close(
+    got: FloatArray, expected: FloatArray, tolerance: float, subject: str, rule: str, advice: str
+) -> None:
     missed = np.abs(got - expected) / np.maximum(np.abs(expected).max(), 1e-300)
     worst = int(missed.argmax())
     ensure(
-        missed[worst] <= tolerance, what, f"{rule}, {expected[worst]:.8g} within {tolerance:g}", f"{got[worst]:.8g}",
+        missed[worst] <= tolerance, subject, f"{rule}, {expected[worst]:.8g} within {tolerance:g}", f"{got[worst]:.8g}",
         advice,
     )  # fmt: skip
 
@@ -91,10 +93,10 @@ def check_damage(criterion: Any) -> None:
 @check
 def check_damage_pure(criterion: Any) -> None:
     """Same answer twice, another cycle asked in between; the cycle stays as it was, and may be read-only."""
-    cycle, other = _cycle(_stress(6, 4)), _cycle(_stress(5, 3, seed=8))
+    cycle, second = _cycle(_stress(6, 4)), _cycle(_stress(5, 3, seed=8))
     ensure_pure(
         "damage", lambda: criterion.damage(cycle).value, (cycle.stress, np.asarray(cycle.strain)),
-        given="the arrays of the cycle", between=lambda: criterion.damage(other),
+        arguments="the arrays of the cycle", between=lambda: criterion.damage(second),
         advice="keep no memory of what was asked",
     )  # fmt: skip
 
@@ -104,7 +106,7 @@ def check_points_apart(criterion: Any) -> None:
     """A point alone has the value that it has among others."""
     stress = _stress(8, 5)
     single = np.concatenate([_values(criterion, stress[..., k : k + 1]) for k in range(5)])
-    _same(
+    _ensure_close(
         _values(criterion, stress), single, 1e-6, "damage of five points", "that of each alone",
         "vectorise over the last axis; no largest or mean over points",
     )  # fmt: skip
@@ -115,9 +117,12 @@ def check_start_of_cycle(criterion: Any) -> None:
     """Where the cycle starts, and steps stored twice, do not matter."""
     stress = _stress(8, 4)
     value = _values(criterion, stress)
-    for case, other in (("from its fourth step", np.roll(stress, 3, axis=0)), ("twice", np.repeat(stress, 2, axis=0))):
-        _same(
-            _values(criterion, other), value, 1e-6, f"damage of a cycle {case}", "that of the cycle",
+    for case, changed_stress in (
+        ("from its fourth step", np.roll(stress, 3, axis=0)),
+        ("twice", np.repeat(stress, 2, axis=0)),
+    ):
+        _ensure_close(
+            _values(criterion, changed_stress), value, 1e-6, f"damage of a cycle {case}", "that of the cycle",
             "the cycle is closed: compare no step with the first alone",
         )  # fmt: skip
 
@@ -131,7 +136,7 @@ def check_turned_axes(criterion: Any) -> None:
         axes = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
         axes *= np.sign(np.linalg.det(axes))
         turned = np.einsum("ij,tjp->tip", mandel_rotation(axes), stress)
-        _same(
+        _ensure_close(
             _values(criterion, turned), value, _TURNED, "damage in turned axes", "the same",
             "refine planes after a coarse sweep (worst_planes), and mind the sqrt 2 of Mandel shear",
         )  # fmt: skip
@@ -146,7 +151,7 @@ def check_tension(criterion: Any) -> None:
     tension, compression = _values(criterion, stress + mean), _values(criterion, stress - mean)
     worst = int((tension - compression).argmin())
     ensure(
-        tension[worst] >= compression[worst] * (1.0 - _KNOWN), "damage with a mean stress in tension",
+        tension[worst] >= compression[worst] * (1.0 - _CLOSED_FORM), "damage with a mean stress in tension",
         f"not below that in compression, {compression[worst]:.6g}", f"{tension[worst]:.6g}",
         "stress is positive in tension: look at the sign of the mean or normal stress",
     )  # fmt: skip
@@ -174,8 +179,8 @@ def check_known_values(criterion: Any) -> None:
         ensure(name in cycles, "known_values", f"of cycles named {', '.join(cycles)}", name, "see HasKnownValues")
         plain = _AMPLITUDE * cycles[name][:, :, None]
         plain[:, 3:] *= SQRT2
-        _same(
-            _values(criterion, plain), np.array([expected]), _KNOWN, f"damage of {name}", "its closed form",
+        _ensure_close(
+            _values(criterion, plain), np.array([expected]), _CLOSED_FORM, f"damage of {name}", "its closed form",
             "an amplitude is half of a range, and the radius of the smallest circle or ball, not half of a chord",
         )  # fmt: skip
 

@@ -56,9 +56,9 @@ def check_shear_bound(law: Any) -> None:
 @check
 def check_shear_bound_pure(law: Any) -> None:
     """Same answer twice, another state asked in between; the state stays as it was, and may be read-only."""
-    state, other = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
+    state, second = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
     ensure_pure(
         "shear_bound", lambda: law.shear_bound(state), (state.pressure, state.x, state.y, state.slip_distance),
-        given="the arrays of the state", between=lambda: law.shear_bound(other),
+        arguments="the arrays of the state", between=lambda: law.shear_bound(second),
         advice="keep no memory of what was asked: state.slip_distance and state.time are the history",
     )  # fmt: skip

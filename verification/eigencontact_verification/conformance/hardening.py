@@ -38,12 +38,12 @@ def check_curve_arrays(law: Any) -> None:
         ensure(
             isinstance(answers, tuple) and len(answers) == 2, name, "a pair: value, slope", type(answers).__name__, ""
         )
-        for what, values in zip(("value", "slope"), answers, strict=True):
+        for quantity, values in zip(("value", "slope"), answers, strict=True):
             good = isinstance(values, np.ndarray) and values.shape == (count,) and values.dtype == np.float64
             got = f"{getattr(values, 'dtype', type(values))} of shape {np.shape(values)}"
             advice = "np.full_like(p, ...) makes a constant"
-            ensure(good, f"{what} of {name}", f"float64 of shape ({count},)", got, advice)
-            ensure(np.all(np.isfinite(values)), f"{what} of {name}", "finite", "not", "look at p = 0: give a limit")
+            ensure(good, f"{quantity} of {name}", f"float64 of shape ({count},)", got, advice)
+            ensure(np.all(np.isfinite(values)), f"{quantity} of {name}", "finite", "not", "look at p = 0: give a limit")
 
 
 @check
@@ -89,11 +89,13 @@ def check_curve_pure(law: Any) -> None:
     strains.flags.writeable = False
     first = [np.array(array) for array in curve(strains)]
     curve(2.0 * strains)
-    for what, once, again in zip(("value", "slope"), first, curve(strains), strict=True):
-        ensure(np.array_equal(once, again), f"{what} of {name} asked twice", "the same", "different", "keep no memory")
+    for quantity, once, again in zip(("value", "slope"), first, curve(strains), strict=True):
+        ensure(
+            np.array_equal(once, again), f"{quantity} of {name} asked twice", "the same", "different", "keep no memory"
+        )
     for point in range(0, len(strains), 7):
         single = curve(strains[point : point + 1])
-        for what, many, value in zip(("value", "slope"), first, single, strict=True):
-            same = np.allclose(many[point], value[0], rtol=1e-12, atol=0.0)
+        for quantity, array, value in zip(("value", "slope"), first, single, strict=True):
+            equal = np.allclose(array[point], value[0], rtol=1e-12, atol=0.0)
             advice = "no `if` on arrays, no maximum over all"
-            ensure(same, f"{what} of {name} of one strain", "that among many", value[0], advice)
+            ensure(equal, f"{quantity} of {name} of one strain", "that among many", value[0], advice)

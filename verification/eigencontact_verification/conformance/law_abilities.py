@@ -15,11 +15,11 @@ from eigencontact_verification.conformance.law_questions import (
     finite,
     history,
     law_check,
+    law_of_points,
     pairs,
     some_strains,
     state_at_rest,
     stress_check,
-    there,
 )
 from eigencontact_verification.conformance.report import check, ensure
 
@@ -38,12 +38,13 @@ def check_law_at_places(law: Any) -> None:
     if not law.varies:
         return
     for question, answer in history(law):
-        local = answered(there(law, question.step), question)
-        for what, itself, there_ in pairs(answer, local):
+        local = answered(law_of_points(law, question.step), question)
+        for quantity, itself, local_values in pairs(answer, local):
             size = float(np.abs(itself).max(initial=0.0))
             ensure(
-                np.allclose(itself, there_, rtol=0.0, atol=_ROUNDING * size), f"{what} of the law of the points",
-                "that of the law itself", "something else", "let update ask self.at(step.x, step.y, step.z)",
+                np.allclose(itself, local_values, rtol=0.0, atol=_ROUNDING * size),
+                f"{quantity} of the law of the points", "that of the law itself", "something else",
+                "let update ask self.at(step.x, step.y, step.z)",
             )  # fmt: skip
 
 
@@ -70,8 +71,8 @@ def check_parts_of_law(law: Any) -> None:
                 "let update ask the laws of laws_at",
             )  # fmt: skip
             for name, values in local.variables.items():
-                same = np.array_equal(answer.variables[name][:, where], values)
-                ensure(same, f"variable {name!r} of the part {sublaw.key!r}", "that of the law itself", "another", "")
+                equal = np.array_equal(answer.variables[name][:, where], values)
+                ensure(equal, f"variable {name!r} of the part {sublaw.key!r}", "that of the law itself", "another", "")
 
 
 @check
@@ -130,17 +131,17 @@ def check_means(law: Any) -> None:
     differs = False
     for question, answer in history(law):
         means = {name: np.array(answer.variables[name]) for name in averaged}
-        same = answered(law, Question(question.strain, question.before, replace(question.step, means=means)))
+        at_means = answered(law, Question(question.strain, question.before, replace(question.step, means=means)))
         twice = {name: 2.0 * values for name, values in means.items()}
-        other = answered(law, Question(question.strain, question.before, replace(question.step, means=twice)))
-        for what, without, expected in pairs(answer, same):
+        at_double_means = answered(law, Question(question.strain, question.before, replace(question.step, means=twice)))
+        for quantity, without, expected in pairs(answer, at_means):
             size = float(np.abs(without).max(initial=0.0))
             ensure(
-                what == "tangent" or np.allclose(without, expected, rtol=0.0, atol=_ITERATED * size),
-                f"{what} where means are the points' own", "that without means", "something else",
+                quantity == "tangent" or np.allclose(without, expected, rtol=0.0, atol=_ITERATED * size),
+                f"{quantity} where means are the points' own", "that without means", "something else",
                 "take step.means[name] where it is there, the value after the increment elsewhere",
             )  # fmt: skip
-        differs |= not np.allclose(answer.stress, other.stress, rtol=1e-6, atol=0.0)
+        differs |= not np.allclose(answer.stress, at_double_means.stress, rtol=1e-6, atol=0.0)
     ensure(differs, "stress at twice the means", "another one", "the same", "let what is averaged act by step.means")
 
 

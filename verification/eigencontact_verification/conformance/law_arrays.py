@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 #: Differences that rounding, and iterations that stop at their own time, may leave; in parts of the size.
 _ROUNDING = 1e-9
 #: Names that results use beside those of variables.
-_TAKEN = ("equivalent_eigenstrain",)
+_RESERVED = ("equivalent_eigenstrain",)
 
 
 @law_check
@@ -38,8 +38,8 @@ def check_variables(law: Any) -> None:
     ensure(isinstance(law.variables, Mapping), "variables", "a mapping of names to Variable", repr(law.variables), "")
     for name, item in law.variables.items():
         where = f"variables[{name!r}]"
-        good = isinstance(name, str) and name.isidentifier() and name == name.lower() and name not in _TAKEN
-        advice = f"it names the stored values; {', '.join(_TAKEN)} is taken"
+        good = isinstance(name, str) and name.isidentifier() and name == name.lower() and name not in _RESERVED
+        advice = f"it names the stored values; {', '.join(_RESERVED)} is taken"
         ensure(good, where, "a name in lower case with underscores", repr(name), advice)
         ensure(isinstance(item, Variable), where, "a Variable", repr(item), "Variable(unit=..., meaning=...)")
         count = item.components
@@ -86,11 +86,11 @@ def _complete(law: Any, question: Question, case: str) -> None:
         _formed(answer.variables[name], [(item.components, count)], f"variable {name!r} of {case}")
 
 
-def _formed(values: Any, shapes: list[tuple[int, ...]], what: str) -> None:
+def _formed(values: Any, shapes: list[tuple[int, ...]], subject: str) -> None:
     good = isinstance(values, np.ndarray) and values.shape in shapes and values.dtype == np.float64
     got = f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
-    ensure(good, what, f"float64 of shape {' or '.join(map(str, shapes))}", got, "points are the last axis")
-    ensure(np.all(np.isfinite(values)), what, "finite", f"{int(np.sum(~np.isfinite(values)))} numbers not", "")
+    ensure(good, subject, f"float64 of shape {' or '.join(map(str, shapes))}", got, "points are the last axis")
+    ensure(np.all(np.isfinite(values)), subject, "finite", f"{int(np.sum(~np.isfinite(values)))} numbers not", "")
 
 
 @stress_check
@@ -115,7 +115,7 @@ def check_rest(law: Any) -> None:
 @stress_check
 def check_update_pure(law: Any) -> None:
     """Same answer twice, another question in between; arrays stay as they were, and may be read-only."""
-    (other, _), *_, (question, _) = history(law)
+    (second, _), *_, (question, _) = history(law)
     step = question.step
     arrays = (question.strain, *question.before.values(), step.x, step.y, step.z)
     copies_of_arrays = [array.copy() for array in arrays]
@@ -123,7 +123,7 @@ def check_update_pure(law: Any) -> None:
     copies = [np.array(tensor) for tensor in parts(first)]
     unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, copies_of_arrays, strict=True))
     ensure(unchanged, "the arrays of the question", "unchanged", "changed", "write to copies only")
-    law.update(other.strain, other.before, other.step)
+    law.update(second.strain, second.before, second.step)
     handed = [np.array(tensor) for tensor in parts(first)]
     for array in arrays:
         array.flags.writeable = False
@@ -141,11 +141,11 @@ def check_points_alone(law: Any) -> None:
         whole = answered(law, question)
         for point in range(0, question.count, 5):
             single = answered(law, _at_point(question, point))
-            for what, many, value in pairs(whole, single):
-                size = float(np.abs(many).max(initial=0.0))
+            for quantity, array, value in pairs(whole, single):
+                size = float(np.abs(array).max(initial=0.0))
                 ensure(
-                    np.allclose(many[..., point : point + 1], value, rtol=0.0, atol=_ROUNDING * size),
-                    f"{what} of point {point} among {question.count}", "what it is of that point alone",
+                    np.allclose(array[..., point : point + 1], value, rtol=0.0, atol=_ROUNDING * size),
+                    f"{quantity} of point {point} among {question.count}", "what it is of that point alone",
                     "something else", "treat every point alike: no `if` on arrays, no maximum over all points",
                 )  # fmt: skip
 

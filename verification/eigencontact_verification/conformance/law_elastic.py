@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import LinearLaw
-from eigencontact_verification.conformance.law_questions import finite, history, law_check, step_at, there
+from eigencontact_verification.conformance.law_questions import finite, history, law_check, law_of_points, step_at
 from eigencontact_verification.conformance.report import ensure
 
 FloatArray = NDArray[np.float64]
@@ -21,7 +21,7 @@ _AROUND = (1e6, 8e10, 1e13)
 @law_check
 def check_stiffness(law: Any) -> None:
     """A symmetric stiffness without negative eigenvalues gives the stress; an infinite one is refused."""
-    linear = there(law, step_at())
+    linear = law_of_points(law, step_at())
     if not isinstance(linear, LinearLaw):
         return
     ensure(not law.variables, "variables of a linear law", "none", set(law.variables), "derive from ConstitutiveLaw")
@@ -46,7 +46,7 @@ def check_stiffness(law: Any) -> None:
 @law_check
 def check_factors(law: Any) -> None:
     """Factors soft = (C + 2G)^-1 and stiff = C soft are bounded and symmetric; stiff + 2 G soft is the unit matrix."""
-    linear = there(law, step_at())
+    linear = law_of_points(law, step_at())
     if not isinstance(linear, LinearLaw):
         return
     for around in _AROUND:
@@ -65,10 +65,10 @@ def check_factors(law: Any) -> None:
             ensure(error <= 1e-7, f"stiff of {case}", "C soft", f"off by {error:.3g}", "both are of one stiffness")
 
 
-def _symmetric(what: str, matrix: FloatArray, size: Any) -> None:
+def _symmetric(subject: str, matrix: FloatArray, size: Any) -> None:
     """Refuse matrices that are not finite and symmetric, or have negative eigenvalues."""
-    ensure(np.all(np.isfinite(matrix)), what, "finite", "not", "see eigencontact.plugin.factors_of_compliance")
+    ensure(np.all(np.isfinite(matrix)), subject, "finite", "not", "see eigencontact.plugin.factors_of_compliance")
     skew = np.abs(matrix - matrix.swapaxes(-1, -2)).max(axis=(-2, -1))
-    ensure(np.all(skew <= _ROUNDING * size), what, "symmetric", f"off by {np.max(skew):.3g}", "energy has no curl")
+    ensure(np.all(skew <= _ROUNDING * size), subject, "symmetric", f"off by {np.max(skew):.3g}", "energy has no curl")
     least = np.linalg.eigvalsh(0.5 * (matrix + matrix.swapaxes(-1, -2)))[..., 0]
-    ensure(np.all(least >= -_ROUNDING * size), what, "without negative eigenvalues", f"{np.min(least):.3g}", "")
+    ensure(np.all(least >= -_ROUNDING * size), subject, "without negative eigenvalues", f"{np.min(least):.3g}", "")

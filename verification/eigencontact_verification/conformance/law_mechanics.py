@@ -19,10 +19,10 @@ from eigencontact_verification.conformance.law_questions import (
     finite,
     history,
     law_check,
+    law_of_points,
     some_strains,
     step_at,
     stress_check,
-    there,
 )
 from eigencontact_verification.conformance.report import ensure
 
@@ -35,7 +35,7 @@ _STEP, _NEAR, _BEND = 1e-4, 1e-5, 1e-2
 _ROUNDING = 1e-8
 #: Increments of a closed path of strain, of linear laws (any number does) and of others; energy that may be left by
 #: their number, in parts of the work to and fro.
-_FEW, _INCREMENTS, _LEFT = 12, 64, 1e-3
+_INCREMENTS_LINEAR, _INCREMENTS, _LEAST_WORK = 12, 64, 1e-3
 _TURN = rotation_matrix("turn", (0.7, -0.4, 1.9))
 
 
@@ -100,20 +100,20 @@ def check_objectivity(law: Any) -> None:
     )  # fmt: skip
     Q = mandel_rotation(_TURN)
     if not finite(law):
-        stiff, expected = (there(elastic_law, step_at()).factors(8e10)[1] for elastic_law in (turned, law))
+        stiff, expected = (law_of_points(elastic_law, step_at()).factors(8e10)[1] for elastic_law in (turned, law))
         _alike("stiff", stiff, Q @ expected @ Q.T, 1.0)
         return
     before: Mapping[str, FloatArray] | None = None
     for question, answer in history(law):
         before = _turned_variables(law, question.before, Q) if before is None else before
-        other = answered(turned, Question(Q @ question.strain, before, question.step))
+        turned_answer = answered(turned, Question(Q @ question.strain, before, question.step))
         size = np.abs(answer.tangent).max(axis=(0, 1)) * np.linalg.norm(question.strain, axis=0)
-        _alike("stress", other.stress, Q @ answer.stress, size)
+        _alike("stress", turned_answer.stress, Q @ answer.stress, size)
         expected = np.einsum("ai,ijn,bj->abn", Q, answer.tangent, Q)
-        _alike("tangent", other.tangent, expected, np.abs(expected).max(axis=(0, 1)))
+        _alike("tangent", turned_answer.tangent, expected, np.abs(expected).max(axis=(0, 1)))
         for name, values in _turned_variables(law, answer.variables, Q).items():
-            _alike(f"variable {name!r}", other.variables[name], values, float(np.abs(values).max()))
-        before = other.variables
+            _alike(f"variable {name!r}", turned_answer.variables[name], values, float(np.abs(values).max()))
+        before = turned_answer.variables
 
 
 def _turned(law: Any) -> tuple[Any, bool]:
@@ -144,37 +144,38 @@ def _turned_variables(law: Any, variables: Mapping[str, FloatArray], Q: FloatArr
     return {n: Q @ values if law.variables[n].components == 6 else values for n, values in variables.items()}
 
 
-def _alike(what: str, got: FloatArray, expected: FloatArray, size: FloatArray | float) -> None:
+def _alike(quantity: str, got: FloatArray, expected: FloatArray, size: FloatArray | float) -> None:
     error = np.abs(got - expected) / (size + np.finfo(float).tiny)
     ensure(
-        error.max(initial=0.0) <= _ROUNDING, f"{what} of the law turned, under strain turned", f"the {what}, turned",
-        f"off by {error.max(initial=0.0):.1e}", "use invariants; a variable of six components is a Mandel vector",
+        error.max(initial=0.0) <= _ROUNDING, f"{quantity} of the law turned, under strain turned",
+        f"the {quantity}, turned", f"off by {error.max(initial=0.0):.1e}",
+        "use invariants; a variable of six components is a Mandel vector",
     )  # fmt: skip
 
 
 @stress_check
 def check_energy(law: Any) -> None:
     """A closed path of strain from rest costs work or none, and never gives any; of a linear law it costs none."""
-    linear = isinstance(there(law, step_at()), LinearLaw)
-    count = _FEW if linear else _INCREMENTS
-    first, other = some_strains(), some_strains(seed=5)
-    other *= np.linalg.norm(first, axis=0) / np.linalg.norm(other, axis=0)
+    linear = isinstance(law_of_points(law, step_at()), LinearLaw)
+    count = _INCREMENTS_LINEAR if linear else _INCREMENTS
+    first, second = some_strains(), some_strains(seed=5)
+    second *= np.linalg.norm(first, axis=0) / np.linalg.norm(second, axis=0)
     angle = 2.0 * np.pi * np.arange(2 * count + 1)[:, None, None] / count
     ways = {"to and fro": 0.0, "round a loop": 1.0, "round a loop the other way": -1.0}
-    path = np.concatenate([(1.0 - np.cos(angle)) * first + a * np.sin(angle) * other for a in ways.values()], axis=-1)
+    path = np.concatenate([(1.0 - np.cos(angle)) * first + a * np.sin(angle) * second for a in ways.values()], axis=-1)
     path[count] = path[-1] = 0.0
     stress = np.stack([np.zeros(path[0].shape), *(answer.stress for answer in along(law, path[1:]))])
     work_of_parts = 0.5 * (stress[1:] + stress[:-1]) * np.diff(path, axis=0)
-    for what, path_work in zip(ways, np.split(work_of_parts, len(ways), axis=-1), strict=True):
+    for way, path_work in zip(ways, np.split(work_of_parts, len(ways), axis=-1), strict=True):
         size = np.abs(path_work).sum(axis=(0, 1)) + np.finfo(float).tiny
         for turns in (1, 2):
             work = path_work[: turns * count].sum(axis=(0, 1)) / size
             ensure(
-                work.min() >= -(_ROUNDING if linear else _LEFT),
-                f"work of strain {what}, {turns} times", "zero or positive", f"{work.min():.2e} of all work on the way",
+                work.min() >= -(_ROUNDING if linear else _LEAST_WORK),
+                f"work of strain {way}, {turns} times", "zero or positive", f"{work.min():.2e} of all work on the way",
                 "stress must not do work on a closed path: a sign, a skew stiffness, energy stored at rest",
             )  # fmt: skip
             ensure(
-                not linear or work.max() <= _ROUNDING, f"work of strain {what}, {turns} times", "zero",
+                not linear or work.max() <= _ROUNDING, f"work of strain {way}, {turns} times", "zero",
                 f"{work.max():.2e} of all work on the way", "a linear law stores energy and gives it back",
             )  # fmt: skip

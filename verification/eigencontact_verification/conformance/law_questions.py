@@ -21,13 +21,13 @@ __all__ = [
     "finite",
     "history",
     "law_check",
+    "law_of_points",
     "pairs",
     "parts",
     "some_strains",
     "state_at_rest",
     "step_at",
     "stress_check",
-    "there",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -98,7 +98,7 @@ def state_at_rest(law: Any, count: int) -> dict[str, FloatArray]:
     return {name: np.zeros((variable.components, count)) for name, variable in law.variables.items()}
 
 
-def there(law: Any, step: LawStep) -> Any:
+def law_of_points(law: Any, step: LawStep) -> Any:
     """Law of the points of a step."""
     return law.at(step.x, step.y, step.z)
 
@@ -106,7 +106,7 @@ def there(law: Any, step: LawStep) -> Any:
 def finite(law: Any) -> bool:
     """Whether stress follows from strain: not in rigid solids, nor in incompressible ones."""
     try:
-        linear = there(law, step_at())
+        linear = law_of_points(law, step_at())
         if isinstance(linear, LinearLaw):
             linear.stiffness_matrix()
     except SceneError:

@@ -35,16 +35,16 @@ def check_materials(medium: Any) -> None:
         depths.ndim == 1 and np.all(np.diff(depths, prepend=0.0) > 0) and np.all(np.isfinite(depths)),
         "interfaces", "positive, finite and ascending", tuple(depths), "give depths [m], not thicknesses",
     )  # fmt: skip
-    for what, depth, side, expected in (
+    for subject, depth, side, expected in (
         ("material_at(0)", 0.0, "below", medium.surface_material),
         ("material_at far below", 1e12 * _sizes(medium)[1], "below", medium.deep_material),
     ):
         material = medium.material_at(depth, side=side)
         ensure(
-            isinstance(material, Material), what, "a Material", repr(material), "return eigencontact.plugin.Material"
+            isinstance(material, Material), subject, "a Material", repr(material), "return eigencontact.plugin.Material"
         )
         ensure(
-            np.allclose(_constants(material), _constants(expected), rtol=1e-6, atol=1e-9), what, repr(expected),
+            np.allclose(_constants(material), _constants(expected), rtol=1e-6, atol=1e-9), subject, repr(expected),
             repr(material), "compare with surface_material and deep_material",
         )  # fmt: skip
     for depth in depths:
@@ -104,8 +104,8 @@ def check_response_pure(medium: Any) -> None:
 @check
 def check_response_at_depths(medium: Any) -> None:
     """Where many depths can be asked for at once, the answer is that of one after the other, on either side."""
-    many: Any = medium if isinstance(medium, HasResponseAtDepths) else None
-    if many is None:
+    at_depths: Any = medium if isinstance(medium, HasResponseAtDepths) else None
+    if at_depths is None:
         return
     small, large = _sizes(medium)
     depths = np.array([2.0 * large, 0.0, 0.3 * small, *medium.interfaces[:2], 0.5 * large, 0.3 * small])
@@ -113,18 +113,18 @@ def check_response_at_depths(medium: Any) -> None:
     kx, ky = k * np.cos(_ANGLES), k * np.sin(_ANGLES)
     for traction, quantity, side in product(_TRACTIONS, ("displacement", "stress"), ("above", "below")):
         names = _AXES if quantity == "displacement" else COMPONENTS
-        response = np.asarray(many.response_at_depths(quantity, names, traction, kx, ky, depths, side=side))
+        response = np.asarray(at_depths.response_at_depths(quantity, names, traction, kx, ky, depths, side=side))
         expected = np.stack(
             [medium.response(quantity, names, traction, kx, ky, float(z), side=side) for z in depths], axis=1
         )
-        what = f"{quantity} at {depths.size} depths under {traction}, {side} interfaces"
+        subject = f"{quantity} at {depths.size} depths under {traction}, {side} interfaces"
         ensure(
-            response.shape == expected.shape, f"shape of {what}", str(expected.shape), response.shape,
+            response.shape == expected.shape, f"shape of {subject}", str(expected.shape), response.shape,
             "return (components, depths, ...)",
         )  # fmt: skip
         scale = np.abs(expected).max(axis=(0, 1))
         scale[scale == 0.0] = 1.0
-        _near(what, response / scale, expected / scale, 1e-10, "the depths come in any order, some twice")
+        _near(subject, response / scale, expected / scale, 1e-10, "the depths come in any order, some twice")
 
 
 @check
@@ -194,11 +194,11 @@ def check_interfaces(medium: Any) -> None:
                     "bonded layers move together and hand their traction on",
                 )  # fmt: skip
             for side, shift in (("above", -1e-9), ("below", 1e-9)):
-                here = medium.response("stress", COMPONENTS, traction, kx, ky, z, side=side)
+                at_interface = medium.response("stress", COMPONENTS, traction, kx, ky, z, side=side)
                 near = medium.response("stress", COMPONENTS, traction, kx, ky, z * (1 + shift))
                 scale = np.abs(near).max()
                 _near(
-                    f"stress {side} z = {z:.6g} under {traction}", here / scale, near / scale, 1e-6,
+                    f"stress {side} z = {z:.6g} under {traction}", at_interface / scale, near / scale, 1e-6,
                     "'above' is the material nearer to the surface, 'below' the deeper one",
                 )  # fmt: skip
 
@@ -303,13 +303,13 @@ def _against_half_space(medium: Any, k: float, material: Material, name: str, to
             )  # fmt: skip
 
 
-def _near(what: str, got: ComplexArray, expected: ComplexArray | float, tolerance: float, advice: str) -> None:
+def _near(subject: str, got: ComplexArray, expected: ComplexArray | float, tolerance: float, advice: str) -> None:
     error = np.abs(got - expected)
     error = np.where(np.isnan(error), np.inf, error)
     worst = int(np.argmax(error))
     expected_value = np.broadcast_to(np.asarray(expected), error.shape).flat[worst]
     ensure(
-        error.flat[worst] <= tolerance, what, f"{complex(expected_value):.8g}",
+        error.flat[worst] <= tolerance, subject, f"{complex(expected_value):.8g}",
         f"{complex(np.asarray(got).flat[worst]):.8g}, allowed error {tolerance:.0e}", advice,
     )  # fmt: skip
 

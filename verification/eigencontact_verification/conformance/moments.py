@@ -60,11 +60,11 @@ def check_moment_arrays(shape: Any) -> None:
         size = int(np.prod(form))
         answer = phi_of(shape, DEGREE, orders, places[:size].reshape((*form, 3)))
         expected = (count_of(DEGREE), len(orders), *form)
-        same = answer.shape == expected and np.all(
+        equal = answer.shape == expected and np.all(
             np.abs(answer.reshape(*expected[:2], -1) - flat[..., :size]) <= 1e-9 * scale
         )
         ensure(
-            same,
+            equal,
             f"phi_moments of {len(orders)} orders at points of shape {form}",
             f"of shape {expected}, the values of the same points in a row",
             f"of shape {answer.shape}",
@@ -72,20 +72,20 @@ def check_moment_arrays(shape: Any) -> None:
         )
     backwards = phi_of(shape, DEGREE, orders[::-1], places)[:, ::-1]
     lower = phi_of(shape, DEGREE - 1, orders, places)
-    for got, expected_values, what in (
+    for got, expected_values, subject in (
         (backwards, flat, "phi_moments of orders in reverse"),
         (lower, flat[: count_of(DEGREE - 1)], "phi_moments of one degree less"),
     ):
         ensure(
             np.all(np.abs(got - expected_values) <= 1e-9 * scale),
-            what,
+            subject,
             "the same rows",
             "different rows",
             "answer in the order of `orders`, densities of lower degrees first",
         )
     arrays = list(np.ascontiguousarray(places.T))
     ask = partial(shape.phi_moments, DEGREE, orders, *arrays)
-    ensure_pure("phi_moments", ask, arrays, given="the arrays given to phi_moments")
+    ensure_pure("phi_moments", ask, arrays, arguments="the arrays given to phi_moments")
 
 
 @check

@@ -115,11 +115,11 @@ def _rule(shape: Any, across: int, along: int, looks: int) -> Rule:
             before = count
         return code
 
-    def here(points: FloatArray) -> IntArray:
+    def containment(points: FloatArray) -> IntArray:
         return inside(shape, points).astype(np.int64)
 
     lines, weights = box.center[None, :].copy(), np.ones(1)
-    for axis, signature, steps in ((first, branches, 22), (second, stretches, 30), (third, here, 46)):
+    for axis, signature, steps in ((first, branches, 22), (second, stretches, 30), (third, containment, 46)):
         which, begin, end = _pieces(signature, lines, axis, ends[axis], looks, steps)
         count = max(across // 3, round(across * len(lines) / len(which)))
         rule = np.polynomial.legendre.leggauss(along) if axis == third else _arc(count)

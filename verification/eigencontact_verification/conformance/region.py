@@ -33,12 +33,12 @@ def check_bounds(shape: Any) -> None:
     around = box.center + 2 * (box.half + 0.05 * box.size) * evenly(4096)
     slack = 1e-9 * box.size
     out = np.any((around < box.low - slack) | (around > box.high + slack), axis=1)
-    lost = around[out & inside(shape, around)]
+    outside = around[out & inside(shape, around)]
     ensure(
-        len(lost) == 0,
+        len(outside) == 0,
         "bounds",
         "around every point that contains accepts",
-        f"{len(lost)} points outside them, the first at {place_of(lost)}",
+        f"{len(outside)} points outside them, the first at {place_of(outside)}",
         "widen bounds, or compare its centre with that of contains",
     )
     sample(shape)  # says so where contains is true nowhere
@@ -75,12 +75,12 @@ def check_place(shape: Any) -> None:
         "annotate with Place the field that says where the shape is, and no other",
     )
     probes = box.center + 1.2 * box.half * evenly(512)
-    lost = np.flatnonzero(inside(shape, probes) != inside(moved, probes + shift))
+    differing = np.flatnonzero(inside(shape, probes) != inside(moved, probes + shift))
     ensure(
-        lost.size < 3,  # what rounding may bring to the other side of the boundary
+        differing.size < 3,  # what rounding may bring to the other side of the boundary
         "contains of the moved shape at moved points",
         "what it was",
-        f"{lost.size} of 512 points that differ, the first at {place_of(probes[lost])}",
+        f"{differing.size} of 512 points that differ, the first at {place_of(probes[differing])}",
         "count coordinates from the place",
     )
 

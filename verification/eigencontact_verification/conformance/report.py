@@ -49,16 +49,16 @@ def check(function: Check) -> Check:
     return run
 
 
-def ensure(condition: object, what: str, rule: str, got: object, advice: str) -> None:
-    """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
+def ensure(condition: object, subject: str, rule: str, got: object, advice: str) -> None:
+    """Raise `ConformanceError` worded ``<subject> must be <rule> (got <value>); <advice>`` unless `condition`."""
     if not condition:
-        fail(what, rule, got, advice)
+        fail(subject, rule, got, advice)
 
 
 def ensure_array(
     values: NDArray[Any],
     shape: tuple[int, ...],
-    what: str,
+    subject: str,
     advice: str,
     *,
     rule: str = "float64 of shape {shape}",
@@ -66,32 +66,32 @@ def ensure_array(
 ) -> None:
     """Raise `ConformanceError` unless values have a shape and a type."""
     good = values.shape == shape and values.dtype == dtype
-    ensure(good, what, rule.format(shape=shape), f"{values.dtype} of shape {values.shape}", advice)
+    ensure(good, subject, rule.format(shape=shape), f"{values.dtype} of shape {values.shape}", advice)
 
 
-def fail(what: str, rule: str, got: object, advice: str) -> NoReturn:
+def fail(subject: str, rule: str, got: object, advice: str) -> NoReturn:
     """Raise `ConformanceError` in the words of `ensure`."""
-    raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+    raise ConformanceError(f"{subject} must be {rule} (got {got}); {advice}")
 
 
 def ensure_pure(
-    what: str,
+    subject: str,
     ask: Callable[[], Any],
     arrays: Sequence[NDArray[Any]],
     *,
-    given: str = "the arrays given",
+    arguments: str = "the arrays given",
     between: Callable[[], object] = lambda: None,
     advice: str = "keep no state",
 ) -> None:
     """Same answer twice, with another question in between; `arrays` stay as they were, and are then read-only."""
     copies = [array.copy() for array in arrays]
     first = np.array(ask())
-    ensure(all(map(np.array_equal, arrays, copies)), given, "unchanged", "changed", "write to copies only")
+    ensure(all(map(np.array_equal, arrays, copies)), arguments, "unchanged", "changed", "write to copies only")
     between()
     for array in arrays:
         array.flags.writeable = False
     again = np.asarray(ask())
-    ensure(np.array_equal(first, again, equal_nan=True), f"{what} asked twice", "the same", "different", advice)
+    ensure(np.array_equal(first, again, equal_nan=True), f"{subject} asked twice", "the same", "different", advice)
 
 
 def place_of(points: FloatArray) -> str:

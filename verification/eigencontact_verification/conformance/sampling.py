@@ -193,8 +193,8 @@ def derivative_along(
     nodes, signs = np.cos(np.pi * np.arange(17) / 16), (-1.0) ** np.arange(17)
     signs[[0, -1]] /= 2
     weights = np.zeros(17)
-    others = np.arange(17) != 8
-    weights[others] = -signs[others] / nodes[others]
+    off_centre = np.arange(17) != 8
+    weights[off_centre] = -signs[off_centre] / nodes[off_centre]
     line = places[:, None, :] + reach[:, None, None] * nodes[:, None] * np.array(axis)
     return np.asarray(function(line) @ weights / reach)
 

@@ -19,7 +19,7 @@ _PRESSURES = (0.0, 1.0, 1e6, 1e10)
 _SLIPS = (0.0, 1e-12, 1e-6, 1e3)
 _COEFFICIENT = 0.3
 #: Part of an increment that is cut, and by how much its halves may differ from it.
-_PART, _CUT = 1e-9, 1e-3
+_FACTOR, _CUT = 1e-9, 1e-3
 #: Round-off of laws that are proportions.
 _EXACT = 1e-9
 
@@ -75,11 +75,11 @@ def check_worn_depth(law: Any) -> None:
 @check
 def check_worn_depth_pure(law: Any) -> None:
     """Same answer twice, another state asked in between; the state stays as it was, and may be read-only."""
-    state, other = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
+    state, second = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
     arrays = [value for item in fields(state) if isinstance(value := getattr(state, item.name), np.ndarray)]
     ensure_pure(
         "depth", lambda: law.depth(state), arrays,
-        given="the arrays of the state", between=lambda: law.depth(other),
+        arguments="the arrays of the state", between=lambda: law.depth(second),
         advice="keep no memory of what was asked: worn_depth, total_energy and time of the state are the history",
     )  # fmt: skip
 
@@ -108,7 +108,7 @@ def check_pressed_in_proportion(law: Any) -> None:
                 state, pressure=factor * state.pressure, shear=factor * state.shear, energy=factor * state.energy
             )
             expected, depth = factor * np.asarray(law.depth(state)), np.asarray(law.depth(scaled))
-            _same(
+            _ensure_equal(
                 depth, expected, f"{_case(state)}, all of it times {factor:g}", f"{factor:g} times the depth",
                 "say linear_in_pressure = False: its derivative is then found by a small change",
             )  # fmt: skip
@@ -122,7 +122,7 @@ def check_volume_by_energy(law: Any) -> None:
         return
     for state in _states():
         worn, spent = float(np.sum(law.depth(state))), float(np.sum(state.energy))
-        _same(
+        _ensure_equal(
             np.array([worn]), np.array([alpha * spent]), f"the sum of the {_case(state)}",
             f"volume_per_energy, {alpha:g} m^3/J, times that of the energy", "leave volume_per_energy out",
         )  # fmt: skip
@@ -151,8 +151,8 @@ def check_says_what_it_needs(law: Any) -> None:
 def _differs(law: Any, state: WearState, names: Iterable[str]) -> bool:
     depth = np.asarray(law.depth(state))
     for factor in (0.0, 0.5):
-        other = replace(state, **{name: factor * getattr(state, name) for name in names})
-        if not np.array_equal(depth, np.asarray(law.depth(other))):
+        changed_state = replace(state, **{name: factor * getattr(state, name) for name in names})
+        if not np.array_equal(depth, np.asarray(law.depth(changed_state))):
             return True
     return False
 
@@ -166,7 +166,7 @@ def check_cut_increments(law: Any) -> None:
     if law.needs_cycles:
         return
     whole = _state((4, 3), 1e9, 1e-6)
-    small = replace(whole, slip=_PART * whole.slip, energy=_PART * whole.energy)
+    small = replace(whole, slip=_FACTOR * whole.slip, energy=_FACTOR * whole.energy)
     half = replace(small, slip=0.5 * small.slip, energy=0.5 * small.energy)
     first = np.asarray(law.depth(half))
     later = replace(half, worn_depth=half.worn_depth + first, total_energy=half.total_energy + half.energy)
@@ -191,15 +191,15 @@ def check_reversed_cells(law: Any) -> None:
             for name, value in arrays.items()
             if isinstance(value, np.ndarray)
         }
-        depth, other = np.asarray(law.depth(state)), np.asarray(law.depth(replace(state, **turned)))
-        _same(
-            other[::-1, ::-1], depth, f"{_case(state)}, cells in reversed order", "the same at the same place",
+        depth, reversed_depth = np.asarray(law.depth(state)), np.asarray(law.depth(replace(state, **turned)))
+        _ensure_equal(
+            reversed_depth[::-1, ::-1], depth, f"{_case(state)}, cells in reversed order", "the same at the same place",
             "take places from state.x and state.y, not from indices",
         )  # fmt: skip
 
 
-def _same(got: FloatArray, expected: FloatArray, what: str, rule: str, advice: str) -> None:
+def _ensure_equal(got: FloatArray, expected: FloatArray, subject: str, rule: str, advice: str) -> None:
     """Equal to round-off of the largest."""
     missed, largest = float(np.abs(got - expected).max()), float(np.abs(expected).max())
     shown = f"{float(got.max()):.10g} where {float(expected.max()):.10g} was expected"
-    ensure(missed <= _EXACT * largest, what, rule, shown, advice)
+    ensure(missed <= _EXACT * largest, subject, rule, shown, advice)

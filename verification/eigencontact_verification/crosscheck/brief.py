@@ -19,7 +19,7 @@ __all__ = ["brief", "totals"]
 #: Columns in their usual order; components of other names follow.
 _COMPONENTS = ("u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 #: Part of inconclusive verdicts above which the summary says that they are many.
-_MANY = 0.15
+_LARGE_SHARE = 0.15
 
 
 def totals(report: Report) -> str:
@@ -45,8 +45,8 @@ def totals(report: Report) -> str:
         if any(memory for _, memory in solves):
             sentence += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
         sentence += f"{computed}."
-    if share > _MANY:
-        sentence += f" More than {100 * _MANY:.0f} % is inconclusive, which is no agreement; read the reasons."
+    if share > _LARGE_SHARE:
+        sentence += f" More than {100 * _LARGE_SHARE:.0f} % is inconclusive, which is no agreement; read the reasons."
     return sentence
 
 
@@ -90,7 +90,7 @@ def _gaps(gaps: Iterable[Gap]) -> list[str]:
     shared: dict[tuple[str, str], list[str]] = {}
     for gap in gaps:
         shared.setdefault((gap.what, gap.reason), []).append(gap.subject)
-    return [f"- {', '.join(kernels)}: {what} ({reason})" for (what, reason), kernels in shared.items()]
+    return [f"- {', '.join(kernels)}: {quantity} ({reason})" for (quantity, reason), kernels in shared.items()]
 
 
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

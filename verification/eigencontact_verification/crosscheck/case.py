@@ -32,8 +32,8 @@ __all__ = [
     "Outer",
     "Profile",
     "Quantity",
+    "error_key",
     "in_name",
-    "own_error",
     "refine_option",
 ]
 
@@ -137,8 +137,8 @@ def in_name(value: float) -> str:
     return f"{value:g}".replace(".", "-")
 
 
-def own_error(profile: str) -> str:
-    """Name of the numerical error of a profile among the values of `Case.judged`."""
+def error_key(profile: str) -> str:
+    """Key of the numerical error of a profile among the values of `Case.judged`."""
     return f"{profile}: own error"
 
 
@@ -203,7 +203,7 @@ class Case(ABC):
     def judged(self) -> Fields:
         """Values of the semi-analytical code: by name of profile, each (n, components).
 
-        Where the method itself discretises (a shape cut into cells), a second entry named `own_error` of the profile
+        Where the method itself discretises (a shape cut into cells), a second entry with the `error_key` of the profile
         gives the error of the values, of the same shape; it is added to the reference's uncertainty.
         """
 
@@ -224,17 +224,17 @@ class Case(ABC):
         times = ceil(shared * factor - _ROUNDING)
         return replace(self, parameters={**self.parameters, _MESHES: [number // shared * times for number in meshes]})
 
-    def remedy(self, part: str, excess: float) -> str:
+    def remedy(self, source: str, excess: float) -> str:
         """Advice about an uncertainty above its limit; empty where there is none.
 
         Parameters
         ----------
-        part : str
+        source : str
             Largest part of the uncertainty: ``"discretisation"``, ``"truncation"``, ``"iteration"``, ``"judged"``.
         excess : float
             Uncertainty over its limit.
         """
-        return refine_option(excess) if part == "discretisation" and _MESHES in self.parameters else ""
+        return refine_option(excess) if source == "discretisation" and _MESHES in self.parameters else ""
 
     @property
     def words(self) -> str:

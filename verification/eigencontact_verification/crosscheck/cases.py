@@ -27,7 +27,7 @@ __all__ = ["cases_of", "gaps", "kernels", "why_not"]
 #: Inclusion shapes with rows in the table.
 _SHAPES = ("cuboid", "sphere", "ellipsoid", "cylinder", "layer", "polyhedron")
 #: Builders of everything that is neither a traction nor a shape.
-_OTHERS: dict[str, Callable[..., Case]] = {
+_BUILDERS: dict[str, Callable[..., Case]] = {
     inhomogeneities.KEY: inhomogeneities.inhomogeneity_case,
     polynomials.KEY: polynomials.polynomial_case,
     layers.KEY: layers.layered_case,
@@ -45,9 +45,9 @@ def _rows(kind: str) -> Iterator[dict[str, Any]]:
     """Rows of one kind, one for every combination of the values in ``each``, with the changes of ``special``."""
     for row in _table()[kind]:
         fixed = {name: value for name, value in row.items() if name not in ("each", "special")}
-        each = row.get("each", {})
-        for values in product(*each.values()):
-            arguments = {**fixed, **dict(zip(each, values, strict=True))}
+        choices = row.get("each", {})
+        for values in product(*choices.values()):
+            arguments = {**fixed, **dict(zip(choices, values, strict=True))}
             for rule in row.get("special", ()):
                 if all(arguments[name] in allowed for name, allowed in rule.items() if name != "then"):
                     arguments |= rule["then"]
@@ -68,10 +68,10 @@ def _stranger(kernel: str) -> tuple[Case, ...]:
     return tuple(replace(case, parameters={**case.parameters, **text}) for case in cases)
 
 
-def _others() -> list[str]:
-    """Keys of `_OTHERS`, without layered media that are not installed."""
+def _builder_keys() -> list[str]:
+    """Keys of `_BUILDERS`, without layered media that are not installed."""
     media = [entry.key for entry in installed_plugins().of_kind("layered-medium")]
-    return [key for key in _OTHERS if key != layers.KEY or key in media]
+    return [key for key in _BUILDERS if key != layers.KEY or key in media]
 
 
 def _shapes() -> list[str]:
@@ -82,7 +82,7 @@ def kernels() -> tuple[str, ...]:
     """Keys that can be verified: tractions, shapes, bodies that are not homogeneous; strangers' shapes last."""
     shapes = _shapes()
     strangers = [key for key in shapes if key not in _SHAPES and not _refusal(key)]
-    return (*TRACTIONS, *(key for key in _SHAPES if key in shapes), *_others(), *strangers)
+    return (*TRACTIONS, *(key for key in _SHAPES if key in shapes), *_builder_keys(), *strangers)
 
 
 def cases_of(kernel: str) -> tuple[Case, ...]:
@@ -95,8 +95,8 @@ def cases_of(kernel: str) -> tuple[Case, ...]:
     """
     if kernel in TRACTIONS:
         return tuple(rectangle_case(kernel, **row) for row in _rows("tractions"))
-    if kernel in _others():
-        return tuple(_OTHERS[kernel](**row) for row in _rows(kernel))
+    if kernel in _builder_keys():
+        return tuple(_BUILDERS[kernel](**row) for row in _rows(kernel))
     if kernel not in _shapes():
         raise ValueError(f"kernel must be one of {', '.join(kernels())} (got {kernel!r}); install its plugin")
     return tuple(inclusion_case(**row) for row in _rows(kernel)) if kernel in _SHAPES else _stranger(kernel)

@@ -158,7 +158,7 @@ class OneEigenstrain:
         Mandel eigenstrain.
     matrix : Material
         Of the homogeneous half-space that it acts in.
-    parts, left : list of inclusion shapes, (n, 6)
+    parts, remainder : list of inclusion shapes, (n, 6)
         Parts of the sphere, and the Mandel eigenstrain that each would still add by itself: what one value for the
         whole sphere cannot fulfil. Its mean is zero.
     """
@@ -167,7 +167,7 @@ class OneEigenstrain:
     eigenstrain: FloatArray
     matrix: Any
     parts: list[Any]
-    left: FloatArray
+    remainder: FloatArray
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Change of the field by the sphere; see `Cellwise.field`. No lattice, and any points."""
@@ -175,7 +175,7 @@ class OneEigenstrain:
 
     def correction(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Field of what is left, outside the sphere: how far `field` is from that of a varying eigenstrain, about."""
-        return self._of(self.parts, self.left, points, quantity)
+        return self._of(self.parts, self.remainder, points, quantity)
 
     def _of(self, shapes: list[Any], strains: FloatArray, points: FloatArray, quantity: Quantity) -> FloatArray:
         from eigencontact import inclusion_field
@@ -292,7 +292,7 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
         make("sphere", kind="inclusion-shape", center=tuple(point), radius=problem.radius * weight ** (1 / 3))
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
-    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=columns, left=remainder.T)
+    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=columns, remainder=remainder.T)
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:

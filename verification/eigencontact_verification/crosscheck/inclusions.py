@@ -15,7 +15,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, own_error
+from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, error_key
+from eigencontact_verification.crosscheck.cell_errors import from_coarser, widened
 from eigencontact_verification.crosscheck.lines import (
     STRESSES,
     chosen,
@@ -27,7 +28,6 @@ from eigencontact_verification.crosscheck.lines import (
     read_solid,
     surface_lines,
 )
-from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
 from eigencontact_verification.fem.model import Model, Region
 from eigencontact_verification.fem.uncertainty import SAFETY
@@ -38,10 +38,10 @@ FloatArray = NDArray[np.float64]
 
 _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
-_OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
+_GEOMETRY = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
 _READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "lines:columns")
 _CODE = (
-    *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
+    *(f"{__name__}:{name}" for name in (*_GEOMETRY, "InclusionCase.reference")),
     *(f"eigencontact_verification.crosscheck.{name}" for name in _READING),
 )
 _MODULUS = 1.0
@@ -200,7 +200,7 @@ class InclusionCase(Case):
             tries = [chosen(self.field(profile.points, profile.quantity, cells=count), profile) for count in counts]
             fields[profile.name] = tries[0]
             if len(tries) > 1:
-                fields[own_error(profile.name)] = widened(SAFETY * from_coarser(tries[0], tries[1:], _CELL_RATIOS))
+                fields[error_key(profile.name)] = widened(SAFETY * from_coarser(tries[0], tries[1:], _CELL_RATIOS))
         return fields
 
     def field(self, points: FloatArray, quantity: Quantity, *, cells: int | None = None) -> FloatArray:

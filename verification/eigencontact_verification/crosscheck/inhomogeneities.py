@@ -12,7 +12,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, in_name, own_error
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, error_key, in_name
+from eigencontact_verification.crosscheck.cell_errors import from_coarser, widened
 from eigencontact_verification.crosscheck.equivalent import Sphere, by_cells, by_one_eigenstrain
 from eigencontact_verification.crosscheck.lines import (
     STRESSES,
@@ -22,7 +23,6 @@ from eigencontact_verification.crosscheck.lines import (
     read_section,
     surface_lines,
 )
-from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion, Disc
 from eigencontact_verification.fem.uncertainty import CAUTIOUS
 
@@ -124,7 +124,7 @@ class InhomogeneityCase(Case):
             else:
                 fields[profile.name], *coarser = (chosen(cells.field(at, quantity), profile) for cells in tries)
                 error = CAUTIOUS * from_coarser(fields[profile.name], coarser, _RATIOS)
-            fields[own_error(profile.name)] = widened(error)
+            fields[error_key(profile.name)] = widened(error)
         return fields
 
     @property

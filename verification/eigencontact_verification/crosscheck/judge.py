@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eigencontact_verification.crosscheck.case import Case, Fields, Profile, own_error
+from eigencontact_verification.crosscheck.case import Case, Fields, Profile, error_key
 from eigencontact_verification.crosscheck.run import Solved
 from eigencontact_verification.crosscheck.worker import Outcome, Task
 from eigencontact_verification.fem.uncertainty import Estimate, Verdict, estimate, verdicts
@@ -108,8 +108,8 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
             coarse, medium, fine, ratio=case.ratio, formal_order=profile.formal_order,
             other_outer=values[case.bracket_level, "free"][profile.name], other_level=case.bracket_level,
         )  # fmt: skip
-        if own_error(profile.name) in judged:
-            error = judged[own_error(profile.name)]
+        if error_key(profile.name) in judged:
+            error = judged[error_key(profile.name)]
             reference = replace(
                 reference, uncertainty=reference.uncertainty + error, parts=reference.parts | {"judged": error}
             )

@@ -34,7 +34,7 @@ _YOUNG, _POISSON, _RADIUS, _PAST = 210e9, 0.3, 105e-6, 1.7
 #: Hertz's stress .48 a deep over p0 for ν = 0.3, from Johnson 1985: rr and tt, zz.
 _ACROSS, _DOWN = -0.182, -0.802
 #: Departure from elasticity that is seen, and the strains between which it is looked for.
-_SEEN, _LEAST, _MOST = 1e-6, 1e-7, 0.2
+_TOLERANCE, _LEAST, _MOST = 1e-6, 1e-7, 0.2
 #: Meshes and cells of these cases. With growth 2.5 and meshes of 3, 6, 12 the residual stress at the end of the plastic
 #: zone is uncertain by 2.5 % of the pressure, with these by 0.3 %, in the same time. By 12 cells to a radius plastic
 #: strain is uncertain by 1.6 % of its largest value, by 16 by 0.9 %.
@@ -214,7 +214,7 @@ def _onset(law: Any, young: float, nu: float) -> float:
 
     def elastic(size: float) -> bool:
         answer = point.answer(size * strain, point.state_at_rest(4, 1))[0][:, 0]
-        return bool(np.abs(answer - size * young * stress).max() <= _SEEN * size * young)
+        return bool(np.abs(answer - size * young * stress).max() <= _TOLERANCE * size * young)
 
     if not elastic(_LEAST):
         raise ValueError(f"law {law.key!r} must be elastic under small strains, with the constants of its body")
@@ -230,6 +230,6 @@ def _onset(law: Any, young: float, nu: float) -> float:
 def _with_variables(profiles: tuple[Profile, ...], names: list[str]) -> tuple[Profile, ...]:
     """Profiles with one for every scalar history variable of the law, in place of plastic strain."""
     short = {name: name for name in names} | {long: brief for brief, long in VARIABLES.items()}
-    others = [profile for profile in profiles if profile.quantity != "strain"]
+    unchanged = [profile for profile in profiles if profile.quantity != "strain"]
     (model,) = (profile for profile in profiles if profile.quantity == "strain")
-    return (*others, *(replace(model, name=f"axis-{name}", components=(short[name],)) for name in names))
+    return (*unchanged, *(replace(model, name=f"axis-{name}", components=(short[name],)) for name in names))

@@ -95,20 +95,13 @@ class LayeredCase(FieldCase):
 
     def read(self, solution: Any, profile: Profile) -> FloatArray:
         """Displacement, or stress recovered within the layer that each point is in."""
-        from eigencontact_verification.fem.recovery import recovered_section_stress
+        from eigencontact_verification.fem.section_recovery import recovered_section_stress
 
         if profile.quantity == "displacement":
             return np.asarray(solution.displacement(profile.points))
-        stress, interfaces = np.empty((len(profile.points), 3, 3)), self.interfaces
-        layer = np.searchsorted(interfaces, profile.points[:, 2])
-        for number in np.unique(layer):
-
-            def contains(_x: FloatArray, _y: FloatArray, z: FloatArray, number: int = number) -> NDArray[np.bool_]:
-                return np.asarray(np.searchsorted(interfaces, z) == number)
-
-            here = layer == number
-            stress[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
-        return stress
+        return recovered_section_stress(
+            solution, profile.points, side=lambda _x, _y, z: np.searchsorted(self.interfaces, z)
+        )
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the medium at points ``(n, 3)``, y = 0 and x >= 0."""
@@ -119,8 +112,8 @@ class LayeredCase(FieldCase):
         medium = make(KEY, kind="layered-medium", layers=parameters["layers"], substrate=substrate)
         values = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
         for depth in np.unique(points[:, 2]):
-            here = points[:, 2] == depth
-            values[here] = _at_depth(medium, parameters["pressure"], points[here, 0], float(depth), quantity)
+            at_depth = points[:, 2] == depth
+            values[at_depth] = _at_depth(medium, parameters["pressure"], points[at_depth, 0], float(depth), quantity)
         return values
 
     @property

@@ -223,14 +223,14 @@ def _column(x: float, y: float, depths: FloatArray) -> FloatArray:
 
 def read_section(solution: Any, profiles: Sequence[Profile], contains: Contains) -> Fields:
     """Read what the profiles ask for of an axisymmetric model with one source; stress is recovered on its own side."""
-    from eigencontact_verification.fem.recovery import recovered_section_stress
+    from eigencontact_verification.fem.section_recovery import recovered_section_stress
 
     fields = {}
     for profile in profiles:
         if profile.quantity == "displacement":
             values = solution.displacement(profile.points)
         else:
-            values = recovered_section_stress(solution, profile.points, contains=contains)
+            values = recovered_section_stress(solution, profile.points, side=contains)
         fields[profile.name] = chosen(values, profile)
     return fields
 

@@ -14,9 +14,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error, refine_option
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, error_key, refine_option
+from eigencontact_verification.crosscheck.cell_errors import from_coarser, widened
 from eigencontact_verification.crosscheck.indentation import Problem, by_cells
-from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem import yielding_law
 from eigencontact_verification.fem.yielding import Indentation, IndentationSolution, YieldingRegion, solve_indentation
 from eigencontact_verification.fem.yielding_law import Curve, PointLaw, YieldingLaw
@@ -138,9 +138,9 @@ class PlasticCase(Case):
         cells, *coarser = (ceil(number * factor) for number in (self.cells, *self.coarser))
         return replace(finer, cells=cells, coarser=tuple(coarser))
 
-    def remedy(self, part: str, excess: float) -> str:
+    def remedy(self, source: str, excess: float) -> str:
         """Finer meshes and cells; see `Case.remedy`."""
-        return refine_option(excess) if part in ("discretisation", "judged") else ""
+        return refine_option(excess) if source in ("discretisation", "judged") else ""
 
     def by_cells(self, cells: int) -> Fields:
         """Values by so many cells to a contact radius."""
@@ -158,7 +158,7 @@ class PlasticCase(Case):
             if profile.quantity == "strain":
                 order = _ORDER_OF_STRAIN if profile.components == ("e_p",) else _ORDER_OF_STATES
             order = 1.0 if balls else order
-            fields[own_error(profile.name)] = widened(from_coarser(fine[profile.name], values, ratios, order=order))
+            fields[error_key(profile.name)] = widened(from_coarser(fine[profile.name], values, ratios, order=order))
         return fields
 
     @property

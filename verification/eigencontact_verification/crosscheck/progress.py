@@ -27,7 +27,7 @@ class Bar:
 
     def __init__(self, *, show: bool) -> None:
         self._show, self._open = show, ExitStack()
-        self._tell = self._open.enter_context(counted("solutions", "solution ", show=show, every=_LINES))
+        self._tell = self._open.enter_context(counted("solutions", "solution ", show=show, interval=_LINES))
         self._done, self._total, self._work, self._all_work = 0, 0, 0.0, 0.0
 
     def __enter__(self) -> Self:

@@ -141,10 +141,10 @@ def is_mirrored(shape: Any, axis: int) -> bool:
     points[:, axis] += 1e-9 * float(np.max(np.abs(shape.bounds)))  # off the plane itself
     mirrored = points.copy()
     mirrored[:, axis] *= -1
-    same = np.asarray(shape.contains(*points.T)) == np.asarray(shape.contains(*mirrored.T))
+    equal = np.asarray(shape.contains(*points.T)) == np.asarray(shape.contains(*mirrored.T))
     low, high = shape.bounds
     size = max(b - a for a, b in zip(low, high, strict=True))
-    return bool(np.mean(same) > 0.999) and abs(low[axis] + high[axis]) < 1e-9 * size
+    return bool(np.mean(equal) > 0.999) and abs(low[axis] + high[axis]) < 1e-9 * size
 
 
 def is_revolved(shape: Any) -> bool:

@@ -102,8 +102,8 @@ class RectangleCase(FieldCase):
     def words(self) -> str:
         """Title of the figures: the problem in words."""
         a, b = self.parameters["half_widths"]
-        what = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
-        return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
+        load = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
+        return f"uniform {load} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Mesh and field of the coarse model (VTU, PNG)."""

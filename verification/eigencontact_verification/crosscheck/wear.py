@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator, RectBivariateSpline
 
-from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error
-from eigencontact_verification.crosscheck.own_errors import from_coarser
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, error_key
+from eigencontact_verification.crosscheck.cell_errors import from_coarser
 from eigencontact_verification.oracles.wear_rings import Contact, Rings, fret, slide
 
 __all__ = ["KEY", "WearCase", "wear_case"]
@@ -205,7 +205,7 @@ class WearCase(Case):
         fields: Fields = dict(fine)
         for profile in self.profiles:
             values = [run[profile.name] for run in coarser]
-            fields[own_error(profile.name)] = from_coarser(fine[profile.name], values, ratios)
+            fields[error_key(profile.name)] = from_coarser(fine[profile.name], values, ratios)
         return fields
 
     @property

@@ -80,12 +80,12 @@ def crosscheck(
     with Bar(show=show) as bar:
         solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=bar)
     judged = tuple(judge(solution, limit=limit) for solution in solved)
-    more, lost = beside(judged) if beside is not None else ((), ())
+    more, new_gaps = beside(judged) if beside is not None else ((), ())
     notes = tuple(remarks(judged)) if remarks is not None else ()
     notes += tuple(_pictures(judged, folder / "fields")) if pictures else ()
     report = Report(
         cases=(*judged, *more),
-        gaps=(*gaps, *lost),
+        gaps=(*gaps, *new_gaps),
         limit=limit,
         quick=quick,
         seconds=time.perf_counter() - start,

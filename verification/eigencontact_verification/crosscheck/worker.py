@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from eigencontact_verification.crosscheck.case import HALVED, UNKNOWNS, Case, Fields, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import HALVED, UNKNOWNS, Case, Fields, Level, Outer, error_key
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -122,8 +122,8 @@ def _checked(case: Case, answer: Fields) -> Fields:
                 f"profile '{profile.name}' must be {expected} (got {values.shape}); one column a component"
             )
         fields[profile.name] = values
-        if own_error(profile.name) in answer:
-            fields[own_error(profile.name)] = np.abs(answer[own_error(profile.name)]).reshape(expected)
+        if error_key(profile.name) in answer:
+            fields[error_key(profile.name)] = np.abs(answer[error_key(profile.name)]).reshape(expected)
     fields |= {name: np.asarray(answer[name], dtype=float).reshape(1) for name in (HALVED, UNKNOWNS) if name in answer}
     return fields
 

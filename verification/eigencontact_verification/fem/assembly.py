@@ -157,10 +157,10 @@ def material(model: Model, grid: Grid) -> Material:
     samples = (_lattice(np.arange(CELLS) / CELLS)[:, None] + fine).reshape(-1, 3)
     for start in range(0, mixed.size, 16):
         chunk = slice(start, start + 16)
-        some = mixed[chunk]
-        points = (grid.low[some, None] + samples * grid.size[some, None]).reshape(-1, 3)
+        elements = mixed[chunk]
+        points = (grid.low[elements, None] + samples * grid.size[elements, None]).reshape(-1, 3)
         for target, value in zip(sampled, state(model, points), strict=True):
-            target[chunk] = value.reshape(some.size, cells, SAMPLES**3, *value.shape[1:]).mean(axis=2)
+            target[chunk] = value.reshape(elements.size, cells, SAMPLES**3, *value.shape[1:]).mean(axis=2)
     for whole, target in zip((lam, mu, stress), sampled, strict=True):
         whole[mixed] = target.mean(axis=1)
     return Material(
@@ -215,7 +215,7 @@ class _Slab:
     """Products of gradients of the elements between two planes z = const, weighted with a modulus."""
 
     scale: FloatArray  # (elements, 3, 3)
-    some: slice
+    elements: slice
     inner: IntArray  # elements of the slab that are cut
     cut: IntArray  # the same, numbered among all that are cut
     whole: FloatArray  # reference products (3, 3, n, n)
@@ -223,7 +223,7 @@ class _Slab:
 
     def products(self, modulus: FloatArray, sub_cells: FloatArray, a: int, b: int) -> FloatArray:
         """Integrals ``modulus dphi_i/dx_a dphi_j/dx_b``, (elements, n, n)."""
-        out = np.multiply.outer(modulus[self.some] * self.scale[:, a, b], self.whole[a, b])
+        out = np.multiply.outer(modulus[self.elements] * self.scale[:, a, b], self.whole[a, b])
         if self.inner.size:
             inside = np.tensordot(sub_cells[self.cut], self.cells[:, a, b], axes=1)
             out[self.inner] = self.scale[self.inner, a, b, None, None] * inside
@@ -241,18 +241,19 @@ def stiffness(grid: Grid, stuff: Material) -> sp.bsr_matrix:
     nx, ny, nz = grid.shape
     flat = np.arange(nx * ny)
     for layer in range(nz):
-        some = slice(layer * nx * ny, (layer + 1) * nx * ny)
+        elements = slice(layer * nx * ny, (layer + 1) * nx * ny)
         # where each pair of nodes of an element is in its row, whose columns are a box of nodes
         start = np.stack([flat % nx, flat // nx, np.full_like(flat, layer)], axis=1)
         at = np.moveaxis(grid.order * start[:, None] + grid.local, -1, 0)
         i, j, k = (at[a][:, None, :] - first[a][at[a]][:, :, None] for a in range(3))
         wide, tall = (count[a][at[a]][:, :, None] for a in (0, 1))
-        where = pointer[grid.element_nodes[some]][:, :, None] + (k * tall + j) * wide + i
+        where = pointer[grid.element_nodes[elements]][:, :, None] + (k * tall + j) * wide + i
         begin, end = int(where.min()), int(where.max()) + 1
         where = (where - begin).ravel()
-        cut = np.flatnonzero((stuff.cut >= some.start) & (stuff.cut < some.stop))
+        cut = np.flatnonzero((stuff.cut >= elements.start) & (stuff.cut < elements.stop))
         slab = _Slab(
-            scale=scale[some], some=some, inner=stuff.cut[cut] - some.start, cut=cut, whole=whole, cells=cells
+            scale=scale[elements], elements=elements, inner=stuff.cut[cut] - elements.start, cut=cut, whole=whole,
+            cells=cells,
         )  # fmt: skip
         laplace = sum(slab.products(stuff.mu, stuff.cut_mu, c, c) for c in range(3))
         for a in range(3):

@@ -147,10 +147,10 @@ class CellField:
             mean(e[2, 2], unit),
             mean(e[0, 2], cosine) + mean(e[1, 2], sine),
         ))  # fmt: skip
-        lost = mean(1 - stiffness, unit) if stiffness is not None else np.zeros(tensor.shape[1:])
+        damage = mean(1 - stiffness, unit) if stiffness is not None else np.zeros(tensor.shape[1:])
         middles = np.append((edges[:-1] + edges[1:]) / 2, edges[-1] + width / 2)
-        last = np.flatnonzero(np.any(tensor != 0, axis=(0, 1)) | np.any(lost != 0, axis=0))
+        last = np.flatnonzero(np.any(tensor != 0, axis=(0, 1)) | np.any(damage != 0, axis=0))
         stop = int(last[-1]) + 1 if last.size else 1
         tensor = np.concatenate([tensor[..., :stop], np.zeros((4, z.size - 1, 1))], axis=2)
-        lost = np.concatenate([lost[:, :stop], np.zeros((z.size - 1, 1))], axis=1)
-        return cls(r=middles[: stop + 1], z=z, eigenstrain=tensor, stiffness_factor=1 - lost)
+        damage = np.concatenate([damage[:, :stop], np.zeros((z.size - 1, 1))], axis=1)
+        return cls(r=middles[: stop + 1], z=z, eigenstrain=tensor, stiffness_factor=1 - damage)

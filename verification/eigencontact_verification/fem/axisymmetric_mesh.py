@@ -261,8 +261,8 @@ class Grid:
             take = todo[better]
             best[take], element[take], local[:, take] = miss[better], ids[better], x[:, better]
         if np.any(best > 1e-6):
-            lost = points[:, int(best.argmax())]
-            raise ValueError(f"points must be in an element of the mesh (got r, z = {lost}); report this mesh")
+            outside = points[:, int(best.argmax())]
+            raise ValueError(f"points must be in an element of the mesh (got r, z = {outside}); report this mesh")
         return element, np.clip(local, 0.0, 1.0)
 
 

@@ -107,9 +107,9 @@ def far_field(tractions: Tractions | None, young_modulus: float, poisson_ratio: 
         ]
         for j in groups[1]:
             for i in groups[0]:
-                some = np.ix_(j, i)
-                if total := float(weight[some].sum()):
-                    places.append((weight[some].sum(axis=0) @ x[i] / total, weight[some].sum(axis=1) @ y[j] / total))
+                block = np.ix_(j, i)
+                if total := float(weight[block].sum()):
+                    places.append((weight[block].sum(axis=0) @ x[i] / total, weight[block].sum(axis=1) @ y[j] / total))
                     forces.append(force[:, j][:, :, i].sum(axis=(1, 2)))
     return PointForces(
         young_modulus=young_modulus,

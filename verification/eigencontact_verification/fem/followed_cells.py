@@ -15,12 +15,12 @@ from eigencontact_verification.fem.loaded_body import Cells, LoadedBody
 from eigencontact_verification.fem.loaded_symmetry import boxes_of
 from eigencontact_verification.fem.mesh import Grid
 
-__all__ = ["FEW", "followed_faces", "has_small_cells", "jumps_on_lines"]
+__all__ = ["MOST_EDGES", "followed_faces", "has_small_cells", "jumps_on_lines"]
 
 FloatArray = NDArray[np.float64]
 
 #: Cells with no more edges than this along an axis are large: each edge is a line of every mesh.
-FEW = 5
+MOST_EDGES = 5
 #: Part of the largest content of cells below which it does not count.
 _COUNTS = 1e-3
 #: Of a stretch of cells, the distance from where stress is read at which one element may stand for all of it.
@@ -33,7 +33,7 @@ def _edges(cells: Cells, axis: int) -> FloatArray:
 
 def has_small_cells(body: LoadedBody) -> bool:
     """Whether some axis of a body has more cells than every mesh follows."""
-    return any(_edges(cells, axis).size > FEW for cells in body.cells for axis in range(3))
+    return any(_edges(cells, axis).size > MOST_EDGES for cells in body.cells for axis in range(3))
 
 
 def followed_faces(body: LoadedBody, axis: int, low: float, step: int, near: FloatArray) -> FloatArray:
@@ -58,7 +58,7 @@ def followed_faces(body: LoadedBody, axis: int, low: float, step: int, near: Flo
     (m,) array
         Ascending; empty without small cells along this axis.
     """
-    small = [_edges(cells, axis) for cells in body.cells if _edges(cells, axis).size > FEW]
+    small = [_edges(cells, axis) for cells in body.cells if _edges(cells, axis).size > MOST_EDGES]
     boxes = [box for kind, box in boxes_of(replace(body, tractions=None, regions=()), _COUNTS) if kind == "cells"]
     if not (small and boxes):
         return np.empty(0)
@@ -91,7 +91,7 @@ def jumps_on_lines(body: LoadedBody, grid: Grid) -> tuple[FloatArray, FloatArray
         fields += [] if cells.stiffness_factor is None else [(1.0 - cells.stiffness_factor[None], _COUNTS)]
         for axis in range(3):
             edges, along = _edges(cells, axis), 3 - axis
-            if edges.size <= FEW:
+            if edges.size <= MOST_EDGES:
                 continue
             jumps = np.zeros(edges.size, dtype=bool)
             for field, least in fields:

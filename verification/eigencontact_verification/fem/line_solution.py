@@ -85,11 +85,11 @@ class LineSolution:
 
         Of body 2 in the axes of body 1: its xz changes sign, because its z points the other way.
         """
-        half, now, points = self.halves[body - 1], self.moments[moment], np.asarray(points, dtype=float)
-        at_integration_points = now.stresses[body - 1]
+        half, state, points = self.halves[body - 1], self.moments[moment], np.asarray(points, dtype=float)
+        at_integration_points = state.stresses[body - 1]
         if at_integration_points is None:
-            first = sum(len(other.unknowns) for other in self.halves[: body - 1])
-            at_integration_points = half.stress(now.displacement[first : first + len(half.unknowns)], now.step)
+            first = sum(len(side.unknowns) for side in self.halves[: body - 1])
+            at_integration_points = half.stress(state.displacement[first : first + len(half.unknowns)], state.step)
         material = half.material
         stress = recovered_plane(half.body, at_integration_points, points, breaks=material.breaks(), side=material.side)
         stress[3] *= (1 if body == 1 else -1) / np.sqrt(2.0)
@@ -106,8 +106,8 @@ class LineSolution:
 
     def stick(self, moment: int = -1) -> tuple[float, float]:
         """Ends of the stick zone, where ``(friction p - |q|)²`` is zero (a root's distance from full friction)."""
-        now = self.moments[moment]
-        return self._ends(np.where(now.stick, self.model.friction * now.pressure - np.abs(now.shear), 0.0) ** 2)
+        state = self.moments[moment]
+        return self._ends(np.where(state.stick, self.model.friction * state.pressure - np.abs(state.shear), 0.0) ** 2)
 
     def _ends(self, value: FloatArray) -> tuple[float, float]:
         """Where a function that is positive between two places and straight beside them rises from 0 and falls to 0."""

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.fem.followed_cells import FEW, followed_faces, has_small_cells
+from eigencontact_verification.fem.followed_cells import MOST_EDGES, followed_faces, has_small_cells
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.loaded_symmetry import boxes_of
 from eigencontact_verification.fem.mesh import Grid
@@ -72,7 +72,7 @@ def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
             breaks[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
     for cells in body.cells:
         edges = (cells.x, cells.y, cells.z)
-        if max(e.size for e in edges) <= FEW:
+        if max(e.size for e in edges) <= MOST_EDGES:
             for axis in range(3):
                 breaks[axis] += edges[axis].tolist()
     x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in breaks)
@@ -204,7 +204,7 @@ def family_grid(
     thin = small and not all(faces(axis, 1).size for axis in range(3))
     choices = (*(_PER_CELL[int(thin) :] if small else ()), 0)
     fewest = {per_cell: axes(per_cell, float(lengths[-1]))[1] for per_cell in choices}
-    per_cell = next((one for one, unknowns in fewest.items() if unknowns <= budget), None)
+    per_cell = next((choice for choice, unknowns in fewest.items() if unknowns <= budget), None)
     if per_cell is None:
         raise ValueError(
             f"budget must be at least {min(fewest.values())} unknowns for this body (got {budget}); raise it"
@@ -221,8 +221,8 @@ def family_grid(
         line = [np.array([low])]
         for t, count, number in axis:
             divisions = PARTS[ratio][level] * number
-            some = np.interp(np.arange(1, divisions + 1) / divisions * count[-1], count, t)
-            some[-1] = t[-1]
-            line.append(some)
+            piece = np.interp(np.arange(1, divisions + 1) / divisions * count[-1], count, t)
+            piece[-1] = t[-1]
+            line.append(piece)
         lines.append(np.concatenate(line))
     return Grid(lines=(lines[0], lines[1], lines[2]), order=2), fine

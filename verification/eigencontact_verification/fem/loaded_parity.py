@@ -59,8 +59,8 @@ def parities(body: LoadedBody) -> tuple[LoadedBody, ...]:
 
 def _varies(body: LoadedBody) -> bool:
     """Whether moduli are others than those of the layers, which every plane reflects onto themselves."""
-    other = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
-    return other or any(cells.stiffness_factor is not None for cells in body.cells)
+    varied = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
+    return varied or any(cells.stiffness_factor is not None for cells in body.cells)
 
 
 def _size(body: LoadedBody) -> float:

@@ -99,7 +99,7 @@ class LoadedSolution:
             )
 
         jumps = jumps_on_lines(self.body, self.solution.grid)
-        kinks = [np.union1d(*both) for both in zip(breaks, jumps, strict=True)]
+        kinks = [np.union1d(*places) for places in zip(breaks, jumps, strict=True)]
         strain = recovered(
             self.solution.strain, self.solution.grid, self.solution.model.symmetry, at, breaks=kinks, side=side
         )

@@ -87,8 +87,8 @@ def boxes_of(body: LoadedBody, least: float = 0.0) -> Iterator[tuple[str, FloatA
         size = np.abs(cells.eigenstrain).max(axis=(0, 1))
         size = size / max(float(size.max()), 1e-300)
         if cells.stiffness_factor is not None:
-            lost = np.abs(1 - cells.stiffness_factor)
-            size = np.maximum(size, lost / max(float(lost.max()), 1e-300))
+            damage = np.abs(1 - cells.stiffness_factor)
+            size = np.maximum(size, damage / max(float(damage.max()), 1e-300))
         size = size > least
         if size.any():
             spans = [_span(e, size.any(axis=a)) for e, a in ((cells.x, (0, 1)), (cells.y, (0, 2)), (cells.z, (1, 2)))]
@@ -113,10 +113,10 @@ def _signs(plane: int, kind: str) -> FloatArray:
     return turn if kind == "even" else -turn
 
 
-def _symmetric(values: FloatArray, other: FloatArray | None) -> FloatArray | None:
-    if other is None or np.abs(values - other).max() > TOLERANCE * np.abs(values).max():
+def _symmetric(values: FloatArray, image: FloatArray | None) -> FloatArray | None:
+    if image is None or np.abs(values - image).max() > TOLERANCE * np.abs(values).max():
         return None
-    return np.asarray((values + other) / 2)
+    return np.asarray((values + image) / 2)
 
 
 def _folded(body: LoadedBody, plane: int, kind: str, middle: float) -> LoadedBody | None:
@@ -125,24 +125,24 @@ def _folded(body: LoadedBody, plane: int, kind: str, middle: float) -> LoadedBod
     tensor = np.multiply.outer(turn, turn) * (1.0 if kind == "even" else -1.0)
     loads, boxes = body.tractions, []
     if loads is not None:
-        other = reflected(loads.values, (loads.x, loads.y)[plane], middle, 2 - plane)
-        values = None if other is None else _symmetric(loads.values, turn[:, None, None] * other)
+        image = reflected(loads.values, (loads.x, loads.y)[plane], middle, 2 - plane)
+        values = None if image is None else _symmetric(loads.values, turn[:, None, None] * image)
         if values is None:
             return None
         loads = replace(loads, values=values)
     for cells in body.cells:
         edges = (cells.x, cells.y)[plane]
-        other = reflected(cells.eigenstrain, edges, middle, 4 - plane)
-        strain = None if other is None else _symmetric(cells.eigenstrain, tensor[:, :, None, None, None] * other)
+        image = reflected(cells.eigenstrain, edges, middle, 4 - plane)
+        strain = None if image is None else _symmetric(cells.eigenstrain, tensor[:, :, None, None, None] * image)
         if strain is None:
             return None
         stiffness = cells.stiffness_factor
         if stiffness is not None:
-            lost = reflected(1 - stiffness, edges, middle, 2 - plane)
-            lost = None if lost is None else _symmetric(1 - stiffness, lost)
-            if lost is None:
+            damage = reflected(1 - stiffness, edges, middle, 2 - plane)
+            damage = None if damage is None else _symmetric(1 - stiffness, damage)
+            if damage is None:
                 return None
-            stiffness = 1 - lost
+            stiffness = 1 - damage
         boxes.append(replace(cells, eigenstrain=strain, stiffness_factor=stiffness))
     if body.regions and not _regions_fold(body, plane, tensor, middle):
         return None
@@ -155,15 +155,15 @@ def _regions_fold(body: LoadedBody, plane: int, tensor: FloatArray, middle: floa
     reach = max(middle - low[plane], high[plane] - middle)
     low[plane], high[plane] = middle - reach, middle + reach
     spread = np.random.default_rng(0).random((PROBES, 3))
-    each = low + spread * (high - low)
+    uniform = low + spread * (high - low)
     near = corners[:, 0, None] + spread[: PROBES // len(corners) + 1] * (corners[:, 1] - corners[:, 0])[:, None]
-    points = np.concatenate([each, near.reshape(-1, 3)])
+    points = np.concatenate([uniform, near.reshape(-1, 3)])
     mirror = points.copy()
     mirror[:, plane] = 2 * middle - mirror[:, plane]
     model = _stand_in(body)
-    here, there = point_state(model, points), point_state(model, mirror)
-    same = all(np.array_equal(a, b) for a, b in zip(here[:2], there[:2], strict=True))
-    return same and bool(np.allclose(here[2], tensor * there[2], rtol=1e-9, atol=1e-300))
+    state, mirrored = point_state(model, points), point_state(model, mirror)
+    equal = all(np.array_equal(a, b) for a, b in zip(state[:2], mirrored[:2], strict=True))
+    return equal and bool(np.allclose(state[2], tensor * mirrored[2], rtol=1e-9, atol=1e-300))
 
 
 def _stand_in(body: LoadedBody) -> Model:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.fem.plane_strain import PlaneBody
-from eigencontact_verification.fem.recovery import section_gauss_points
-from eigencontact_verification.fem.section_recovery import fitted, stencil
+from eigencontact_verification.fem.recovery import stencil
+from eigencontact_verification.fem.section_recovery import fitted, section_gauss_points
 
 __all__ = ["recovered_plane"]
 
@@ -51,6 +51,7 @@ def recovered_plane(
     x, z = points.T
     grid = body.grid
     (xs, wx), (zs, wz) = (stencil(grid.lines[k], points[:, k], breaks=breaks[k]) for k in (0, 1))
+    xs, zs = (np.where(np.isnan(places), places[:, :1], places) for places in (xs, zs))
     shape = (len(points), *xs.shape[1:], *zs.shape[1:])
     sample = np.stack((np.broadcast_to(xs[:, :, None], shape), np.broadcast_to(zs[:, None], shape)), axis=-1)
     straight = len(grid.marks) - len(grid.curved)

@@ -55,8 +55,8 @@ def free_motions(motions: FloatArray, fixed: BoolArray) -> FloatArray:
         return motions
     _, values, rows = np.linalg.svd(constrained, full_matrices=False)
     rank = int((values > 1e-9 * values[0]).sum())
-    _, _, every = np.linalg.svd(rows[:rank], full_matrices=True)
-    out = motions @ every[rank:].T
+    _, _, basis = np.linalg.svd(rows[:rank], full_matrices=True)
+    out = motions @ basis[rank:].T
     out[fixed] = 0.0
     return np.asarray(out)
 

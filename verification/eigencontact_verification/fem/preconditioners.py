@@ -107,9 +107,9 @@ def _line_matrices(line: FloatArray, order: int, weights: FloatArray) -> tuple[F
     size = order * (line.size - 1) + 1
     stiff, mass = np.zeros((size, size)), np.zeros((size, size))
     for e, h in enumerate(np.diff(line)):
-        some = slice(order * e, order * e + order + 1)
-        stiff[some, some] += weights[e] * k / h
-        mass[some, some] += weights[e] * h * m
+        nodes = slice(order * e, order * e + order + 1)
+        stiff[nodes, nodes] += weights[e] * k / h
+        mass[nodes, nodes] += weights[e] * h * m
     return stiff, mass
 
 

@@ -63,14 +63,14 @@ class Pressed:
     shear: FloatArray
     sticking: int
 
-    def towards(self, other: Pressed, load: float) -> Pressed:
+    def towards(self, end: Pressed, load: float) -> Pressed:
         """State at a load between two steps, linear between them."""
-        t = (load - self.load) / (other.load - self.load)
+        t = (load - self.load) / (end.load - self.load)
         radius, pressure, shear = (
-            (1 - t) * np.asarray(getattr(self, name)) + t * np.asarray(getattr(other, name))
+            (1 - t) * np.asarray(getattr(self, name)) + t * np.asarray(getattr(end, name))
             for name in ("radius", "pressure", "shear")
         )
-        return Pressed(radius=float(radius), load=load, pressure=pressure, shear=shear, sticking=other.sticking)
+        return Pressed(radius=float(radius), load=load, pressure=pressure, shear=shear, sticking=end.sticking)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,11 +141,11 @@ class CoatedRings:
     def _influence(self) -> tuple[FloatArray, FloatArray]:
         """Displacement u_z and u_r at the nodes (rows) by hats of pressure and of shear (columns)."""
         _, _, basis, _, displacement, _ = self._system
-        both = np.hstack([displacement["pressure"], displacement["shear"]])
+        influence = np.hstack([displacement["pressure"], displacement["shear"]])
         r, z = basis.doflocs[:, basis.nodal_dofs[0]]
         top = np.flatnonzero((z == 0) & (r < self.nodes[-1] + 1e-9))
         top = top[np.argsort(r[top])]
-        return both[basis.nodal_dofs[1, top]], both[basis.nodal_dofs[0, top]]
+        return influence[basis.nodal_dofs[1, top]], influence[basis.nodal_dofs[0, top]]
 
     def press(self, friction: float) -> Iterator[Pressed]:
         """Steps of a contact that grows ring by ring.

@@ -3,13 +3,12 @@
 Differentiated displacement is one order less exact than displacement, and its error changes sign within each element,
 so that values at given points do not fall smoothly from mesh to mesh. At the 2 x 2 x 2 Gauss points of quadratic
 hexahedra it is an order more exact (Barlow's points). On a tensor mesh these lie on lines along x, y and z: the stress
-at a point is interpolated by cubics from the nearest ones on the point's own side of every face of the source. The
-axisymmetric meshes have curved parts: there a cubic is fitted to the nearest of 2 x 2 Gauss points by least squares.
+at a point is interpolated by cubics from the nearest ones on the point's own side of every face of the source. For the
+axisymmetric meshes see `section_recovery`.
 
 References
 ----------
-J. Barlow 1976, Int. J. Numer. Methods Eng. 10, 243-251 (optimal stress points); O. C. Zienkiewicz and J. Z. Zhu 1992,
-Int. J. Numer. Methods Eng. 33, 1331-1364 (superconvergent patch recovery).
+J. Barlow 1976, Int. J. Numer. Methods Eng. 10, 243-251 (optimal stress points).
 """
 
 from __future__ import annotations
@@ -20,32 +19,17 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "CANDIDATES",
-    "COUNT",
-    "NEAREST",
-    "POWERS",
-    "gauss_lines",
-    "lagrange_weights",
-    "recovered",
-    "recovered_section_stress",
-    "recovered_stress",
-    "section_gauss_points",
-]
+__all__ = ["COUNT", "OFFSETS", "recovered", "recovered_stress", "stencil"]
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 
 #: Gauss points along an axis that a cubic interpolates.
 COUNT = 4
 #: Points whose 64 neighbours are evaluated together, for memory.
 _AT_ONCE = 500
-#: Gauss points to which a cubic in (r, z) with its ten coefficients is fitted, and the candidates for them.
-NEAREST, CANDIDATES = 30, 400
-#: Powers of r and z of its terms.
-POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
-_OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
+#: Places of the Gauss points in an element, in its edge.
+OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 
 
 class SolidSolution(Protocol):
@@ -108,11 +92,11 @@ def recovered(
         As `contains` there; any numbers that tell sides apart.
     """
     stencils = [
-        _stencil(grid.lines[axis], points[:, axis], np.sort(np.asarray(breaks[axis], dtype=float)),
-                 mirrored=axis < 2 and symmetry[axis] != "none")
+        stencil(grid.lines[axis], points[:, axis], breaks=breaks[axis], mirrored=axis < 2 and symmetry[axis] != "none")
         for axis in range(3)
-    ]  # fmt: skip
+    ]
     (xs, wx), (ys, wy), (zs, wz) = stencils
+    xs, ys, zs = (np.where(np.isnan(places), points[:, axis, None], places) for axis, places in enumerate((xs, ys, zs)))
     shape = (len(points), COUNT, COUNT, COUNT)
     samples = np.stack(
         [
@@ -123,8 +107,8 @@ def recovered(
         axis=-1,
     )
     values = np.empty((*shape, 3, 3))
-    for some in (slice(k, k + _AT_ONCE) for k in range(0, len(points), _AT_ONCE)):
-        values[some] = field(samples[some].reshape(-1, 3)).reshape(*values[some].shape)
+    for chunk in (slice(k, k + _AT_ONCE) for k in range(0, len(points), _AT_ONCE)):
+        values[chunk] = field(samples[chunk].reshape(-1, 3)).reshape(*values[chunk].shape)
     tensor: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
     if side is not None:
         side_of_points = np.asarray(side(*points.T))
@@ -135,39 +119,53 @@ def recovered(
     return tensor
 
 
-def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: bool) -> tuple[FloatArray, FloatArray]:
-    """Places ``(n, count)`` of Gauss points around coordinates `at`, and the weights of Lagrange's interpolation.
+def stencil(
+    line: FloatArray, at: FloatArray, *, breaks: ArrayLike = (), mirrored: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Places ``(n, COUNT)`` of Gauss points around coordinates, and the weights of Lagrange's interpolation.
+
+    A stretch between breaks that is one element thick has two Gauss points: other places are NaN, their weights 0.
+
+    Parameters
+    ----------
+    line : (m,) array
+        Lines of the mesh along one axis.
+    at : (n,) array
+        Coordinates.
+    breaks : sequence of float
+        Lines of the mesh that are not reached across.
+    mirrored : bool
+        Whether mesh and breaks continue beyond 0 as their image.
 
     Raises
     ------
     ValueError
         No element lies between the breaks on both sides of a coordinate.
     """
-    gauss = gauss_lines(line, mirrored=mirrored)
+    gauss, faces = _gauss_lines(line, mirrored=mirrored), np.sort(np.asarray(breaks, dtype=float))
     if mirrored:
-        breaks = np.sort(np.concatenate([breaks, -breaks]))
+        faces = np.sort(np.concatenate([faces, -faces]))
         # a face and its image that differ by round-off are one: nothing lies between them to interpolate from
-        breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * np.ptp(line))[: breaks.size]]
-    side = np.searchsorted(breaks, gauss)
-    places = np.empty((at.size, COUNT))
-    for row, (x, stretch) in enumerate(zip(at, np.searchsorted(breaks, at), strict=True)):
-        choice = gauss[side == stretch]
-        if not choice.size:
-            raise ValueError(f"faces must have elements between them (got none around {x:.9g}); merge them")
-        first = int(np.clip(np.searchsorted(choice, x) - COUNT // 2, 0, max(choice.size - COUNT, 0)))
-        chosen = choice[first : first + COUNT]
-        # a part of the body one element thick has two Gauss points: the line through them
-        places[row] = np.concatenate([chosen, np.full(COUNT - chosen.size, np.nan)])
-    return np.where(np.isnan(places), at[:, None], places), lagrange_weights(at, places)
+        faces = faces[np.append(True, np.diff(faces) > 1e-9 * np.ptp(line))[: faces.size]]
+    faces = np.concatenate([[-np.inf], faces, [np.inf]])
+    stretch = np.searchsorted(faces, at) - 1
+    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
+    if np.any(low == high):
+        place = at[low == high][0]
+        raise ValueError(f"faces must have elements between them (got none around {place:.9g}); merge them")
+    first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
+    index = first[:, None] + np.arange(COUNT)
+    places = np.where(index < high[:, None], gauss[np.minimum(index, gauss.size - 1)], np.nan)
+    return places, _lagrange_weights(at, places)
 
 
-def gauss_lines(line: FloatArray, *, mirrored: bool) -> FloatArray:
+def _gauss_lines(line: FloatArray, *, mirrored: bool) -> FloatArray:
     """Coordinates of the Gauss points between the lines of a mesh along one axis; mirrored at 0 on request."""
-    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
+    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(OFFSETS)).ravel()
     return np.concatenate([-gauss[::-1], gauss]) if mirrored else gauss
 
 
-def lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
+def _lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
     """Weights ``(n, COUNT)`` of Lagrange's interpolation from places to coordinates; 0 for a place that is NaN."""
     weights = np.ones_like(places)
     for i in range(COUNT):
@@ -176,65 +174,3 @@ def lagrange_weights(at: FloatArray, places: FloatArray) -> FloatArray:
                 factor = (at - places[:, j]) / (places[:, i] - places[:, j])
                 weights[:, i] *= np.where(np.isnan(places[:, j]), 1.0, factor)
     return np.where(np.isnan(places), 0.0, weights)
-
-
-def section_gauss_points(nodes: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Gauss points ``(m, 2)`` (r, z) of an axisymmetric mesh, on both sides of the axis, and the element of each.
-
-    Parameters
-    ----------
-    nodes : (2, 9, elements) array
-        Corners, middles of edges, centre.
-    """
-    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
-    places = []
-    for s in _OFFSETS:
-        for t in _OFFSETS:
-            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
-            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
-    gauss = np.concatenate(places)
-    # beyond the axis, so that points near it have neighbours
-    return np.concatenate([gauss, gauss * (-1.0, 1.0)]), np.tile(np.arange(nodes.shape[2]), 2 * len(places))
-
-
-def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, contains: Contains) -> FloatArray:
-    """Stress ``(n, 3, 3)`` of an axisymmetric model at points ``(n, 3)`` of the plane y = 0.
-
-    Parameters
-    ----------
-    solution : AxisymmetricSolution
-        Of `eigencontact_verification.fem.axisymmetric`.
-    points : (n, 3) array
-        Places off the boundary of the source, y = 0.
-    contains : callable
-        The source; each point takes part of its own side of it only.
-    """
-    from scipy.spatial import cKDTree
-
-    nodes = solution.grid.nodes
-    gauss, element = section_gauss_points(nodes)
-    side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
-    side_of_points = np.asarray(contains(*points.T))
-    stress = np.empty((len(points), 3, 3))
-    for inside in (False, True):
-        chosen, targets = np.flatnonzero(side == inside), np.flatnonzero(side_of_points == inside)
-        if not targets.size:
-            continue
-        count = min(CANDIDATES, chosen.size)
-        near = chosen[cKDTree(gauss[chosen]).query(points[targets][:, [0, 2]], k=count)[1]]
-        for at, candidates in zip(targets, near, strict=True):
-            local = gauss[candidates] - points[at, [0, 2]]
-            # distances in edges of the element at hand, which may be long and thin
-            spread = np.linalg.cholesky(np.cov(nodes[:, :, element[candidates[0]]]))
-            if gauss[candidates[0], 0] < 0:
-                spread = spread * np.array([[-1.0], [1.0]])
-            local = np.linalg.solve(spread, local.T).T
-            distance = np.hypot(*local.T)
-            nearest = np.argsort(distance)[:NEAREST]
-            size = distance[nearest[-1]]
-            local = local[nearest] / size
-            values = solution.stress(np.insert(gauss[candidates[nearest]], 1, 0.0, axis=1)).reshape(-1, 9)
-            weight = np.exp(-2.0 * (distance[nearest] / size) ** 2)[:, None]
-            matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in POWERS], axis=1)
-            stress[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
-    return stress

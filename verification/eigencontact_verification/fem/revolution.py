@@ -62,8 +62,8 @@ def of_revolution(body: LoadedBody) -> Revolution | None:
     for edges_x, edges_y, alike, zero_fields in fields:
         r = np.hypot((edges_x[1:] + edges_x[:-1]) / 2 - x, ((edges_y[1:] + edges_y[:-1]) / 2 - y)[:, None])
         width = float(max(np.diff(edges_x).max(), np.diff(edges_y).max()))
-        for values, others in ((alike[:4], zero_fields), (alike[4:], [])):
-            spread = _scatter(r, width, values, others)
+        for values, zeros in ((alike[:4], zero_fields), (alike[4:], [])):
+            spread = _scatter(r, width, values, zeros)
             if spread is None:
                 return None
             scatter = max(scatter, spread)
@@ -81,8 +81,8 @@ def _axes(body: LoadedBody) -> Point | None:
         sheets.append((body.tractions.x, body.tractions.y, np.abs(body.tractions.values).sum(axis=0)))
     for cells in body.cells:
         weight = np.abs(cells.eigenstrain).sum(axis=(0, 1, 2))
-        lost = 0.0 if cells.stiffness_factor is None else np.abs(1 - cells.stiffness_factor).sum(axis=0)
-        sheets += [(cells.x, cells.y, weight), (cells.x, cells.y, lost + 0 * weight)]
+        damage = 0.0 if cells.stiffness_factor is None else np.abs(1 - cells.stiffness_factor).sum(axis=0)
+        sheets += [(cells.x, cells.y, weight), (cells.x, cells.y, damage + 0 * weight)]
     for edges_x, edges_y, weight in sheets:
         if np.any(weight):
             area = weight * np.diff(edges_x) * np.diff(edges_y)[:, None]

@@ -4,7 +4,8 @@ Strain is an order more exact at the 2 x 2 Gauss points of quadratic elements th
 interpolated from there is what planes z = const leave continuous, e_rr, e_tt, s_zz and s_rz: interfaces, and faces of
 stored cells, at which eigenstrain steps. The point's own moduli and eigenstrain give the other components. On the
 tensor part of the mesh cubics in r and z interpolate; beside fitted and cut regions a cubic in both is fitted to the
-nearest Gauss points on the point's own side.
+nearest Gauss points on the point's own side. Where moduli are uniform on each side, as in the cross-check,
+`recovered_section_stress` fits such cubics to stress itself at every point.
 
 References
 ----------
@@ -14,6 +15,7 @@ J. Barlow 1976, Int. J. Numer. Methods Eng. 10, 243-251; O. C. Zienkiewicz and J
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,20 +23,17 @@ from scipy.spatial import cKDTree
 
 from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
 from eigencontact_verification.fem.model import lame
-from eigencontact_verification.fem.recovery import (
-    CANDIDATES,
-    COUNT,
-    NEAREST,
-    POWERS,
-    gauss_lines,
-    lagrange_weights,
-    section_gauss_points,
-)
+from eigencontact_verification.fem.recovery import COUNT, OFFSETS, stencil
 
-__all__ = ["fitted", "recovered", "stencil"]
+__all__ = ["fitted", "recovered", "recovered_section_stress", "section_gauss_points"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Gauss points to which a cubic in (r, z) with its ten coefficients is fitted, and the candidates for them.
+_NEAREST, _CANDIDATES = 30, 400
+#: Powers of r and z of its terms.
+_POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
 
 
 def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
@@ -43,6 +42,7 @@ def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
     side_of_points = _side(solution, r, z)
     rs, wr = stencil(solution.grid.lines[0], r, mirrored=True)
     zs, wz = stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
+    rs, zs = (np.where(np.isnan(places), places[:, :1], places) for places in (rs, zs))
     shape = (r.size, COUNT, COUNT)
     sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
     beside = _curved(solution, np.abs(sample_r), sample_z)
@@ -78,25 +78,6 @@ def _curved(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> NDA
         low, high = fit.box
         out |= (r > low[0]) & (r < high[0]) & (z > low[1]) & (z < high[1])
     return out
-
-
-def stencil(
-    line: FloatArray, at: FloatArray, *, breaks: FloatArray | None = None, mirrored: bool = False
-) -> tuple[FloatArray, FloatArray]:
-    """Places (n, 4) of Gauss points around coordinates and the weights of Lagrange's interpolation.
-
-    Breaks, lines of the mesh, are not reached across; a part that is one element thick has the line through its two
-    points, and the weights of what is left over are zero.
-    """
-    gauss = gauss_lines(line, mirrored=mirrored)
-    faces = np.concatenate([[-np.inf], [] if breaks is None else breaks, [np.inf]])
-    stretch = np.searchsorted(faces, at) - 1
-    low, high = np.searchsorted(gauss, faces[stretch]), np.searchsorted(gauss, faces[stretch + 1])
-    first = np.clip(np.searchsorted(gauss, at) - COUNT // 2, low, np.maximum(high - COUNT, low))
-    index = first[:, None] + np.arange(COUNT)
-    lost = index >= high[:, None]
-    places = np.where(lost, np.nan, gauss[np.minimum(index, gauss.size - 1)])
-    return np.where(lost, places[:, :1], places), lagrange_weights(at, places)
 
 
 def _continuous(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> FloatArray:
@@ -146,28 +127,75 @@ def fitted(
     values : callable
         Values (k, m) at the Gauss points of numbers (m,).
     nodes : (2, 9, elements) float64
-    gauss, element, side : (g, 2) float64, (g,) int64, (g,) int64
+    gauss, element, side : (g, 2) float64, (g,) int64, (g,) int64 or bool
         Gauss points, their elements, and a number for the side that each lies on.
-    at, side_of_points : (n, 2) float64, (n,) int64
+    at, side_of_points : (n, 2) float64, (n,) int64 or bool
         Points, and the side that each lies on.
     """
     columns: list[FloatArray] = [np.empty(0)] * len(at)
     for key in np.unique(side_of_points):
         chosen, targets = np.flatnonzero(side == key), np.flatnonzero(side_of_points == key)
-        here = at[targets]
-        near = chosen[cKDTree(gauss[chosen]).query(here, k=min(CANDIDATES, chosen.size))[1].reshape(len(here), -1)]
+        places = at[targets]
+        near = chosen[cKDTree(gauss[chosen]).query(places, k=min(_CANDIDATES, chosen.size))[1].reshape(len(places), -1)]
         spread = np.stack([np.linalg.cholesky(np.cov(nodes[:, :, e])) for e in element[near[:, 0]]])
         mirrored = gauss[near[:, 0], 0] * nodes[0, 8, element[near[:, 0]]] < 0
         spread = np.where(mirrored[:, None, None], spread * np.array([[-1.0], [1.0]]), spread)
-        local = np.linalg.solve(spread[:, None], (gauss[near] - here[:, None])[..., None])[..., 0]
-        nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :NEAREST]
+        local = np.linalg.solve(spread[:, None], (gauss[near] - places[:, None])[..., None])[..., 0]
+        nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :_NEAREST]
         local, near = np.take_along_axis(local, nearest[..., None], axis=1), np.take_along_axis(near, nearest, axis=1)
         distance = np.hypot(local[..., 0], local[..., 1])
         size = distance[:, -1:]
         local, weight = local / size[..., None], np.exp(-2.0 * (distance / size) ** 2)[..., None]
         table = values(near.ravel())
-        matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in POWERS], axis=-1)
+        matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in _POWERS], axis=-1)
         solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(table.reshape(len(table), *near.shape), 0, -1))
         for k, value in zip(targets, solved[:, 0], strict=True):
             columns[k] = value
     return np.stack(columns, axis=1)
+
+
+def section_gauss_points(nodes: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Gauss points ``(m, 2)`` (r, z) of an axisymmetric mesh, on both sides of the axis, and the element of each.
+
+    Parameters
+    ----------
+    nodes : (2, 9, elements) array
+        Corners, middles of edges, centre.
+    """
+    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
+    places = []
+    for s in OFFSETS:
+        for t in OFFSETS:
+            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
+            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
+    gauss = np.concatenate(places)
+    # beyond the axis, so that points near it have neighbours
+    return np.concatenate([gauss, gauss * (-1.0, 1.0)]), np.tile(np.arange(nodes.shape[2]), 2 * len(places))
+
+
+def recovered_section_stress(
+    solution: AxisymmetricSolution,
+    points: FloatArray,
+    *,
+    side: Callable[[FloatArray, FloatArray, FloatArray], NDArray[Any]],
+) -> FloatArray:
+    """Stress ``(n, 3, 3)`` at points ``(n, 3)`` of the plane y = 0, by cubics fitted to all of its components.
+
+    Parameters
+    ----------
+    solution : AxisymmetricSolution
+        Of `eigencontact_verification.fem.axisymmetric`.
+    points : (n, 3) array
+        Places off the boundaries of the sources, y = 0.
+    side : callable
+        Numbers at x, y, z that tell sides of boundaries apart; each point takes part of its own side only.
+    """
+    gauss, element = section_gauss_points(solution.grid.nodes)
+    gauss_points = np.insert(gauss, 1, 0.0, axis=1)
+
+    def values(chosen: IntArray) -> FloatArray:
+        return solution.stress(gauss_points[chosen]).reshape(-1, 9).T
+
+    sides = np.asarray(side(*gauss_points.T)), np.asarray(side(*points.T))
+    stress = fitted(values, solution.grid.nodes, gauss, element, sides[0], points[:, [0, 2]], sides[1])
+    return stress.T.reshape(-1, 3, 3)

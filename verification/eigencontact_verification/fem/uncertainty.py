@@ -172,13 +172,13 @@ def _discretisation(
 ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
     """Richardson value, grid convergence index, order and its credibility; arrays (n, c), (n, c), (c,), (c,)."""
     order, monotone = _order(older, newer, ratio, axis=0)
-    same = (np.abs(older) <= tiny).all(axis=0) & (np.abs(newer) <= tiny).all(axis=0)
-    order = np.where(same, np.nan, order)
-    credible = same | _believed(order, monotone, formal)
+    zero = (np.abs(older) <= tiny).all(axis=0) & (np.abs(newer) <= tiny).all(axis=0)
+    order = np.where(zero, np.nan, order)
+    credible = zero | _believed(order, monotone, formal)
 
     local, local_credible = _order(_window(older, 2), _window(newer, 2), ratio, axis=0)
     local = np.where(np.isfinite(local), local, order)
-    sound = credible & (same | _believed(local, local_credible, formal))
+    sound = credible & (zero | _believed(local, local_credible, formal))
     low = np.minimum(np.where(np.isfinite(order), order, formal), np.where(np.isfinite(local), local, formal))
     used = np.clip(low, np.where(sound, LOWEST_ORDER, min(formal, 1.0)), formal)
 

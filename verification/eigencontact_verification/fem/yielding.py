@@ -30,7 +30,7 @@ __all__ = ["Indentation", "IndentationSolution", "Moment", "YieldingRegion", "so
 FloatArray = NDArray[np.float64]
 
 #: Largest force that may be left at an unknown, as a part of the load; iterations; times that a step may be halved.
-_LEFT, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
+_TOLERANCE, _ITERATIONS, _HALVINGS = 1e-9, 30, 5
 #: A step overshoots where the residual along it turns and exceeds this part of what it was; shortest part of a step.
 _OVERSHOT, _SHORTEST = 0.5, 0.05
 #: Stiffness of the contact in Young's moduli over the size of the fine elements.
@@ -163,8 +163,8 @@ class _Solver:
         basis, model = self.body.basis, self.model
         displacement = np.zeros(basis.N)
         outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
-        both = point_force_displacement(1.0, model.young_modulus, model.poisson_ratio, *basis.doflocs[:, outer])
-        displacement[outer] = np.where(self.body.first_component[outer], *both)
+        point_force = point_force_displacement(1.0, model.young_modulus, model.poisson_ratio, *basis.doflocs[:, outer])
+        displacement[outer] = np.where(self.body.first_component[outer], *point_force)
         return displacement
 
     @cached_property
@@ -251,7 +251,7 @@ class _Solver:
             residual = residual[free]
             scale = self.largest / (2 * np.pi) or float(np.abs(force).max())
             missing = goal - float(p @ surface.weight)
-            if tried and max(np.abs(residual).max(), abs(missing)) <= _LEFT * scale:
+            if tried and max(np.abs(residual).max(), abs(missing)) <= _TOLERANCE * scale:
                 return Moment(
                     load=load,
                     depth=depth if load else surface.touching(u),

@@ -114,9 +114,9 @@ class YieldingBody:
         stress, tangent = np.empty_like(strain), np.empty((4, *strain.shape))
         after = []
         for k, (law, state) in enumerate(zip(self.laws, before, strict=True)):
-            here = self.material == k
-            stress[:, here], tangent[:, :, here], now = law.answer(strain[:, here], state)
-            after.append(now)
+            of_law = self.material == k
+            stress[:, of_law], tangent[:, :, of_law], new_state = law.answer(strain[:, of_law], state)
+            after.append(new_state)
         return stress, tangent, tuple(after)
 
     def forces(

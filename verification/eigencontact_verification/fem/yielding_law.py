@@ -49,7 +49,7 @@ Answer = tuple[FloatArray, FloatArray, State]
 
 _ROOT = float(np.sqrt(1.5))
 #: Steps of the safeguarded Newton iteration, and the part of the yield stress that it leaves.
-_STEPS, _LEFT = 200, 1e-13
+_STEPS, _TOLERANCE = 200, 1e-13
 
 
 class PointLaw(Protocol):
@@ -95,9 +95,9 @@ def tabulated(strain: Sequence[float], stress: Sequence[float]) -> Curve:
     def curve(p: FloatArray) -> tuple[FloatArray, FloatArray]:
         value, slope = np.full_like(p, stress[-1]), np.zeros_like(p)
         for a, b, Y, Z in zip(strain[:-1], strain[1:], stress[:-1], stress[1:], strict=True):
-            here = (p >= a) & (p < b)
+            inside = (p >= a) & (p < b)
             rise = (Z - Y) / (b - a)
-            value[here], slope[here] = Y + rise * (p[here] - a), rise
+            value[inside], slope[inside] = Y + rise * (p[inside] - a), rise
         return value, slope
 
     return curve
@@ -159,12 +159,12 @@ class YieldingLaw:
             yielding = {name: values[..., outside] for name, values in before.items()}
             more[outside] = self._increment(trial[:, outside], yielding, G)
         p = before["p"] + more
-        lost, _ = self._damage_of(p)
+        damage, _ = self._damage_of(p)
         _, slope, along, turn = self._excess(trial, before, more, G)
         yields = more > 0
         flow = np.where(yields, _ROOT * more * along, 0.0)
         sound = pressed * unit[:, None] + trial - 2 * G * flow
-        stress = (1 - lost) * sound
+        stress = (1 - damage) * sound
         after = {"p": p, "plastic": before["plastic"] + flow, "back": self._backs(before, more, flow)}
         tangent = np.repeat((K * np.outer(unit, unit) + 2 * G * deviator)[:, :, None], strain.shape[1], axis=2)
         if np.any(yields):
@@ -176,7 +176,7 @@ class YieldingLaw:
             dn = np.einsum("ijn,jkn->ikn", across, bend) / size
             tangent[:, :, k] -= 2 * G * _ROOT * (n[:, None] * dp[None] + more[k] * dn)
             tangent[:, :, k] = w * tangent[:, :, k] + dw * sound[:, None, k] * dp[None]
-        tangent[:, :, ~yields] *= 1 - lost[~yields]
+        tangent[:, :, ~yields] *= 1 - damage[~yields]
         return stress, tangent, after
 
     def _damage_of(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -192,8 +192,8 @@ class YieldingLaw:
         self, trial: FloatArray, before: State, more: FloatArray, G: float
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, ...]]:
         """Excess f and its derivative, the direction n, and (a, |A|, dA/dΔp, w, dw/dΔp)."""
-        lost, loss = self._damage_of(before["p"] + more)
-        w, dw = 1 - lost, -loss
+        damage, loss = self._damage_of(before["p"] + more)
+        w, dw = 1 - damage, -loss
         a, da = (np.ones_like(w), np.zeros_like(w)) if self.effective else (w, dw)
         A, dA = a * trial, da * trial
         stiff, rise = 3 * G * a, 3 * G * da
@@ -221,7 +221,7 @@ class YieldingLaw:
         x = low
         for _ in range(_STEPS):
             f, slope, _, _ = self._excess(trial, before, x, G)
-            if np.all(np.abs(f) <= _LEFT * self.young_modulus) or np.all(high - low <= 1e-16 * high):
+            if np.all(np.abs(f) <= _TOLERANCE * self.young_modulus) or np.all(high - low <= 1e-16 * high):
                 return x
             low, high = np.where(f > 0, x, low), np.where(f > 0, high, x)
             step = x - f / np.where(slope < 0, slope, -1.0)

@@ -68,10 +68,10 @@ def cube_centre_tensor(nu: float) -> FloatArray:
     (Mura, sections 11 and 12: the potentials of a block and their relation to S).
     """
     phi, mixed = -4 * np.pi / 3, -4 / np.sqrt(3)
-    same = 2 * phi - 2 * mixed
+    axial = 2 * phi - 2 * mixed
     factor = 8 * np.pi * (1 - nu)
     return _cubic(
-        (same - 2 * nu * phi - 4 * (1 - nu) * phi) / factor,
+        (axial - 2 * nu * phi - 4 * (1 - nu) * phi) / factor,
         (mixed - 2 * nu * phi) / factor,
         (mixed - 2 * (1 - nu) * phi) / factor,
     )

@@ -73,8 +73,8 @@ class SphereOnPath:
         tiny = 1e-13 * self.friction * max(load, before)
         if change > 0 and abs(turn) <= self.friction * change + tiny:
             slope = float(np.clip(turn / change, -self.friction, self.friction))
-            same = bool(self.pieces) and abs(self.pieces[-1][1] - slope) <= 1e-12 * self.friction
-            pieces = self.pieces[:-1] if same else self.pieces
+            continues = bool(self.pieces) and abs(self.pieces[-1][1] - slope) <= 1e-12 * self.friction
+            pieces = self.pieces[:-1] if continues else self.pieces
             return replace(self, pieces=(*pieces, (load, slope)), stick_load=load)
         if change < 0:  # the top of the profile comes off; what that leaves of Q tells the direction of slip
             bottom = self.pieces[-2][0] if len(self.pieces) > 1 else 0.0

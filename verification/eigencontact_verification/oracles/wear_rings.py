@@ -254,7 +254,7 @@ def fret(
     Pressure implicit always; the slip too with several sweeps. First order in the size of the update.
     """
     slipping = amplitude / (friction * modulus_ratio)
-    depth, done = np.zeros_like(rings.middles), 0.0
+    depth, cycle = np.zeros_like(rings.middles), 0.0
     contact = rings.press(separation, load=load, approach=approach)
 
     def slip_of(worn: FloatArray, begin: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
@@ -263,7 +263,7 @@ def fret(
 
     def state() -> Fretted:
         energy = 4.0 * friction * float(rings.areas @ (contact.pressure * slip))
-        return Fretted(cycles=done, contact=contact, depth=depth, slip=slip, energy=energy, sticking=sticking)
+        return Fretted(cycles=cycle, contact=contact, depth=depth, slip=slip, energy=energy, sticking=sticking)
 
     slip, sticking = slip_of(depth, contact.touching)
     yield state()
@@ -276,7 +276,7 @@ def fret(
             )
             worn = depth + softness * contact.pressure
             slip, sticking = slip_of(worn, sticking)
-        depth, done = worn, done + update
+        depth, cycle = worn, cycle + update
         yield state()
 
 

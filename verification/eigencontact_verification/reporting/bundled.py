@@ -19,14 +19,14 @@ def bundled_names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(item.name.removesuffix(".toml") for item in items if item.name.endswith(".toml")))
 
 
-def find_file(name: str, what: str, folder: str) -> tuple[Path, str | None]:
+def find_file(name: str, subject: str, folder: str) -> tuple[Path, str | None]:
     """Path of a file, and where it is a bundled one its text.
 
     Parameters
     ----------
     name : str
         A file, or the name of a bundled one.
-    what : str
+    subject : str
         For the message.
     folder : str
         Of this package, where they lie.
@@ -41,19 +41,19 @@ def find_file(name: str, what: str, folder: str) -> tuple[Path, str | None]:
         return path, None
     if name not in bundled:
         raise SceneError(
-            f"{what} must be a TOML file or one of {', '.join(bundled)} (got {name!r}){nearest(name, bundled)}"
+            f"{subject} must be a TOML file or one of {', '.join(bundled)} (got {name!r}){nearest(name, bundled)}"
         )
     text = (files("eigencontact_verification") / folder / f"{name}.toml").read_text(encoding="utf-8")
     return Path(f"{name}.toml"), text
 
 
-def text_of(name: str, what: str, folder: str) -> str:
+def text_of(name: str, subject: str, folder: str) -> str:
     """Text of a file, or of a bundled one."""
-    path, text = find_file(name, what, folder)
+    path, text = find_file(name, subject, folder)
     return path.read_text(encoding="utf-8") if text is None else text
 
 
-def read_toml(path: Path, text: str | None, what: str) -> Mapping[str, Any]:
+def read_toml(path: Path, text: str | None, subject: str) -> Mapping[str, Any]:
     """Content of a file.
 
     Raises
@@ -64,4 +64,4 @@ def read_toml(path: Path, text: str | None, what: str) -> Mapping[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
     except (OSError, ValueError, RecursionError) as problem:
-        raise SceneError(f"{what} must be a readable TOML file (got {str(path)!r}): {problem}") from None
+        raise SceneError(f"{subject} must be a readable TOML file (got {str(path)!r}): {problem}") from None

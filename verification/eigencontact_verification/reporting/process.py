@@ -26,13 +26,13 @@ def answer_of(command: Sequence[str], answer: Path, limit: float, environment: M
         Its environment variables.
     """
     try:
-        done = subprocess.run(command, env=environment, timeout=limit, capture_output=True, text=True, check=False)
+        process = subprocess.run(command, env=environment, timeout=limit, capture_output=True, text=True, check=False)
     except subprocess.TimeoutExpired:
         return {"status": "slow", "reason": f"not done within {limit:.0f} s"}
     except OSError as error:
         return {"status": "absent", "reason": f"interpreter does not start: {error.strerror}"}
     if not answer.exists():
-        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        return {"status": "failed", "reason": f"process ended with {done.returncode}: {last}"}
+        last = (process.stderr.strip().splitlines() or ["no message"])[-1]
+        return {"status": "failed", "reason": f"process ended with {process.returncode}: {last}"}
     content: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
     return content

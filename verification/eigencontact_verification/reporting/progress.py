@@ -21,7 +21,7 @@ class Tell(Protocol):
 
 
 @contextmanager
-def counted(name: str, unit: str = "", *, show: bool = True, every: float = 0.0) -> Iterator[Tell]:
+def counted(name: str, unit: str = "", *, show: bool = True, interval: float = 0.0) -> Iterator[Tell]:
     """Give a function to call after each finished item; it shows how many are done and the time left.
 
     Parameters
@@ -32,7 +32,7 @@ def counted(name: str, unit: str = "", *, show: bool = True, every: float = 0.0)
         Text before the number in lines: ``"variant "``.
     show : bool
         Whether to show anything.
-    every : float
+    interval : float
         Least time between two lines [s], where the terminal does not draw in place; ``inf``: no lines.
     """
     from rich.console import Console
@@ -45,11 +45,11 @@ def counted(name: str, unit: str = "", *, show: bool = True, every: float = 0.0)
 
     def line(label: str, done: int, total: int, /, share: float | None = None) -> None:
         nonlocal last
-        now, share = monotonic(), share or done / total
-        if now - last < every:
+        time, share = monotonic(), share or done / total
+        if time - last < interval:
             return
-        last = now
-        remaining = f"; about {time_in_words((now - began) / share * (1.0 - share))} left" if done < total else ""
+        last = time
+        remaining = f"; about {time_in_words((time - began) / share * (1.0 - share))} left" if done < total else ""
         typer.echo(f"{unit}{done} of {total}: {label}{remaining}", err=True)
 
     def nothing(label: str, done: int, total: int, /, share: float | None = None) -> None:

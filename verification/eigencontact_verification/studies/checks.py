@@ -20,7 +20,11 @@ class Verdict:
 
     check: str  #: statement in words
     holds: bool  #: whether the numbers satisfy it
-    found: str  #: the numbers in words
+    numbers: str  #: in words
+
+    def to_dict(self) -> dict[str, Any]:
+        """Table for JSON; the numbers are stored as ``found``."""
+        return {"check": self.check, "holds": self.holds, "found": self.numbers}
 
 
 def verdicts(study: Study, variants: Sequence[Finished]) -> list[Verdict]:
@@ -45,13 +49,13 @@ def _verdicts(check: Mapping[str, Any], variants: Sequence[Finished]) -> list[Ve
     out, sign = [], 1.0 if rule == "rising" else -1.0
     groups: dict[Any, list[tuple[float, float]]] = {}
     for variant, number in zip(chosen, numbers, strict=True):
-        others = tuple((name, value) for name, value in variant.values.items() if name != along)
-        groups.setdefault(others, []).append((float(evaluate(along, Context(variant.names), "along")), number))
-    for others, points in groups.items():
+        other_values = tuple((name, value) for name, value in variant.values.items() if name != along)
+        groups.setdefault(other_values, []).append((float(evaluate(along, Context(variant.names), "along")), number))
+    for other_values, points in groups.items():
         if len(points) < 2:
             continue
         course = [number for _, number in sorted(points)]
-        where = ", ".join(f"{name} = {value}" for name, value in others)
+        where = ", ".join(f"{name} = {value}" for name, value in other_values)
         claim = f"{check['number']} {rule} along {along}{f' at {where}' if where else ''}"
         out.append(Verdict(claim, all(sign * (b - a) > 0 for a, b in pairwise(course)), _listed(course)))
     return out

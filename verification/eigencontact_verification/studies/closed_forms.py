@@ -55,13 +55,14 @@ _STRESS = "(component, friction, depth, load, sphere radius, thickness, E₁/E�
 CLOSED_FORMS: dict[str, tuple[Callable[..., Any], str]] = {
     "spence": (_stick_ratio, "stick radius over contact radius of a sphere pressed with friction, by μ/β (Spence)"),
     "coated_pressure": (
-        lambda *problem: _coated_numbers(lambda one: one.max_pressure, *problem), f"largest pressure{_PROBLEM}",
+        lambda *problem: _coated_numbers(lambda solution: solution.max_pressure, *problem),
+        f"largest pressure{_PROBLEM}",
     ),
     "coated_radius": (
-        lambda *problem: _coated_numbers(lambda one: one.radius, *problem), f"contact radius{_PROBLEM}",
+        lambda *problem: _coated_numbers(lambda solution: solution.radius, *problem), f"contact radius{_PROBLEM}",
     ),
     "coated_approach": (
-        lambda *problem: _coated_numbers(lambda one: one.approach, *problem), f"approach{_PROBLEM}",
+        lambda *problem: _coated_numbers(lambda solution: solution.approach, *problem), f"approach{_PROBLEM}",
     ),
     "coated_profile": (
         lambda r, *problem: _coated(*map(float, problem)).pressure(np.asarray(r, dtype=float)),

@@ -69,14 +69,14 @@ def panels_of(
 ) -> list[tuple[Mapping[str, Any], list[Finished], str]]:
     """Panels of a description: itself, or one for each variant or value of a parameter, with its variants and title."""
     chosen, title = _only(panel, variants), str(panel.get("title", ""))
-    each = panel.get("each")
-    if each is None:
+    split = panel.get("each")
+    if split is None:
         return [(panel, chosen, title)]
-    if each == "variant":
+    if split == "variant":
         return [(panel, [member], _filled(title or "{label}", member)) for member in chosen]
-    panels, label = [], label_of(study.parameters, each)
-    for level in levels_of((variant.values for variant in chosen), each):
-        group = [variant for variant in chosen if variant.values.get(each) == level]
+    panels, label = [], label_of(study.parameters, split)
+    for level in levels_of((variant.values for variant in chosen), split):
+        group = [variant for variant in chosen if variant.values.get(split) == level]
         panels.append((panel, group, _filled(title, group[0]) if title else f"{label} = {plain(level)}"))
     return panels
 

@@ -119,8 +119,8 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], str]] = {
     "sum": (np.sum, "sum"),
     "mean": (np.mean, "mean"),
     "sort": (np.sort, "values in order"),
-    "join": (lambda *parts: np.concatenate([np.ravel(part) for part in parts]), "values one after the other"),
-    "if_else": (lambda condition, one, other: one if condition else other, "the second value if the first holds"),
+    "join": (lambda *arrays: np.concatenate([np.ravel(array) for array in arrays]), "values one after the other"),
+    "if_else": (lambda condition, first, second: first if condition else second, "the second value if the first holds"),
     "count": (lambda n: np.arange(1.0, _bounded(n) + 1.0), "1, 2, … n"),
     "places": (lambda n: np.arange(_bounded(n)) - 0.5 * (n - 1), "n places one apart, with 0 in their middle"),
     "column": (lambda values, n: values[:, int(n)], "one column of a table: of points over steps, the course of one"),
@@ -216,8 +216,8 @@ def _value(node: ast.expr, context: Context) -> Value:
         case ast.BoolOp(op=op, values=values):
             several = (_value(item, context) for item in values)
             return all(several) if isinstance(op, ast.And) else any(several)
-        case ast.Subscript(value=value, slice=part):
-            return _value(value, context)[_index(part, context)]
+        case ast.Subscript(value=value, slice=index):
+            return _value(value, context)[_index(index, context)]
         case ast.List(elts=several) | ast.Tuple(elts=several):
             return np.asarray([_value(item, context) for item in several])
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
@@ -252,8 +252,8 @@ def _of_call(name: str, arguments: list[ast.expr], context: Context) -> Value:
         places = [_value(item, replace(context, at=slice(None), shifts=None)) for item in leading]
         return _value(inner, replace(context, at=MOMENTS[name][0](context.dataset, *places)))
     if name == "if_else":  # only what is chosen must have a value
-        condition, item, other = arguments
-        return _value(item if bool(_value(condition, context)) else other, context)
+        condition, item, alternative = arguments
+        return _value(item if bool(_value(condition, context)) else alternative, context)
     if name not in FUNCTIONS:
         raise SceneError(
             f"function must be one of {', '.join(_functions())} (got {name!r}){nearest(name, _functions())}"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["MOMENTS"]
 
 
-def _after(dataset: xr.Dataset, number: float) -> int:
+def _after_step(dataset: xr.Dataset, number: float) -> int:
     ends = np.flatnonzero(np.isclose(dataset["time"].values % 1.0, 0.0, rtol=0.0, atol=1e-9))
     return int(ends[int(number)])
 
@@ -48,7 +48,7 @@ MOMENTS: dict[str, tuple[Callable[..., Any], str]] = {
     "all": (lambda _: slice(None), "after every increment, a value each"),
     "peak": (lambda dataset: int(dataset["normal_load"].values.argmax()), "at the largest normal load"),
     "unloading": (_unloading, "from the largest normal load on, a value each"),
-    "after": (_after, "after a load step, by its number or from the end: after(-2, ...)"),
+    "after": (_after_step, "after a load step, by its number or from the end: after(-2, ...)"),
     "when": (_when, "where a course comes nearest to a value: when(max_worn_depth, 1e-6, ...)"),
     "cycle": (_cycle, "through a solved cycle, by its number or from the end: cycle(-1, ...)"),
     "after_cycles": (_after_cycles, "after the solved cycle nearest to a count: after_cycles(10, ...)"),

@@ -116,11 +116,13 @@ def write_study(study: Study, outcomes: Sequence[Finished | Failed], folder: Pat
     from eigencontact_verification.studies.figure import draw_study
 
     folder.mkdir(parents=True, exist_ok=True)
-    done = sorted((outcome for outcome in outcomes if isinstance(outcome, Finished)), key=lambda outcome: outcome.place)
+    finished = sorted(
+        (outcome for outcome in outcomes if isinstance(outcome, Finished)), key=lambda outcome: outcome.place
+    )
     files = [folder / f"{study.name}.json"]
-    if done and study.figure["panel"]:
+    if finished and study.figure["panel"]:
         with paper_style():
-            figure = draw_study(study, done)
+            figure = draw_study(study, finished)
         save(figure, folder / f"{study.name}.png")
         files.insert(0, folder / f"{study.name}.png")
     labels = {outcome.name: outcome.label for outcome in study.parameters}
@@ -128,13 +130,13 @@ def write_study(study: Study, outcomes: Sequence[Finished | Failed], folder: Pat
         {"variant": item.label, **{labels[k]: v for k, v in item.values.items()},
          **{name: value if math.isfinite(value) else None for name, value in item.row.items()},
          **{f"{name} error": error for name, error in study.row_errors(item).items()}}
-        for item in done
+        for item in finished
     ]  # fmt: skip
     content = {
         "study": study.name, "title": study.title, "source": [dict(outcome) for outcome in study.sources],
-        "trend": study.trend, "variants": rows, "checks": [vars(outcome) for outcome in verdicts(study, done)],
+        "trend": study.trend, "variants": rows, "checks": [verdict.to_dict() for verdict in verdicts(study, finished)],
         "failed": {outcome.label: outcome.reason for outcome in outcomes if isinstance(outcome, Failed)},
-        "warnings": {outcome.label: list(outcome.warnings) for outcome in done if outcome.warnings},
+        "warnings": {outcome.label: list(outcome.warnings) for outcome in finished if outcome.warnings},
     }  # fmt: skip
     write_json(files[-1], content, default=str)
     return files

@@ -189,7 +189,7 @@ def study_of(tables: Mapping[str, Any], name: str, beside: Path, folder: Path | 
     constants = _numbers(table.get("constants", {}))
     blocks = [_block(group, parameters, constants) for group in groups]
     coarser = _numbers({**table.get("constants", {}), **coarse.get("constants", {})})
-    few = [_block({**group, **less}, parameters, coarser)
+    coarse_blocks = [_block({**group, **less}, parameters, coarser)
            for group, less in zip(groups, _fewer(coarse, len(groups)), strict=True) if less is not None]  # fmt: skip
     return Study(
         name=name,
@@ -201,7 +201,7 @@ def study_of(tables: Mapping[str, Any], name: str, beside: Path, folder: Path | 
         coarse_constants=coarser,
         parameters=list(parameters.values()),
         rows=[row for block in blocks for row in block],
-        coarse_rows=[row for block in few for row in block],
+        coarse_rows=[row for block in coarse_blocks for row in block],
         changes=table.get("set", {}),
         coarse_changes=coarse.get("set", {}),
         cases=[checked(less, "when", "when", needs=("if",)) for less in as_tables(table.get("when", []))],

@@ -14,7 +14,7 @@ from eigencontact_verification.studies.formula import Context, evaluate
 __all__ = ["changed", "filled"]
 
 #: An entry of an array with this key stands for several: one for each value of the names in it.
-_EACH = "each"
+_LOOP = "each"
 
 
 def changed(tables: Mapping[str, Any], put: Mapping[str, Any], without: Sequence[str] = ()) -> dict[str, Any]:
@@ -46,10 +46,10 @@ def filled(value: Any, context: Context, place: str) -> Any:
 
 
 def _entries(template: Any, context: Context, place: str) -> list[Any]:
-    if not isinstance(template, Mapping) or _EACH not in template:
+    if not isinstance(template, Mapping) or _LOOP not in template:
         return [filled(template, context, place)]
-    ((name, values),) = template[_EACH].items()
-    inner = {key: entry for key, entry in template.items() if key != _EACH}
+    ((name, values),) = template[_LOOP].items()
+    inner = {key: entry for key, entry in template.items() if key != _LOOP}
     listed = evaluate(values, context, place) if isinstance(values, str) else values
     entries: list[Any] = []
     for number in listed:

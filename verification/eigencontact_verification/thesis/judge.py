@@ -17,28 +17,32 @@ from eigencontact_verification.studies.study import Study
 from eigencontact_verification.thesis.entries import Claim, Entry, Rule
 from eigencontact_verification.thesis.rules import Row, error_of, number_of, selected
 
-__all__ = ["VERDICTS", "Judged", "judged", "verdict_of", "wanted_rows"]
+__all__ = ["VERDICTS", "JudgedClaim", "judged_claims", "verdict_of", "wanted_rows"]
 
 #: Verdicts on a claim; the last but one: the program ought to agree and does not.
 VERDICTS = ("agrees", "erratum", "differs", "not comparable", "disagrees", "open")
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedClaim:
     """A claim of a figure and its verdict."""
 
     name: str  #: of the figure or table
     says: str
     verdict: str  #: one of `VERDICTS`
-    found: str  #: number of this program in words
-    text: str  #: number of the text in words
+    number: str  #: of this program, in words
+    text: str  #: number of the text, in words
     why: str  #: reason of the verdict
     source: str  #: study, scene or formula behind it
     error: float | None = None  #: of the number of this program, where its run tells it
     size: str = ""  #: "full" where a quick form would not do
 
+    def to_dict(self) -> dict[str, Any]:
+        """Table for JSON; the number of this program is stored as ``found``."""
+        return {{"number": "found"}.get(name, name): value for name, value in vars(self).items()}
 
-def judged(
+
+def judged_claims(
     entries: Sequence[Entry],
     folder: Path,
     *,
@@ -47,7 +51,7 @@ def judged(
     workers: int = 1,
     cluster: Cluster | None = None,
     tell: Callable[[str], None],
-) -> Iterator[Judged]:
+) -> Iterator[JudgedClaim]:
     """Verdicts on the claims of some figures; each study runs once, with the variants that the claims need.
 
     Parameters
@@ -99,10 +103,10 @@ def wanted_rows(study: Study, rules: Sequence[Rule], *, coarse: bool) -> list[Ma
         if parameters or parameters is rule.at
     ]
     needed_rows = [row for row in candidates if any(row in rows for rows in selections)]
-    return [row for n, row in enumerate(needed_rows) if not any(_same(row, other) for other in needed_rows[:n])]
+    return [row for n, row in enumerate(needed_rows) if not any(_equal(row, earlier) for earlier in needed_rows[:n])]
 
 
-def _same(row: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+def _equal(row: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
     return set(row) == set(other) and bool(selected([row], other))
 
 
@@ -126,18 +130,18 @@ def verdict_of(claim: Claim, number: float) -> tuple[str, str]:
     return "disagrees", claim.lacks and f"to tell who is right it lacks: {claim.lacks}"
 
 
-def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str, str]) -> Judged:
+def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str, str]) -> JudgedClaim:
     text, source = _text(claim), ""
     if claim.rule is None:
         why = claim.incomparable or claim.lacks
-        return Judged(name, claim.says, "not comparable" if claim.incomparable else "open", "", text, why, "")
+        return JudgedClaim(name, claim.says, "not comparable" if claim.incomparable else "open", "", text, why, "")
     rule = claim.rule
     source = rule.study or rule.scene or rule.formula
     try:
         number, behind = number_of(rule, rows) if rule.study else (_computed(rule), "")
     except EigencontactError as problem:
         why = failures.get(rule.study, str(problem))
-        return Judged(name, claim.says, "open", "", text, f"not computed: {why}", source)
+        return JudgedClaim(name, claim.says, "open", "", text, f"not computed: {why}", source)
     verdict, why = verdict_of(claim, number)
     error = error_of(rule, rows) if rule.study else None
     if verdict == "disagrees" and error and any(verdict_of(claim, number + way * error)[1] == "" for way in (-1, 1)):
@@ -147,7 +151,7 @@ def _judged(name: str, claim: Claim, rows: Sequence[Row], failures: Mapping[str,
         bar = f" ± {error:.2g}" if error else ""
         reason = f"{number:.4g}{bar}" + (f" ({behind})" if behind else "")
     size = "full" if rule.full else ""
-    return Judged(name, claim.says, verdict, reason, text, why, source, error, size)
+    return JudgedClaim(name, claim.says, verdict, reason, text, why, source, error, size)
 
 
 def _computed(rule: Rule) -> float:

@@ -50,11 +50,11 @@ def draw_pictures(
     Parameters
     ----------
     runs : Path
-        Results of the variants, as those of `eigencontact_verification.thesis.judge.judged`.
+        Results of the variants, as those of `eigencontact_verification.thesis.judge.judged_claims`.
     folder : Path
         Of the pictures.
     coarse, workers, cluster, tell
-        As for `judged`.
+        As for `judged_claims`.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def draw_pictures(
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = []
-    for name in dict.fromkeys(each.study for each in entries if each.study):
+    for name in dict.fromkeys(entry.study for entry in entries if entry.study):
         tell(f"{name}, pictures")
         study, place = STUDIES.find(name), runs / ("quick" if coarse else "full")
         with ExitStack() as opened:
@@ -72,7 +72,7 @@ def draw_pictures(
                 if not isinstance(item, Failed):
                     opened.enter_context(closing(item.dataset))
                     variants.append(item)
-            variants.sort(key=lambda each: each.place)
+            variants.sort(key=lambda variant: variant.place)
             if not variants:
                 raise SceneError(f"{name}: no variant has results for a picture")
             for entry in entries:
@@ -109,9 +109,9 @@ def _drawn(entry: Entry, study: Study, variants: Sequence[Finished]) -> Figure |
         axes = figure.axes[0]
         labels = dict(reversed(list(zip(*reversed(axes.get_legend_handles_labels()), strict=True))))
         if labels:
-            few = list(labels)[:MOST_LABELS]
+            chosen = list(labels)[:MOST_LABELS]
             legend = axes.legend(
-                [labels[variant] for variant in few], few, fontsize=6, framealpha=0.7, handlelength=1.5
+                [labels[variant] for variant in chosen], chosen, fontsize=6, framealpha=0.7, handlelength=1.5
             )
             legend.set_in_layout(False)
     return figure

@@ -48,15 +48,15 @@ def number_of(rule: Rule, rows: Sequence[Row]) -> tuple[float | bool, str]:
     SceneError
         Rows that the rule needs are missing, or are too many.
     """
-    here = _read(rule, rows, rule.at)
+    pairs = _read(rule, rows, rule.at)
     if rule.take == "at":
-        return _single(here, rule, rule.at), ""
+        return _single(pairs, rule, rule.at), ""
     if rule.take in ("ratio", "difference"):
-        first, other = _single(here, rule, rule.at), _single(_read(rule, rows, rule.over), rule, rule.over)
-        return first / other if rule.take == "ratio" else first - other, f"{first:.4g} and {other:.4g}"
-    if len(here) < 2:
-        raise SceneError(f"thesis: rule.at must leave two rows for {rule.take} (got {len(here)} for {dict(rule.at)})")
-    ordered = sorted((values.get(rule.along, 0.0), number) for values, number in here)
+        first, second = _single(pairs, rule, rule.at), _single(_read(rule, rows, rule.over), rule, rule.over)
+        return first / second if rule.take == "ratio" else first - second, f"{first:.4g} and {second:.4g}"
+    if len(pairs) < 2:
+        raise SceneError(f"thesis: rule.at must leave two rows for {rule.take} (got {len(pairs)} for {dict(rule.at)})")
+    ordered = sorted((values.get(rule.along, 0.0), number) for values, number in pairs)
     numbers = [number for _, number in ordered]
     numbers_in_words = ", ".join(f"{number:.4g}" for number in numbers)
     if rule.take in ("rising", "falling"):

@@ -75,8 +75,8 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
 
 def _draw_bars(axes: Any, study: Study, price: str) -> None:
     """Error of the scene by its error bar, and the errors that the reference cannot tell apart."""
-    reference, *others = study.rows
-    for row in others:
+    reference, *variants = study.rows
+    for row in variants:
         if (bar := row.bars.get(study.headline)) is not None:
             place, error = _place(row, price)
             axes.plot([place, place], [error, max(bar, _LEAST)], color="black", linewidth=0.8, zorder=2)

@@ -55,15 +55,17 @@ def number_marks(axes: Any, marks: Sequence[tuple[int, float, float]]) -> None:
     for numbers, mark, data in groups:
         text = ", ".join(map(str, numbers))
         half = _DIGIT * len(text)
-        others = [at for _, places, _ in groups if places is not mark for at in places]
+        other_places = [at for _, places, _ in groups if places is not mark for at in places]
 
-        def free(offset: tuple[float, float], mark: Any = mark, others: Any = others, half: float = half) -> float:
+        def free(
+            offset: tuple[float, float], mark: Any = mark, other_places: Any = other_places, half: float = half
+        ) -> float:
             """Room between a number and all that is not its mark [points]; above zero nothing is confused."""
             x, y = mark[0][0] + offset[0], mark[0][1] + offset[1]
-            room = min((_gap(x, y, half, at, 6.0) for at in others), default=_DISTANCES[-1])
-            room = min(room, min((_apart((x, y), at) - _apart((x, y), mark[0]) for at in others), default=room))
-            for u, v, other in boxes:
-                room = min(room, max(abs(x - u) - half - other, abs(y - v) - 2.0 * _HEIGHT))
+            room = min((_gap(x, y, half, at, 6.0) for at in other_places), default=_DISTANCES[-1])
+            room = min(room, min((_apart((x, y), at) - _apart((x, y), mark[0]) for at in other_places), default=room))
+            for u, v, width in boxes:
+                room = min(room, max(abs(x - u) - half - width, abs(y - v) - 2.0 * _HEIGHT))
             return room
 
         # beside a mark a number begins, or ends, where a shorter one would
@@ -80,8 +82,8 @@ def number_marks(axes: Any, marks: Sequence[tuple[int, float, float]]) -> None:
         )  # fmt: skip
 
 
-def _apart(first: tuple[float, float], other: tuple[float, float]) -> float:
-    return hypot(first[0] - other[0], first[1] - other[1])
+def _apart(first: tuple[float, float], second: tuple[float, float]) -> float:
+    return hypot(first[0] - second[0], first[1] - second[1])
 
 
 def _gap(x: float, y: float, half: float, mark: tuple[float, float], size: float) -> float:

@@ -155,9 +155,9 @@ def _lines(study: Study, *, brief: bool = False) -> tuple[list[str], list[list[s
     lines = []
     for k, row in enumerate(study.rows):
         varied = [row.variant.key, row.variant.words, _cells(row.cells or row.prediction.cells)]
-        others = [_number(row.errors.get(name), ".1e") for name in names]
+        errors = [_number(row.errors.get(name), ".1e") for name in names]
         predicted = [_number(row.prediction.seconds, ".2g"), _number(row.prediction.memory, ".0f", 1e-6)]
-        lines.append([str(k), *varied, _error(row), *others, *_prices(row), *predicted])
+        lines.append([str(k), *varied, _error(row), *errors, *_prices(row), *predicted])
     return head, lines
 
 

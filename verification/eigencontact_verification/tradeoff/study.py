@@ -16,7 +16,7 @@ __all__ = ["Prediction", "Row", "Study", "fronts", "predict", "standing", "study
 
 #: Prices by name, and their attributes of a row.
 _PRICES = {"time": "seconds", "memory": "memory"}
-_SAME = 1.02
+_ROUNDING = 1.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,7 +173,7 @@ def standing(study: Study) -> list[str]:
             if row.error is not None and _beats((row.error, getattr(row, name)), point)
         ]
         for share, number, label in sorted(better)[:1]:
-            beside = "within 2 % of it" if share * _SAME > 1.0 else "not on it"
+            beside = "within 2 % of it" if share * _ROUNDING > 1.0 else "not on it"
             cheaper = f"{number} ({label}) is as accurate at {share:.2g} of its {word}"
             sentences.append(f"front of {word}: the scene is {beside}; {cheaper}")
     return sentences
@@ -182,20 +182,20 @@ def standing(study: Study) -> list[str]:
 def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
     """For each row, in which of time and memory no other row beats it: a lower price at an error as small.
 
-    Errors within `_SAME` of each other count as the same, so that rounding puts nothing on the front.
+    Errors within `_ROUNDING` of each other count as the same, so that rounding puts nothing on the front.
     """
     unbeaten: dict[str, list[bool]] = {}
     for word, name in _PRICES.items():
         points = [(row.error, getattr(row, name)) for row in rows]
         whole = [(error, price) for error, price in points if error is not None and price is not None]
-        unbeaten[word] = [point in whole and not any(_beats(other, point) for other in whole) for point in points]
+        unbeaten[word] = [point in whole and not any(_beats(rival, point) for rival in whole) for point in points]
     return [tuple(word for word in unbeaten if unbeaten[word][k]) for k in range(len(rows))]
 
 
-def _beats(other: tuple[float, float], point: tuple[Any, Any]) -> bool:
-    if other[1] == point[1]:
-        return bool(other[0] < point[0])
-    return bool(other[1] < point[1] and other[0] <= _SAME * point[0])
+def _beats(rival: tuple[float, float], point: tuple[Any, Any]) -> bool:
+    if rival[1] == point[1]:
+        return bool(rival[0] < point[0])
+    return bool(rival[1] < point[1] and rival[0] <= _ROUNDING * point[0])
 
 
 def _refused(prediction: Prediction, limit: float, memory: float) -> str:
@@ -226,11 +226,11 @@ def _reference(rows: Sequence[Row]) -> tuple[int, str]:
     """Number of the reference: the one planned, or else the scene as it stands, or the finest that was solved."""
     if rows[0].status == "ok":
         return 0, ""
-    left = [k for k, row in enumerate(rows) if row.status == "ok"]
-    if not left:
+    solved = [k for k, row in enumerate(rows) if row.status == "ok"]
+    if not solved:
         raise ValueError(f"no variant could be solved (reference: {rows[0].reason}); see --plan")
     # the scene as it stands comes first where two have as many cells
-    best = max(left, key=lambda k: (_cells(rows[k]), -k))
+    best = max(solved, key=lambda k: (_cells(rows[k]), -k))
     return best, f"the reference was not solved ({rows[0].reason}); {rows[best].variant.words!r} stands in for it"
 
 

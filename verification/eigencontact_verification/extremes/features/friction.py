@@ -42,8 +42,8 @@ def sheared(friction: float, ratio: float, coupling: str = "none", cells: int = 
 
 def in_proportion(friction: float, ratio: float) -> float:
     """Shear over μ beside that of μ = 1/2: with displacements apart the equations are the same."""
-    shear, other = (sheared(mu, ratio)["shear_x"].values[-1] / mu for mu in (friction, 0.5))
-    return apart(shear, other)
+    shear, reference = (sheared(mu, ratio)["shear_x"].values[-1] / mu for mu in (friction, 0.5))
+    return apart(shear, reference)
 
 
 def shift(friction: float, ratio: float, cells: int = 24) -> float:

@@ -25,8 +25,8 @@ DEPTHS = np.array([0.1, 0.3, 0.6, 1.0, 2.0, 5.0])
 
 def pressure_by_modulus(nu: float) -> float:
     """Pressure beside that of another Poisson's ratio and the same E/(1-ν²)."""
-    pressure, other = (run(ball(body=steel(poisson))).dataset["pressure"].values for poisson in (nu, NU))
-    return apart(pressure, other)
+    pressure, reference = (run(ball(body=steel(poisson))).dataset["pressure"].values for poisson in (nu, NU))
+    return apart(pressure, reference)
 
 
 def stress_below_a_ball(nu: float) -> float:

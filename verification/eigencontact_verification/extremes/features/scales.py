@@ -90,7 +90,7 @@ def scaled(model: str, lengths: int, moduli: int) -> float:
     return apart(pressure, run(scene(1.0, 1.0, MODELS[model])).dataset["pressure"].values)
 
 
-SAME = "powers of two change no digit but in logarithms and transforms, which round anew: 1e-10"
+POWERS_OF_TWO = "powers of two change no digit but in logarithms and transforms, which round anew: 1e-10"
 SIZES = ((-14, "ball of 60 nm, contact of 0.6 nm"), (27, "ball of 134 km, contact of 1.3 km"))
 
 FEATURE = Feature(
@@ -100,11 +100,12 @@ FEATURE = Feature(
     corners=(
         *family(
             "{}, {}", scaled, {(model, words): (model, power, 0) for model in MODELS for power, words in SIZES},
-            bound=1e-10, reason=SAME, quick={("contact", power, 0) for power, _ in SIZES},
+            bound=1e-10, reason=POWERS_OF_TWO, quick={("contact", power, 0) for power, _ in SIZES},
         ),
         *family(
             "{}, moduli times 2^{}", scaled,
-            {(model, power): (model, 0, power) for model in MODELS for power in (-27, 30)}, bound=1e-10, reason=SAME,
+            {(model, power): (model, 0, power) for model in MODELS for power in (-27, 30)}, bound=1e-10,
+            reason=POWERS_OF_TWO,
         ),
     ),
 )  # fmt: skip

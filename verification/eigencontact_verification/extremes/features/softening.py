@@ -84,8 +84,8 @@ FEATURE = Feature(
         Corner(name="yield stress out of reach", error=never, bound=1e-300, reason="an elastic run, bit for bit"),
         *family("perfectly plastic", certified, [(PERFECT,)], bound=1e-5, reason=CERTIFIED, quick=True),
         *family(
-            "softening of -{:.3g} G", certified, {part: softer(part) for part in (0.1, 1.0, 0.98 * LIMIT)}, bound=1e-5,
-            reason=CERTIFIED,
+            "softening of -{:.3g} G", certified, {ratio: softer(ratio) for ratio in (0.1, 1.0, 0.98 * LIMIT)},
+            bound=1e-5, reason=CERTIFIED,
         ),
         Corner(
             name="symmetry, softening of -1 G", error=partial(turned, 1.0), bound=1e-3,

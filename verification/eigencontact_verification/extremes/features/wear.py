@@ -68,8 +68,8 @@ def worn_flat() -> float:
 
 def in_one_step(volumes: float) -> float:
     """Worn volume of one increment beside that of 32: energy counts, not increments."""
-    single, many = (slid(volumes, increments=n, size=5.0).summary["worn_volume"] for n in (1, 32))
-    return off(single, many)
+    single, divided = (slid(volumes, increments=n, size=5.0).summary["worn_volume"] for n in (1, 32))
+    return off(single, divided)
 
 
 def next_to_nothing() -> float:
