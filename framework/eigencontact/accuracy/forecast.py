@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.bars import CoarserRuns, Run, SourceRuns
 from eigencontact.accuracy.levers import cheapest, levers_of
-from eigencontact.accuracy.pursuit import DEFAULT_TIME, pilot_tables
+from eigencontact.accuracy.pursuit import DEFAULT_TIME, pilot_cells, pilot_tables
 from eigencontact.accuracy.runs import memory_of
 from eigencontact.accuracy.sources import error_sources
 from eigencontact.accuracy.targets import Targets, check_names
@@ -74,7 +74,7 @@ def forecast(plan: Plan, table: Table, make: Callable[[Mapping[str, Any]], Plan]
         results of all load steps, which stay in memory until the end.
     """
     check_names(table, plan)
-    tables = pilot_tables(plan)
+    tables = pilot_tables(plan, pilot_cells(plan, make))
     pilot = make(tables)
     levers = levers_of(pilot, make)
     coarser = cost_of_bars(pilot, make)

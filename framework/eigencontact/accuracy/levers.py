@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.runs import memory_of
-from eigencontact.accuracy.sources import EDGES, ErrorSource, error_sources
+from eigencontact.accuracy.sources import EDGES, SOURCES, ErrorSource, error_sources
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
@@ -154,11 +154,15 @@ def cheapest(
         for name in targets.allowed
         for lever in levers
     }
+    least_errors = {source.name: source.lowest for source in SOURCES if source.is_least_error}
+    falls |= {(name, source): order for name in targets.allowed for source, order in least_errors.items()}
     factors = dict.fromkeys((lever.source.name for lever in levers), 1.0)
     of_cells = {lever.source.name for lever in levers if lever.source.of_cells}
     postponed = set[str]()
 
     def refinement_of(source: str, trial: Mapping[str, float]) -> float:
+        if source in least_errors:
+            return trial.get("cells", 1.0)
         everywhere = [trial[name] for name in EDGES if name in trial]
         return trial.get(source, 1.0) * (min(everywhere, default=1.0) if source in of_cells else 1.0)
 

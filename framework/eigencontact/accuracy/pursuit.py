@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import log
 from time import perf_counter
@@ -25,10 +25,13 @@ if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.accuracy import Accuracy as Table
 
-__all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_tables", "pursue"]
+__all__ = ["DEFAULT_TIME", "Answer", "Rung", "pilot_cells", "pilot_tables", "pursue"]
 
 #: Cells per contact radius of the pilot, and its least number of cells each way: fewer do not resolve a region.
 _PILOT, _FEWEST = 12.0, 16
+#: The pilot has twice these cells where it takes at most this factor more time, with the part of the time of a run that
+#: no price predicts [s].
+_DEARER, _UNPRICED = 1.25, 0.08
 #: Least part of the cells of a prescribed window in the pilot: fewer do not resolve a measured surface.
 _WINDOW = 0.5
 #: Largest number of rungs, and of attempts at a pilot, which becomes finer if it is refused.
@@ -134,6 +137,15 @@ class Answer:
         return {**last.accuracy.to_dict(), "accuracy": contents}
 
 
+def pilot_cells(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> float:
+    """Cells per contact radius of the first run: twice as many where more cells cost little."""
+    try:
+        few, many = (make(pilot_tables(plan, cells)).seconds for cells in (_PILOT, 2.0 * _PILOT))
+    except EigencontactError:  # the run itself is refused, or tried with more cells
+        return _PILOT
+    return 2.0 * _PILOT if many + _UNPRICED <= _DEARER * (few + _UNPRICED) else _PILOT
+
+
 def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:
     """Tables of the first run: the scene with few cells, which may be coarser than `allow-coarse` permits.
 
@@ -183,8 +195,9 @@ class _Course:
 
     def pilot(self, plan: Plan) -> Rung:
         """First run; a finer run if the cells of the first are refused as too coarse."""
+        cells = pilot_cells(plan, self.runs.make)
         for attempt in range(_TRIES):
-            tables = pilot_tables(plan, _PILOT * 2.0**attempt)
+            tables = pilot_tables(plan, cells * 2.0**attempt)
             try:
                 planned = self.runs.make(tables)
                 self.refuse_pilot(planned)

@@ -63,7 +63,7 @@ class ErrorSource:
         the larger one counts.
     is_least_error : bool
         Whether its error is the smallest that a number can have: it counts only in a number that no other source
-        changes.
+        changes. Smaller cells lower it.
     finer : callable, optional
         Plan and a factor to the changes that divide the step size by about this factor; None where none can.
     stride : float
