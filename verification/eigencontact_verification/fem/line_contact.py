@@ -47,8 +47,6 @@ _DIVERGES = 100.0
 #: The residual must fall by half within this number of iterations: nodes at the end of stick, or points at the border
 #: of the plastic zone, can alternate without end.
 _PATIENCE = 8
-#: Factors of the stiffness of the contact, in order, where an increment does not converge at once.
-_SOFTER = (1e-3, 3e-2, 1.0)
 #: Stiffness of contact and stick in contact moduli over the size of the fine elements.
 _STIFF = 1e4
 
@@ -163,7 +161,8 @@ class _Solver:
             yield now
 
     def advance(self, before: LineMoment, step: LineStep, halvings: int = _HALVINGS) -> LineMoment:
-        solution = self.newton(before, step) or self.by_softer_contacts(before, step)
+        """Whole increment if possible; where the iteration fails, two halves give a better start of the whole."""
+        solution = self.newton(before, step)
         if solution is not None:
             return solution
         if not halvings:
@@ -174,30 +173,11 @@ class _Solver:
         half = _between(before.step, step)
         first = self.advance(before, half, halvings - 1)
         second = self.advance(first, step, halvings - 1)
-        return replace(second, increments=first.increments + second.increments)
+        whole = self.newton(before, step, second)
+        return whole or replace(second, increments=first.increments + second.increments)
 
-    def by_softer_contacts(self, before: LineMoment, step: LineStep) -> LineMoment | None:
-        """Increment by way of softer contacts, if necessary first at half of its loads; None if it fails.
-
-        From a poor start, nodes at the edge alternate without end, or points yield that should not.
-        """
-        whole = self.softer_to_stiff(before, step, before)
-        partial = None if whole else self.softer_to_stiff(before, _between(before.step, step), before)
-        return self.softer_to_stiff(before, step, partial) if partial else whole
-
-    def softer_to_stiff(self, before: LineMoment, step: LineStep, start: LineMoment) -> LineMoment | None:
-        solution: LineMoment | None = start
-        for softer in _SOFTER:
-            solution = solution and self.newton(before, step, solution, softer)
-        return solution
-
-    def newton(
-        self, before: LineMoment, step: LineStep, start: LineMoment | None = None, softer: float = 1.0
-    ) -> LineMoment | None:
-        """Newton's iteration on the semi-smooth equations, by default from `before`; None where it does not converge.
-
-        `softer` is a factor of the stiffness of the contact.
-        """
+    def newton(self, before: LineMoment, step: LineStep, start: LineMoment | None = None) -> LineMoment | None:
+        """Newton's iteration on the semi-smooth equations, by default from `before`; None if it does not converge."""
         start = start or before
         u = start.displacement.copy()
         for place, half in zip(self.places, self.halves, strict=True):
@@ -208,7 +188,7 @@ class _Solver:
         movable = [half.free for half in self.halves]
         free = np.flatnonzero(np.concatenate((*movable, [step.normal > 0, self.has_friction and step.normal > 0])))
         scale = self.largest or max(np.abs(step.bulk)) * self.model.fine or 1.0
-        slides = None  # all nodes stick first, as at a turn of the load; a softer contact would let all of them slip
+        slides = np.sign(start.slip - before.slip)  # from `before`: a turn of the load begins with stick everywhere
         travel = step.place - start.step.place
         touched = np.interp(self.x - travel, self.x, start.pressure, 0.0, 0.0) > 0 if travel else None
         first_step, residuals = np.inf, []
@@ -221,7 +201,7 @@ class _Solver:
             except ArithmeticError:
                 return None
             p, q, slip, slopes, slides = self.tractions(
-                u, gap, before.slip, slides, softer if step.normal else 0.0, touched if np.any(touched) else None
+                u, gap, before.slip, slides, self.stiffness * bool(step.normal), touched if np.any(touched) else None
             )
             touched = None
             residual = np.concatenate([*(-force for force, *_ in inner), [step.normal, step.shear]])
@@ -285,25 +265,25 @@ class _Solver:
         u: FloatArray,
         gap: FloatArray,
         slip: FloatArray,
-        slides: FloatArray | None,
-        softer: float,
+        slides: FloatArray,
+        stiff: float,
         touched: NDArray[np.bool_] | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
         """Pressure, shear, slip, the slopes of pressure by overlap, of shear by shift and by overlap; sliding signs.
 
-        `slides` is the sign of the slip of each node, 0 where it sticks; None: all nodes stick. From one iteration to
-        the next a node that would turn from one sign to the other sticks in between, beyond the bound if need be: with
-        stiff springs the iteration would go to and fro for ever. `touched`, where a gap has travelled, takes these
-        nodes as in contact.
+        `slides` is the sign of the slip of each node, 0 where it sticks. From one iteration to the next a node that
+        would turn from one sign to the other sticks in between, beyond the bound if need be: with stiff springs the
+        iteration would go to and fro for ever. `stiff` is the stiffness of the contact, 0 without a normal force.
+        `touched`, where a gap has travelled, takes these nodes as in contact.
         """
         k, mu = self.stiffness, self.model.friction
-        stiff, overlap = softer * k, self.overlaps @ u - gap
+        overlap = self.overlaps @ u - gap
         touched = overlap > 0 if touched is None else touched
         p = np.where(touched, stiff * overlap, 0.0)
         shift = self.shifts @ u
         trial = k * (shift - slip)
         sliding = np.where(np.abs(trial) > mu * p, np.sign(trial), 0.0)
-        sliding[np.full(len(p), True) if slides is None else (sliding * slides < 0) & (p > 0)] = 0.0
+        sliding[(sliding * slides < 0) & (p > 0)] = 0.0
         touched, sticks = p != 0, (sliding == 0) & self.has_friction
         q = np.where(touched, np.where(sticks, trial, mu * p * sliding), 0.0)
         new_slip = np.where(sticks & touched, slip, shift - q / k)
