@@ -33,7 +33,7 @@ PANELS = {
     "Plugins": ("plugins", "new-plugin", "check"),
     "Housekeeping": ("cache",),
 }
-_OTHERS = "Commands of other packages"
+_PLUGIN_PANEL = "Commands of other packages"
 
 
 def panel_of(command: str) -> str:
@@ -44,7 +44,7 @@ def panel_of(command: str) -> str:
     >>> panel_of("verify"), panel_of("my-command")
     ('Verify', 'Commands of other packages')
     """
-    return next((panel for panel, names in PANELS.items() if command in names), _OTHERS)
+    return next((panel for panel, names in PANELS.items() if command in names), _PLUGIN_PANEL)
 
 
 class _Helpful:
@@ -65,8 +65,8 @@ class _Helpful:
         except Exception as problem:
             unknown = str(getattr(problem, "option_name", ""))
             if unknown.startswith("-") and hasattr(problem, "possibilities"):
-                every = [name for param in self.get_params(ctx) for name in param.opts if name.startswith("--")]
-                problem.possibilities = _resembling(unknown, every) or every
+                options = [name for param in self.get_params(ctx) for name in param.opts if name.startswith("--")]
+                problem.possibilities = _resembling(unknown, options) or options
             raise
         return remaining_args
 

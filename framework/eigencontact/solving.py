@@ -42,7 +42,7 @@ def solve_stored(
     last = accepted[max(accepted)]() if accepted else None
     solving, resumed = 0.0, perf_counter()
     try:
-        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=accepted):
+        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, stored_steps=accepted):
             solving += perf_counter() - resumed
             with stopwatch.on("storing"):
                 store.write_step(record)

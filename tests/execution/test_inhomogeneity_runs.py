@@ -225,7 +225,7 @@ def test_a_resumed_run_repeats(tmp_path):
     from eigencontact.execution.run.driver import drive
 
     first = next(iter(drive(planned)))
-    last = list(drive(planned, done={1: lambda: first}))[-1]
+    last = list(drive(planned, stored_steps={1: lambda: first}))[-1]
     for name in ("pressure", "shear_x", "shear_y", "residual_displacement_z", "slip_distance"):
         np.testing.assert_array_equal(last.fields[name], whole[name][-1].values, err_msg=name)
 

@@ -94,7 +94,7 @@ def test_without_wear_cells_stay():
 @pytest.mark.slow
 def test_a_run_goes_on_from_its_records_to_the_bit():
     whole = records(scene())
-    again = list(drive(ec.plan(scene()), done={one.index: lambda one=one: one for one in whole[:3]}))
+    again = list(drive(ec.plan(scene()), stored_steps={one.index: lambda one=one: one for one in whole[:3]}))
     for record, known in zip(again, whole[3:], strict=True):
         for name in ("pressure", "worn_depth", "residual_displacement_z"):
             np.testing.assert_array_equal(record.fields[name], known.fields[name])

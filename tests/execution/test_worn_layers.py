@@ -63,7 +63,7 @@ def test_without_wear_layers_stay():
 def test_a_run_goes_on_from_its_records_to_the_bit():
     made = scene(coated(), (3,), (5,), grid={"cells": 20, "size": [5 * H, 5 * H]})
     whole = records(made)
-    again = list(drive(ec.plan(made), done={one.index: lambda one=one: one for one in whole[:4]}))
+    again = list(drive(ec.plan(made), stored_steps={one.index: lambda one=one: one for one in whole[:4]}))
     assert whole[3].scalars["layer_lost_1"] > 0
     for record, known in zip(again, whole[4:], strict=True):
         assert record.scalars["layer_lost_1"] == known.scalars["layer_lost_1"]

@@ -100,7 +100,7 @@ QUICK = [((1e-3, 0), "stress", "full"), ((1e-6, 10**6), "displacement", "half")]
 def test_large_clouds_are_summed_to_the_tolerance(monkeypatch, kind, quantity, space):
     """By expansions, and by regions of few sources alone."""
     tolerance, worth = kind
-    monkeypatch.setattr(cloud, "_WORTH", worth)
+    monkeypatch.setattr(cloud, "_MIN_SOURCES", worth)
     shapes, strains, points = _cloud(60, 34_000)
     given = {"poisson_ratio": 0.3, "quantity": quantity, "space": space}
     found = field_of_cloud(shapes, strains, points, tolerance=tolerance, **given)
@@ -115,7 +115,7 @@ def test_large_clouds_are_summed_to_the_tolerance(monkeypatch, kind, quantity, s
 def test_a_sum_that_is_not_good_enough_is_taken_again(monkeypatch):
     shapes, strains, points = _cloud(60, 34_000)
     degrees = []
-    monkeypatch.setattr(cloud, "_WORTH", 0)
+    monkeypatch.setattr(cloud, "_MIN_SOURCES", 0)
 
     def too_low(tolerance):
         degrees.append(expansions.degree_for(tolerance) if degrees else 2)

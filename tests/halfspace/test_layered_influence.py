@@ -284,7 +284,7 @@ def test_a_second_lattice_and_another_component_ask_nothing_more():
 
 
 def test_the_memory_of_fields_is_bounded(monkeypatch):
-    monkeypatch.setattr(layered_influence, "KEPT", 1e6)
+    monkeypatch.setattr(layered_influence, "FIELD_MEMORY", 1e6)
     influence, depths = LayeredInfluence(LOADS["p"]), np.linspace(0.0, 3.0, 60)
     for part in (depths, depths[::2]):
         influence.at_depths("stress", COMPONENTS, part, (0.05, 0.05), 2.0, STACKS["stiff"])

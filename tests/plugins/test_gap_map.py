@@ -7,7 +7,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.core.held_arrays import held, hold
+from eigencontact.core.held_arrays import arrays_of, hold
 
 X, Y = np.linspace(-8e-6, 8e-6, 33), np.linspace(-9e-6, 9e-6, 37)
 GAP = (X**2 + Y[:, None] ** 2) / (2 * 105e-6) + 1e-7
@@ -53,7 +53,7 @@ def test_arrays_are_held_as_long_as_somebody_keeps_them():
     name = kept.name
     del kept
     gc.collect()
-    assert held(name) is None
+    assert arrays_of(name) is None
     with pytest.raises(ec.EigencontactError, match=r"gap-map\.file must be arrays that are held in memory \(got"):
         ec.make("gap-map", file=name)
 

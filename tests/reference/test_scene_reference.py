@@ -71,17 +71,17 @@ def test_no_docstring_explains_a_key_that_is_none(tables, registry):
 
 def test_words_are_those_of_the_rules(tables):
     numerics = {key.name: key for key in tables["numerics"].keys}
-    assert numerics["tolerance"].takes == "a number, in [1e-13, 0.1]"
-    assert numerics["boundary"].takes == (
+    assert numerics["tolerance"].valid_values == "a number, in [1e-13, 0.1]"
+    assert numerics["boundary"].valid_values == (
         'one of "non-periodic", "periodic", "periodic-y", ["non-periodic", "periodic"], '
         '["non-periodic", "non-periodic"], ["periodic", "periodic"]'
     )
     assert numerics["tolerance"].to_dict()["default"] == 1e-6
     body = {key.name: key for key in tables["body1"].keys}
-    assert body["young-modulus"].takes == "a stress [Pa], positive and finite"
+    assert body["young-modulus"].valid_values == "a stress [Pa], positive and finite"
     assert body["young-modulus"].unit == "Pa"
     grid = {key.name: key for key in tables["grid"].keys}
-    assert grid["spacing"].takes == "a length [m], positive and finite; or an array of 2 of them"
+    assert grid["spacing"].valid_values == "a length [m], positive and finite; or an array of 2 of them"
     assert {name for name, _ in tables["geometry"].plugins} >= {"sphere", "topography"}
     assert next(key for key in tables["stress"].keys if key.name == "shape").required
 

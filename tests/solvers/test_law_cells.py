@@ -162,7 +162,7 @@ def test_cells_that_are_asked_in_parts_answer_as_all_at_once(monkeypatch, thread
     before["equivalent_plastic_strain"] += np.linspace(0.0, 1e-2, 31)
     answers = []
     for size in (31, 7):
-        monkeypatch.setattr(law_cells, "_ASKED", size)
+        monkeypatch.setattr(law_cells, "_ANSWER_CHUNK", size)
         cells = LawCells(MATRIX, ALONE, [(law, np.arange(31))], AROUND, threads=threads)
         found, (after,) = cells.answer(start, foreign, prestrain, [before], [step_of(31)])
         answers.append(np.concatenate([found, *after.values()]))
@@ -172,7 +172,7 @@ def test_cells_that_are_asked_in_parts_answer_as_all_at_once(monkeypatch, thread
 
 
 def test_cells_without_a_unique_answer_are_all_counted_and_the_first_is_named(monkeypatch):
-    monkeypatch.setattr(law_cells, "_ASKED", 4)
+    monkeypatch.setattr(law_cells, "_ANSWER_CHUNK", 4)
     steep = Linear(yield_stress=2e8, modulus=-1e12)
     law = J2(hardening=(steep,), young_modulus=2e11, poisson_ratio=0.3)
     stress = np.zeros((6, 11))

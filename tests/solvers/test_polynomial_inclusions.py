@@ -180,7 +180,7 @@ def test_distant_inclusions_act_by_their_mean(monkeypatch):
     balls = [SphericalInclusion(center=(1.6 * i, 1.6 * j, 0.9), radius=0.6) for i in range(4) for j in range(3)]
     answers = []
     for many in (100, 3):
-        monkeypatch.setattr(inclusion_pairs, "_MANY", many)
+        monkeypatch.setattr(inclusion_pairs, "_MIN_REGIONS", many)
         system = PolynomialInclusions(balls, MATRIX, [2 * BODY] * len(balls), [1] * len(balls))
         answers.append(system.solve(tension(system), tolerance=1e-10).amplitudes)
     change = system.difference(*answers).max() / system.difference(answers[0], 0 * answers[0]).max()

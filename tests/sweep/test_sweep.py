@@ -13,7 +13,7 @@ import xarray as xr
 
 import eigencontact as ec
 from close import close
-from eigencontact.core.kept import Kept, kept_or_made
+from eigencontact.core.kept import ObjectCache, cached_object
 from eigencontact.errors import EigencontactError, PlanError, ResultsError, SceneError
 from eigencontact.execution.fields.traction_field import TractionField
 from eigencontact.results.atomic import Sink
@@ -386,15 +386,15 @@ def test_variants_share_what_they_agree_in(monkeypatch):
 
 
 def test_what_is_kept_is_bounded():
-    kept = Kept(limit=100)
+    kept = ObjectCache(limit=100)
     with kept.offered():
         for number in range(5):
-            kept_or_made(lambda number=number: number, lambda: np.zeros(5))
+            cached_object(lambda number=number: number, lambda: np.zeros(5))
         assert kept.nbytes == 80
-        kept_or_made(lambda: 3, lambda: pytest.fail("made again"))
-        kept_or_made(lambda: "large", lambda: np.zeros(13))  # would push all others out
-    assert (kept.nbytes, kept.found) == (80, 1)
-    assert kept_or_made(lambda: pytest.fail("asked outside"), lambda: np.zeros(5)).size == 5
+        cached_object(lambda: 3, lambda: pytest.fail("made again"))
+        cached_object(lambda: "large", lambda: np.zeros(13))  # would push all others out
+    assert (kept.nbytes, kept.hits) == (80, 1)
+    assert cached_object(lambda: pytest.fail("asked outside"), lambda: np.zeros(5)).size == 5
 
 
 def test_an_unknown_field_names_the_nearest():

@@ -40,7 +40,7 @@ def test_parts_make_up_the_whole(results, tmp_path, monkeypatch):
     stored = []
     monkeypatch.setattr("eigencontact.viz.figures.save", lambda _figure, path, *_: stored.append(path.name))
     with open_stored(results) as dataset:
-        described = [draw_all(dataset, tmp_path, part=(k, 3)) for k in range(3)]
+        described = [draw_all(dataset, tmp_path, share=(k, 3)) for k in range(3)]
     assert described[0] == described[1] == described[2]
     assert sorted(stored) == sorted(described[0])
 

@@ -88,7 +88,7 @@ def test_solved_cycles_are_found_with_the_number_of_cycles_done(worn):
     dataset, cycles = worn("frets"), solved_cycles(worn("frets"))
     assert [cycle.last - cycle.first + 1 for cycle in cycles] == [6] * len(cycles)
     assert [cycle.first for cycle in cycles] == list(range(1, dataset.sizes["step"], 6))
-    done = [cycle.done for cycle in cycles]
+    done = [cycle.cycle_count for cycle in cycles]
     assert done[:2] == [1, 2]
     assert done[-1] == 12
     assert done == sorted(set(done))
@@ -198,7 +198,7 @@ def test_loops_of_cycles_begin_where_the_last_one_ended_and_are_coloured_by_numb
     assert len(set(colours)) == len(chosen)
     assert colours[0] == mpl.colors.to_hex(mpl.colormaps["viridis"](0.0))
     numbers = [text.get_text() for text in bar.get_yticklabels()]
-    assert set(numbers) <= {f"{cycle.done:g}" for cycle in chosen}
+    assert set(numbers) <= {f"{cycle.cycle_count:g}" for cycle in chosen}
     assert numbers[-1] == "12"
     assert bar.get_ylabel() == "Cycle"
 
@@ -275,7 +275,7 @@ def test_loops_of_few_steps_have_the_colours_of_their_cycles_and_replace_the_cho
 
 def test_loops_of_chosen_cycles_are_drawn_of_long_histories(worn, monkeypatch):
     monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
-    monkeypatch.setattr("eigencontact.viz.figures.MANY", 20)
+    monkeypatch.setattr("eigencontact.viz.figures.LONG_HISTORY", 20)
     assert "wear-loops.png" in draw_all(worn("frets"), Path())
 
 
@@ -293,7 +293,7 @@ def test_what_wears_nothing_has_no_points_in_the_history(worn):
 
 def test_of_many_steps_the_last_cycle_alone_is_dark(worn, monkeypatch):
     dataset = worn("frets")
-    monkeypatch.setattr("eigencontact.viz.friction_history.MANY", 20)
+    monkeypatch.setattr("eigencontact.viz.friction_history.LONG_HISTORY", 20)
     lines = fretting_loops(dataset).axes[0].get_lines()
     dark = [item for item in lines if item.get_color() == COLOURS[0]]
     assert max(len(item.get_xdata()) for item in dark) < dataset.sizes["step"]

@@ -13,7 +13,7 @@ from eigencontact.accuracy.changes import changed
 from eigencontact.accuracy.estimate import Estimate, estimate
 from eigencontact.accuracy.sources import ErrorSource, error_sources, without_overlap
 from eigencontact.accuracy.targets import ZERO, scales_of
-from eigencontact.core.kept import Kept
+from eigencontact.core.kept import ObjectCache
 from eigencontact.core.numbers import ROUND_OFF, ErrorBar
 from eigencontact.errors import EigencontactError
 
@@ -223,7 +223,7 @@ class CoarserRuns:
     solve: Solve
     grid: Mapping[str, Any] | None = None
     runs: list[Run] = field(default_factory=list)
-    _operators: Kept = field(default_factory=lambda: Kept(_OPERATOR_BYTES))
+    _operators: ObjectCache = field(default_factory=lambda: ObjectCache(_OPERATOR_BYTES))
     _coarsest: tuple[Mapping[str, Any], Run] | None = None
 
     def vary(

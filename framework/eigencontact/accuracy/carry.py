@@ -76,9 +76,11 @@ def without_gaps(values: NDArray[Any]) -> NDArray[Any]:
     return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
-def equal_places(places: FloatArray, other: FloatArray) -> bool:
+def equal_places(places: FloatArray, targets: FloatArray) -> bool:
     """Whether the coordinates of two sets of points are equal."""
-    return places.size == other.size and bool(np.abs(places - other).max(initial=0.0) <= _COINCIDENT * np.ptp(places))
+    return places.size == targets.size and bool(
+        np.abs(places - targets).max(initial=0.0) <= _COINCIDENT * np.ptp(places)
+    )
 
 
 @lru_cache(maxsize=64)  # all fields and steps of a run have the same places

@@ -140,10 +140,10 @@ class Answer:
 def pilot_cells(plan: Plan, make: Callable[[Mapping[str, Any]], Plan]) -> float:
     """Cells per contact radius of the first run: twice as many where more cells cost little."""
     try:
-        few, many = (make(pilot_tables(plan, cells)).seconds for cells in (_PILOT, 2.0 * _PILOT))
+        coarse_seconds, fine_seconds = (make(pilot_tables(plan, cells)).seconds for cells in (_PILOT, 2.0 * _PILOT))
     except EigencontactError:  # the run itself is refused, or tried with more cells
         return _PILOT
-    return 2.0 * _PILOT if many + _UNPRICED <= _DEARER * (few + _UNPRICED) else _PILOT
+    return 2.0 * _PILOT if fine_seconds + _UNPRICED <= _DEARER * (coarse_seconds + _UNPRICED) else _PILOT
 
 
 def pilot_tables(plan: Plan, cells: float = _PILOT) -> dict[str, Any]:

@@ -142,9 +142,9 @@ class Convolver:
         if self._rows is not None:
             return self._rows.energy(source, kernel)
         half = self._buffers(1)
-        self._all([partial(worker.rows_forward, source[None], half) for worker in self._workers])
+        self._run_tasks([partial(worker.rows_forward, source[None], half) for worker in self._workers])
         sums: dict[int, float] = {}
-        self._all([partial(worker.energy, kernel, half[0], sums) for worker in self._workers])
+        self._run_tasks([partial(worker.energy, kernel, half[0], sums) for worker in self._workers])
         return sum(sums[first] for first in sorted(sums))  # in this order whatever the threads
 
     def _apply(self, sources: Array, kernels: Kernels) -> Array:
@@ -168,11 +168,11 @@ class Convolver:
         # The half-transformed rows of targets take the place of those of the sources, unless these are needed again.
         first_output = len(sources) if len(groups) > 1 else 0
         half = self._buffers(max(len(sources), first_output + max(map(len, groups), default=0)))
-        self._all([partial(worker.rows_forward, sources, half) for worker in self._workers])
+        self._run_tasks([partial(worker.rows_forward, sources, half) for worker in self._workers])
         for number, group in enumerate(groups):
             into = targets[_TOGETHER * number :]
-            self._all([partial(w.columns, len(sources), group, half, half[first_output:]) for w in self._workers])
-            self._all([partial(w.rows_inverse, len(group), half[first_output:], into) for w in self._workers])
+            self._run_tasks([partial(w.columns, len(sources), group, half, half[first_output:]) for w in self._workers])
+            self._run_tasks([partial(w.rows_inverse, len(group), half[first_output:], into) for w in self._workers])
         return targets
 
     def _check(self, kernels: list[Spectrum | None]) -> None:
@@ -200,16 +200,16 @@ class Convolver:
     def _sum_planes(self, sources: Array, kernels: Kernels, targets: Array) -> Array:
         """Convolution of many sources on a small plane, with target sums in the cache: each thread sums its share."""
         workers = self._workers[: len(sources)]
-        self._all([partial(worker.add_up, sources, kernels) for worker in workers])
+        self._run_tasks([partial(worker.add_up, sources, kernels) for worker in workers])
         totals = workers[0].totals[: len(kernels)]
         for summand in workers[1:]:
             totals += summand.totals[: len(kernels)]
         half = self._buffers(len(kernels))
-        self._all([partial(worker.columns_inverse, totals, half) for worker in self._workers])
-        self._all([partial(worker.rows_inverse, len(kernels), half, targets) for worker in self._workers])
+        self._run_tasks([partial(worker.columns_inverse, totals, half) for worker in self._workers])
+        self._run_tasks([partial(worker.rows_inverse, len(kernels), half, targets) for worker in self._workers])
         return targets
 
-    def _all(self, tasks: list[Callable[[], None]]) -> None:
+    def _run_tasks(self, tasks: list[Callable[[], None]]) -> None:
         in_parallel(self.threads, tasks)
 
     def _buffers(self, count: int) -> list[Array]:

@@ -18,7 +18,7 @@ __all__ = ["Rows", "all_identical"]
 # Bytes of the rows that are transformed together, small enough to stay in cache.
 _TOGETHER = 524_288
 # Plans kept of each direction.
-_KEPT = 4
+_MAX_PLANS = 4
 
 
 class Rows:
@@ -91,7 +91,7 @@ class Rows:
         plans = self._plans[way]
         if count in plans:
             return plans[count]
-        if len(plans) >= _KEPT:
+        if len(plans) >= _MAX_PLANS:
             plans.pop(next(iter(plans)))
         real = self._fft.empty((count, self._x.length), self._dtypes[0])
         waves = self._fft.empty((count, self._x.half), self._dtypes[1])

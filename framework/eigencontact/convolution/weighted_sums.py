@@ -87,8 +87,8 @@ class WeightedSums:
             return fields
         out = np.array(fields)
         for source, weights in self._merged.items():
-            for other, weight in weights.items():
-                out[other] += weight * fields[source]
+            for target, weight in weights.items():
+                out[target] += weight * fields[source]
             out[source] = 0
         return out
 
@@ -119,12 +119,12 @@ class WeightedSums:
         return rows
 
 
-def _combination(vector: FloatArray, others: Sequence[FloatArray]) -> FloatArray | None:
+def _combination(vector: FloatArray, vectors: Sequence[FloatArray]) -> FloatArray | None:
     """Weights with which others add up to a vector; None where they cannot."""
-    if not others:
+    if not vectors:
         return None
-    weights = np.asarray(np.linalg.lstsq(np.array(others).T, vector)[0], dtype=float)
-    remainder = vector - weights @ np.array(others)
+    weights = np.asarray(np.linalg.lstsq(np.array(vectors).T, vector)[0], dtype=float)
+    remainder = vector - weights @ np.array(vectors)
     return weights if np.abs(remainder).max() <= 1e-13 * np.abs(vector).max() else None
 
 
@@ -167,12 +167,14 @@ def _dependent(table: Mapping[tuple[int, int], Coefficients]) -> dict[int, dict[
     independent: list[int] = []
     merged: dict[int, dict[int, float]] = {}
     for source in sorted(columns, key=lambda source: (-_size(columns[source]), source)):
-        weights = _combination(columns[source], [columns[other] for other in independent])
+        weights = _combination(columns[source], [columns[basis_source] for basis_source in independent])
         if weights is None:
             independent.append(source)
         else:
             merged[source] = {
-                other: float(weight) for other, weight in zip(independent, weights, strict=True) if abs(weight) > 1e-13
+                basis_source: float(weight)
+                for basis_source, weight in zip(independent, weights, strict=True)
+                if abs(weight) > 1e-13
             }
     return merged
 

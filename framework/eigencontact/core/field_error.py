@@ -16,7 +16,7 @@ _MATTERS = 0.1
 #: Part of these points whose error the number bounds.
 _SHARE = 0.95
 #: An error this many times larger at few points is said beside the number.
-_FEW = 1.5
+_OUTLIER_RATIO = 1.5
 
 
 def error_name(name: str) -> str:
@@ -92,7 +92,7 @@ class FieldError:
             return ""
         text = f"± {100 * self.error / self.largest:.2g} % of the largest value"
         worst = f"{100 * self.worst / self.largest:.2g} %"
-        return f"{text}, up to ± {worst} at few points" if self.worst > _FEW * self.error else text
+        return f"{text}, up to ± {worst} at few points" if self.worst > _OUTLIER_RATIO * self.error else text
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for ``summary.json``."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from eigencontact.core.array_files import StoredArray, arrays_of_file, held_array
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.held_arrays import PREFIX, held
+from eigencontact.core.held_arrays import PREFIX, arrays_of
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError
 
@@ -234,7 +234,7 @@ def _readable(where: str, file: str) -> Iterator[None]:
 
 
 def _in_memory(where: str, file: str) -> dict[str, StoredArray]:
-    arrays = held(file)
+    arrays = arrays_of(file)
     if arrays is None:
         reason = "arrays of a library call are gone with its result, and with the process; give them again, or a file"
         raise _refusal(where, "arrays that are held in memory", file, reason)

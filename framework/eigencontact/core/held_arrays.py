@@ -15,7 +15,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["PREFIX", "HeldArrays", "held", "hold"]
+__all__ = ["PREFIX", "HeldArrays", "arrays_of", "hold"]
 
 #: What the name of held arrays begins with.
 PREFIX = "memory:"
@@ -55,7 +55,7 @@ class HeldArrays(Mapping[str, "NDArray[Any]"]):
         return hash(self.name)
 
 
-_HELD: WeakValueDictionary[str, HeldArrays] = WeakValueDictionary()
+_STORED_ARRAYS: WeakValueDictionary[str, HeldArrays] = WeakValueDictionary()
 
 
 def hold(**arrays: ArrayLike) -> HeldArrays:
@@ -64,13 +64,13 @@ def hold(**arrays: ArrayLike) -> HeldArrays:
     Examples
     --------
     >>> gap = hold(gap=np.zeros((2, 2)))
-    >>> held(gap.name) is gap
+    >>> arrays_of(gap.name) is gap
     True
     """
     new = HeldArrays(arrays)
-    return _HELD.setdefault(new.name, new)
+    return _STORED_ARRAYS.setdefault(new.name, new)
 
 
-def held(name: str) -> HeldArrays | None:
+def arrays_of(name: str) -> HeldArrays | None:
     """Arrays stored under a name, or None."""
-    return _HELD.get(name)
+    return _STORED_ARRAYS.get(name)

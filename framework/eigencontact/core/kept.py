@@ -1,6 +1,6 @@
 """Cache of expensive objects that successive runs of one process share, such as the variants of a sweep.
 
-Outside of `Kept.offered` nothing is kept: a run by itself gives up its memory.
+Outside of `ObjectCache.offered` nothing is kept: a run by itself gives up its memory.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Protocol, TypeVar
 
-__all__ = ["Kept", "kept_or_made"]
+__all__ = ["ObjectCache", "cached_object"]
 
 
 class Sized(Protocol):
@@ -22,10 +22,10 @@ class Sized(Protocol):
         """Memory [bytes]."""
 
 
-Made = TypeVar("Made", bound=Sized)
+Item = TypeVar("Item", bound=Sized)
 
 
-class Kept:
+class ObjectCache:
     """Objects by their keys; the least recently used objects are removed first.
 
     Parameters
@@ -36,18 +36,18 @@ class Kept:
 
     def __init__(self, limit: float) -> None:
         self.limit = limit
-        self._held: OrderedDict[Hashable, Sized] = OrderedDict()
-        #: Times that an object was found.
-        self.found = 0
+        self._items: OrderedDict[Hashable, Sized] = OrderedDict()
+        #: Times that a stored object was returned.
+        self.hits = 0
 
     @property
     def nbytes(self) -> int:
         """Memory of all stored objects [bytes]."""
-        return sum(item.nbytes for item in self._held.values())
+        return sum(item.nbytes for item in self._items.values())
 
     @contextmanager
     def offered(self) -> Iterator[None]:
-        """Context in which `kept_or_made` uses this cache."""
+        """Context in which `cached_object` uses this cache."""
         token = _OFFERED.set(self)
         try:
             yield
@@ -56,25 +56,25 @@ class Kept:
 
     def get(self, key: Hashable) -> Sized | None:
         """Return the stored object of a key, or None."""
-        item = self._held.get(key)
+        item = self._items.get(key)
         if item is not None:
-            self._held.move_to_end(key)
-            self.found += 1
+            self._items.move_to_end(key)
+            self.hits += 1
         return item
 
     def put(self, key: Hashable, item: Sized) -> None:
         """Store an object unless its size exceeds the limit."""
         if item.nbytes > self.limit:
             return
-        self._held[key] = item
+        self._items[key] = item
         while self.nbytes > self.limit:
-            self._held.popitem(last=False)
+            self._items.popitem(last=False)
 
 
-_OFFERED: ContextVar[Kept | None] = ContextVar("eigencontact_kept", default=None)
+_OFFERED: ContextVar[ObjectCache | None] = ContextVar("eigencontact_kept", default=None)
 
 
-def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
+def cached_object(key: Callable[[], Hashable], make: Callable[[], Item]) -> Item:
     """Object of a key from an earlier run of a sweep, or a new object.
 
     Parameters
@@ -87,13 +87,13 @@ def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
     Examples
     --------
     >>> import numpy as np
-    >>> store = Kept(limit=1e6)
+    >>> store = ObjectCache(limit=1e6)
     >>> with store.offered():
-    ...     first = kept_or_made(lambda: "table", lambda: np.zeros(3))
+    ...     first = cached_object(lambda: "table", lambda: np.zeros(3))
     >>> with store.offered():
-    ...     kept_or_made(lambda: "table", lambda: np.ones(3)) is first
+    ...     cached_object(lambda: "table", lambda: np.ones(3)) is first
     True
-    >>> kept_or_made(lambda: "table", lambda: np.ones(3))
+    >>> cached_object(lambda: "table", lambda: np.ones(3))
     array([1., 1., 1.])
     """
     store = _OFFERED.get()

@@ -18,7 +18,7 @@ SHEAR, NORMAL, SIZE, RADIUS, WIDTHS = range(5)
 #: The closed form of eigenvalues errs by a part of 1e-8 of the deviator.
 _SLACK = 1e-7
 #: Of more points the bounds are those by J2, without eigenvalues.
-_FEW = 1024
+_MAX_EXACT_POINTS = 1024
 #: Neighbouring points whose bounds by J2 are computed together; their numbers fit the first-level cache.
 _BLOCK = 64
 #: A path without a part of its size in further directions has no width there.
@@ -159,7 +159,7 @@ def bounds(tensors: Any, kind: int, out: Any) -> None:
     of J2, the largest eigenvalue at most the mean and 2 / sqrt 3 of that root. Eigenvalues are found of few points, and
     there at steps whose bound by J2 passes the largest eigenvalue so far.
     """
-    if out.size > _FEW and kind != WIDTHS:
+    if out.size > _MAX_EXACT_POINTS and kind != WIDTHS:
         work = np.empty((8, _BLOCK))
         for begin in range(0, out.size, _BLOCK):
             _of_block(tensors, kind, begin, work, out)

@@ -22,7 +22,7 @@ _STARTS, _APART = 3, np.radians(12.0)
 #: Search steps at most.
 _MOST = 40
 #: Values with this relative difference are the same.
-_SAME = 1e-12
+_EQUALITY_TOLERANCE = 1e-12
 
 
 def smallest_balls(paths: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -249,7 +249,7 @@ def _refined(
         values = np.asarray(value(at))[climbing]
         best = values.argmax(axis=1)
         rows = np.arange(len(climbing))
-        risen = values[rows, best] > largest[climbing] + _SAME * np.abs(largest[climbing])
+        risen = values[rows, best] > largest[climbing] + _EQUALITY_TOLERANCE * np.abs(largest[climbing])
         rising = climbing[risen]
         largest[rising] = values[rows, best][risen]
         normals[rising] = at[rising, best[risen]]

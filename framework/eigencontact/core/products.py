@@ -13,7 +13,7 @@ __all__ = ["distance_of", "norm_of", "product"]
 # 0.4 s. Tiles take up to twice the time of one call on one thread.
 TILE = 64
 # A left matrix of so few entries, as of Mandel components, is multiplied without OpenBLAS.
-_FEW = 64
+_MAX_SMALL_ENTRIES = 64
 # Numbers of which differences are taken at a time: they stay in a cache.
 _AT_ONCE = 1 << 14
 
@@ -29,7 +29,7 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
     (m, k), n = left.shape, right.shape[1]
     if m * k * n <= TILE**3:
         return np.asarray(left @ right)
-    if m * k <= _FEW:
+    if m * k <= _MAX_SMALL_ENTRIES:
         return np.asarray(np.einsum("ij,jn->in", left, right))
     out = np.zeros((m, n))
     for z in range(0, k, TILE):

@@ -39,7 +39,7 @@ VARIABLE = "EIGENCONTACT_CACHE"
 #: Bytes that the folder may hold if nobody says otherwise.
 DEFAULT_LIMIT = 1_000_000_000
 #: A full folder is emptied down to this part of its limit, so that it need not be searched for each new table.
-_KEPT = 0.8
+_EVICTION_SHARE = 0.8
 #: Unfinished files older than this are left over from processes that were killed [s].
 _ABANDONED = 3600.0
 _TABLE = ".npz"
@@ -167,7 +167,7 @@ class TableCache:
         self._size = None if self._size is None else self._size + new_bytes
         limit = self.limit
         if self._size is None or self._size > limit:
-            self._evict(limit, int(_KEPT * limit))
+            self._evict(limit, int(_EVICTION_SHARE * limit))
 
     def _evict(self, limit: int, target: int) -> None:
         """Remove the tables used longest ago down to the target size, if the tables exceed the limit."""

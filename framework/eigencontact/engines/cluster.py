@@ -193,9 +193,9 @@ class Cluster:
         from distributed import as_completed
         from distributed.protocol.pickle import dumps
 
-        from eigencontact.engines.dask_worker import MEMORY, ONE, THREADS, perform
+        from eigencontact.engines.dask_worker import MEMORY, TASK_SLOT, THREADS, perform
 
-        needs = {ONE: 1, MEMORY: self._memory, THREADS: self._threads}
+        needs = {TASK_SLOT: 1, MEMORY: self._memory, THREADS: self._threads}
         waiting, running, completed = deque(tasks), dict[Any, Task](), as_completed()
         room, counted = 1, -_COUNT
         finished = 0

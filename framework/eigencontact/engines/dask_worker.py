@@ -14,10 +14,10 @@ from eigencontact.engines.engine import Share
 from eigencontact.engines.versions import unlike, versions
 from eigencontact.errors import ClusterError
 
-__all__ = ["MEMORY", "ONE", "THREADS", "Beginning", "perform"]
+__all__ = ["MEMORY", "TASK_SLOT", "THREADS", "Beginning", "perform"]
 
 #: Resource of dask that gives each worker one task of ours at a time.
-ONE = "eigencontact"
+TASK_SLOT = "eigencontact"
 #: Resource of dask: memory of a task [bytes].
 MEMORY = "eigencontact-memory"
 #: Resource of dask: threads of a task.
@@ -48,7 +48,7 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
         threads = worker.state.nthreads
         self.state = self._begin(Share(threads, memory))
-        await worker.set_resources(**{ONE: 1, MEMORY: memory, THREADS: threads})
+        await worker.set_resources(**{TASK_SLOT: 1, MEMORY: memory, THREADS: threads})
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as dask calls it
         """Release the shared resources."""

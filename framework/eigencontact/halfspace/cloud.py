@@ -45,9 +45,9 @@ _CHECKED = 256
 _UNSEEN = 10.0
 # Point sources, the fewest of all regions together, from which on expansions are faster than sums: they cost some 200
 # sources of every point (128 x 128 x 64 points, spheres and ellipsoids).
-_WORTH = 300
+_MIN_SOURCES = 300
 # Points up to which few nodes of a tree hold enough of them and are far from anything.
-_FEW = 20_000
+_MAX_DIRECT_POINTS = 20_000
 # Tolerance below which the sums without expansions differ as much.
 _LEAST = 1e-13
 # So many pairs are summed to round-off: nothing is gained by less.
@@ -72,7 +72,7 @@ def is_large(regions: int, points: int, tolerance: float) -> bool:
 
 def expansions_pay(regions: Sequence[PointSources], points: int) -> bool:
     """Whether regions and points are so many that expansions are faster than sums."""
-    return points > _FEW and sum(far.levels[0].volumes.size for far in regions) > _WORTH
+    return points > _MAX_DIRECT_POINTS and sum(far.levels[0].volumes.size for far in regions) > _MIN_SOURCES
 
 
 def relaxed(finest: PointSources, tolerance: float) -> PointSources:
@@ -199,7 +199,7 @@ def _sum_of_sources(
     ) -> FloatArray:
         out = np.zeros((QUANTITIES[quantity], points[0].size))
         options = (nodes, (rows, *tables), nu, space == "half", out)
-        in_parallel(threads, [partial(sum_sources, *points, part, *options) for part in parts(blocks, threads)])
+        in_parallel(threads, [partial(sum_sources, *points, chunk, *options) for chunk in parts(blocks, threads)])
         return out
 
     if tree is None:
@@ -207,9 +207,11 @@ def _sum_of_sources(
     else:
         count = points[0].size
         everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
-        found = summed(everywhere, tree.blocks, (tree.nodes, tree.parents, APART))
-        out = np.ascontiguousarray(found[:, :count])
-        values = found[:, count:].reshape(len(found), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
+        point_fields = summed(everywhere, tree.blocks, (tree.nodes, tree.parents, APART))
+        out = np.ascontiguousarray(point_fields[:, :count])
+        values = (
+            point_fields[:, count:].reshape(len(point_fields), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
+        )
         tree.add(np.array(points), np.ascontiguousarray(values), out, threads)
     if quantity == "displacement":
         return out

@@ -18,7 +18,7 @@ from eigencontact.core.numba_cache import compiled
 __all__ = ["grow", "moments", "pass_down", "polynomials"]
 
 # Points at which polynomials are evaluated together.
-_PART = 64
+_CHUNK = 64
 
 _inner: Any = compiled(fastmath=True, error_model="numpy")
 _compiled: Any = compiled(nogil=True, fastmath=True, error_model="numpy")
@@ -147,8 +147,8 @@ def pass_down(
                 _add(px, py, pz, center, expansion, degree, values[place[child]])
             elif child >= 0 or side == 0:
                 a, b = ranges[child if child >= 0 else node]
-                for start in range(a, b, _PART):
-                    stop = min(start + _PART, b)
+                for start in range(a, b, _CHUNK):
+                    stop = min(start + _CHUNK, b)
                     _add(x[start:stop], y[start:stop], z[start:stop], center, expansion, degree, out[:, start:stop])
 
 

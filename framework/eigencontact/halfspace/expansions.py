@@ -182,7 +182,7 @@ class Tree:
             in_parallel(
                 threads,
                 [
-                    partial(pass_down, *shared, large[part], *tables, coefficients[part], values, out)
-                    for part in parts(np.arange(large.size), threads)
+                    partial(pass_down, *shared, large[node_range], *tables, coefficients[node_range], values, out)
+                    for node_range in parts(np.arange(large.size), threads)
                 ],
             )

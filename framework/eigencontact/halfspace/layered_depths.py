@@ -14,7 +14,7 @@ from eigencontact.core.symmetry import parity
 from eigencontact.core.table_cache import address, table_cache
 from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.layered_remainder import RESOLUTIONS, NodalField, SmoothField
-from eigencontact.halfspace.layered_split import DEEP, OWN, Band, Kernel
+from eigencontact.halfspace.layered_split import DEEP, DIRECT_COMPONENTS, Band, Kernel
 from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
 from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side
 
@@ -167,7 +167,7 @@ class LayeredDepths:
 
     def _resolution(self, band: Band, smooth: SmoothField) -> tuple[float, FloatArray]:
         """Raise the resolution of a band until all its depths agree; that resolution, and bounds of their errors."""
-        direct = OWN[self.base.traction][self.quantity]
+        direct = DIRECT_COMPONENTS[self.base.traction][self.quantity]
         watched = (*self.components, *(() if direct in self.components else (direct,)))
         rows = [NAMES[self.quantity].index(name) for name in watched]
         x, y = (self._probes(half_width) for half_width in self.half_widths)
@@ -231,7 +231,7 @@ class LayeredDepths:
         """Round-off of the corner sums of displacements on the lattice; that of stress is of order 1."""
         if self.quantity == "stress":
             return 0.0
-        direct, origin = (OWN[self.base.traction][self.quantity],), np.zeros(1)
+        direct, origin = (DIRECT_COMPONENTS[self.base.traction][self.quantity],), np.zeros(1)
         limit = DEEP * max(self.half_widths)
         shallow = [solid for _, solid, depth in band.kernels[0] if depth <= limit]
         sums = sum(float(np.abs(self._closed(direct, origin, origin, 0.0, solid)).max()) for solid in shallow)

@@ -38,7 +38,7 @@ THIN = 1e9
 # `StretchedNodes.strips`.
 LONG = 1e3
 # Memory of the smooth fields that are kept for further cells, components and steps [bytes]; a depth takes some 100 kB.
-KEPT = 1e8
+FIELD_MEMORY = 1e8
 
 
 class LayeredInfluence:
@@ -169,7 +169,7 @@ class LayeredInfluence:
             self.base, quantity, tuple(components), half_widths, reach, medium, self.side, tuple(fields)
         )
         with self._lock:
-            while sum(smooth.nbytes for smooth in self._fields.values()) > KEPT:
+            while sum(smooth.nbytes for smooth in self._fields.values()) > FIELD_MEMORY:
                 self._fields.popitem(last=False)
         return coefficients
 

@@ -18,7 +18,7 @@ from eigencontact.errors import PlanError
 from eigencontact.halfspace.layered_waves import DIRECTIONS
 from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side, response_at_depths
 
-__all__ = ["DEEP", "OWN", "Band", "Kernel", "bands"]
+__all__ = ["DEEP", "DIRECT_COMPONENTS", "Band", "Kernel", "bands"]
 
 #: Closed kernel of a half-space: weight, material, depth [m].
 Kernel = tuple[float, Material, float]
@@ -27,7 +27,7 @@ Kernel = tuple[float, Material, float]
 #: half-widths, and the field of a rectangle is smooth. With 20 they lose two or three.
 DEEP = 20.0
 #: The component that a traction moves most, or that balances it: it measures all others.
-OWN = {
+DIRECT_COMPONENTS = {
     traction: {"displacement": axis, "stress": "zz" if axis == "z" else f"{axis}z"}
     for traction, axis in DIRECTIONS.items()
 }
@@ -116,7 +116,8 @@ def _depth_of_substrate(
     """Depth [m], at least `least`, from which the kernel of the substrate is at most twice the response; a hash."""
     k = np.geomspace(1e-12, 1.0, 97) / least
     nil = np.zeros_like(k)
-    direct, waves = [OWN[base.traction][quantity]], (np.append(k, nil), np.append(nil, k))  # along x and along y
+    direct = [DIRECT_COMPONENTS[base.traction][quantity]]
+    waves = np.append(k, nil), np.append(nil, k)  # along x and along y
     fields = response_at_depths(medium, quantity, direct, base.traction, waves, depths, side)[0]
     substrate = base.wavenumber_response(quantity, direct, *waves, least, medium.deep_material)[0]
     small = np.append(k, k)[(np.abs(fields) < 0.5 * np.abs(substrate)).any(axis=0)]

@@ -24,9 +24,9 @@ from eigencontact.halfspace.theorem import QUANTITIES, response
 __all__ = ["degree_of", "densities_up_to", "moment_field", "moment_sums", "stress_integrals", "surface_displacement"]
 
 #: Numbers that are held for a chunk of points.
-_HELD = 4_000_000
+_CHUNK_VALUES = 4_000_000
 #: Points of a shape whose sums are not its own: all potentials of all densities are held.
-_FEW = 512
+_CHUNK_POINTS = 512
 _LAPLACIAN: tuple[Order, ...] = ((2, 0, 0), (0, 2, 0), (0, 0, 2))
 _UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -98,7 +98,7 @@ def moment_field(
     rows = QUANTITIES[quantity]
     real, image = _weights(batch, quantity, poisson_ratio, space)
     out = np.empty((len(batch), rows, x.size))
-    step = int(np.clip(_HELD // (4 * len(batch) * rows), 256, 4096))
+    step = int(np.clip(_CHUNK_VALUES // (4 * len(batch) * rows), 256, 4096))
 
     def fill(first: int) -> None:
         at = slice(first, first + step)
@@ -148,8 +148,8 @@ def stress_integrals(
     if image:
         powers = len(next(iter(image.values()))[1]) // len(total)
         products = np.concatenate([tests * z**power for power in range(powers)])
-        every = shape.moment_integrals(degree, image, x, y, z, products, image=True)
-        total = total + np.einsum("pkpd->kd", every.reshape(powers, len(total), powers, len(tests)))
+        integrals = shape.moment_integrals(degree, image, x, y, z, products, image=True)
+        total = total + np.einsum("pkpd->kd", integrals.reshape(powers, len(total), powers, len(tests)))
     return total.reshape(len(coefficients), 6, -1)
 
 
@@ -176,7 +176,7 @@ def surface_displacement(
         for name, (orders, table) in tables.items()
     }  # fmt: skip
     out = np.empty((len(coefficients) * len(rows), x.size))
-    step = int(np.clip(_HELD // len(out), 256, 4096))
+    step = int(np.clip(_CHUNK_VALUES // len(out), 256, 4096))
 
     def fill(first: int) -> None:
         at = slice(first, first + step)
@@ -198,11 +198,12 @@ def moment_sums(
         return np.asarray(shape.moment_sums(degree, weights, x, y, z, image=image))
     count = next(len(of_orders) for _, of_orders in weights.values())
     out = np.zeros((count, x.size))
-    for first in range(0, x.size, _FEW):
-        chunk_points = (x[first : first + _FEW], y[first : first + _FEW], z[first : first + _FEW])
+    for first in range(0, x.size, _CHUNK_POINTS):
+        stop = first + _CHUNK_POINTS
+        chunk_points = x[first:stop], y[first:stop], z[first:stop]
         for name, (orders, of_orders) in weights.items():
             values = _potentials(shape, degree, name, list(orders), chunk_points, image=image)
-            out[:, first : first + _FEW] += np.einsum("kno,nop->kp", of_orders, values, optimize=True)
+            out[:, first:stop] += np.einsum("kno,nop->kp", of_orders, values, optimize=True)
     return out
 
 

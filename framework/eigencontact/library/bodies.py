@@ -208,7 +208,7 @@ class HalfSpace(Body):
         """See `Body`."""
         table: dict[str, Any] = {"young-modulus": self.young_modulus, "poisson-ratio": self.poisson_ratio}
         parts = {"law": self._law, "bulk-stress": self._bulk_stress}
-        return table | {name: part for name, part in parts.items() if part is not None}
+        return table | {name: setting for name, setting in parts.items() if setting is not None}
 
     def scene_inclusions(self, number: int) -> list[dict[str, Any]]:
         """See `Body`."""

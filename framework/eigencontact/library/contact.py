@@ -22,7 +22,7 @@ from eigencontact.scene.plain import plain
 
 __all__ = ["solve_contact"]
 
-_HERE = "solve_contact"
+_SUBJECT = "solve_contact"
 #: Places of a scene, and the arguments that they come from.
 _ARGUMENTS = (
     (r"\b(steps(\.\d+)?[. ])?normal-load\b", "load"),
@@ -128,7 +128,7 @@ def solve_contact(
     """
     lower, upper = _pair(bodies)
     rule = "'infinite', which makes a line contact, or left out"
-    require(length is None or plain(length, f"{_HERE}.length") == "infinite", _HERE, "length", length, rule)
+    require(length is None or plain(length, f"{_SUBJECT}.length") == "infinite", _SUBJECT, "length", length, rule)
     line = {} if length is None else {"length": "infinite"}
     if datum_depth is not None:
         line["datum-depth"] = datum_depth
@@ -136,17 +136,17 @@ def solve_contact(
     along = [name for name, value in (("tangential_load", tangential_load), ("shift", shift)) if value is not None]
     if along and friction is None:
         raise SceneError(
-            f"{_HERE}.friction must be given with {along[0]} (got None): a frictionless contact carries no shear; "
+            f"{_SUBJECT}.friction must be given with {along[0]} (got None): a frictionless contact carries no shear; "
             "give a coefficient"
         )
-    require(numerics is None or isinstance(numerics, Mapping), _HERE, "numerics", numerics, "a table, as [numerics]")
+    require(numerics is None or isinstance(numerics, Mapping), _SUBJECT, "numerics", numerics, "a table, as [numerics]")
     history = _steps(load, approach, tangential_load, shift, increments) if steps is None else _history(steps)
     if steps is not None:
         controls = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
         conflicting = [name for name, value in controls.items() if value is not None]
         require(
             not conflicting,
-            _HERE,
+            _SUBJECT,
             "steps",
             f"{', '.join(conflicting)} too",
             "given alone: they hold all loads and motions",
@@ -185,7 +185,7 @@ def _run(scene: dict[str, Any]) -> Any:
         for place, argument in _ARGUMENTS:
             text = re.sub(place, argument, text)
         text = re.sub(r"\binclusions(?:\.(\d+))?(?=[.: ])", lambda match: _owner(scene, int(match[1] or 0)), text)
-        raise type(problem)(f"{_HERE}: {text}") from None
+        raise type(problem)(f"{_SUBJECT}: {text}") from None
     return run(planned)
 
 
@@ -203,7 +203,7 @@ def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
     pair = tuple(bodies) if isinstance(bodies, list | tuple) else (bodies, None)
     rule = "a HalfSpace or Layered, or a pair of which one may be None, which is rigid"
     good = len(pair) == 2 and all(body is None or isinstance(body, Body) for body in pair) and pair != (None, None)
-    require(good, _HERE, "bodies", bodies, rule)
+    require(good, _SUBJECT, "bodies", bodies, rule)
     return pair[0], pair[1]
 
 
@@ -213,21 +213,21 @@ def _separation(
     """Geometry of a scene, its window, and the arrays to store."""
     shapes = gap if isinstance(gap, list | tuple) else [gap]
     if all(isinstance(shape, Mapping) or is_dataclass(shape) for shape in shapes):
-        window = {"spacing": None if spacing is None else lengths(spacing, 2, _HERE, "spacing")}
-        window["size"] = None if size is None else lengths(size, 2, _HERE, "size")
+        window = {"spacing": None if spacing is None else lengths(spacing, 2, _SUBJECT, "spacing")}
+        window["size"] = None if size is None else lengths(size, 2, _SUBJECT, "size")
         window_fields: dict[str, Any] = {name: value for name, value in window.items() if value is not None}
         if cells is not None:
-            window_fields["cells"] = counts(cells, _HERE, "cells")
+            window_fields["cells"] = counts(cells, _SUBJECT, "cells")
         if len(window_fields) not in (0, 2):
             names = ", ".join(window_fields)
-            raise SceneError(f"{_HERE} must be given two of cells, size and spacing, or none of them (got {names})")
+            raise SceneError(f"{_SUBJECT} must be given two of cells, size and spacing, or none of them (got {names})")
         return list(shapes), window_fields or None, ()
     array = _cells_of(gap, line=line)
-    require(cells is None, _HERE, "cells", cells, f"left out: the gap has {array.shape[1]} x {array.shape[0]} cells")
+    require(cells is None, _SUBJECT, "cells", cells, f"left out: the gap has {array.shape[1]} x {array.shape[0]} cells")
     if (spacing is None) == (size is None):
         windows = "neither" if size is None else "both"
         raise SceneError(
-            f"{_HERE}.spacing must be given with an array, edges of its cells [m], or size (got {windows})"
+            f"{_SUBJECT}.spacing must be given with an array, edges of its cells [m], or size (got {windows})"
         )
     ny, nx = array.shape
     if line:
@@ -236,10 +236,10 @@ def _separation(
         arrays = hold(x=x, y=[-0.5, 0.5], gap=np.vstack([array, array]))  # the same for all y
         return {"type": "gap-map", "file": arrays.name}, {"cells": nx, "spacing": pitch}, (arrays,)
     if spacing is None:
-        extent = lengths(size, 2, _HERE, "size")
+        extent = lengths(size, 2, _SUBJECT, "size")
         dx, dy = extent[0] / nx, extent[1] / ny
     else:
-        dx, dy = lengths(spacing, 2, _HERE, "spacing")
+        dx, dy = lengths(spacing, 2, _SUBJECT, "spacing")
     x, y = ((np.arange(count) - 0.5 * (count - 1)) * pitch for count, pitch in ((nx, dx), (ny, dy)))
     arrays = hold(x=x, y=y, gap=array)
     grid = {"cells": (nx, ny), "spacing": (dx, dy)}
@@ -251,30 +251,30 @@ def _cells_of(gap: Any, *, line: bool) -> FloatArray:
     rule = "an array (nx,), (1, nx) or (nx, 1) of 2 cells or more with length='infinite' [m]"
     if not line:
         rule = "an array (ny, nx) of 2 x 2 cells or more [m]; a row (nx,) makes a line contact with length='infinite'"
-    array = real_array(_array(gap), _HERE, "gap", rule, "m")
+    array = real_array(_array(gap), _SUBJECT, "gap", rule, "m")
     row = array.ndim in (1, 2) and array.size == max(array.shape) >= 2
-    require(row if line else array.ndim == 2 and min(array.shape) >= 2, _HERE, "gap", array.shape, rule)
-    return plane(array.reshape(1, -1) if line else array, _HERE, "gap", "m")
+    require(row if line else array.ndim == 2 and min(array.shape) >= 2, _SUBJECT, "gap", array.shape, rule)
+    return plane(array.reshape(1, -1) if line else array, _SUBJECT, "gap", "m")
 
 
 def _single(value: Any, name: str) -> float:
     """Length along x [m], the only one of a line contact."""
-    dx, dy = lengths(value, 2, _HERE, name)
-    require(dx == dy, _HERE, name, value, "one length, that along x, with length='infinite' [m]")
+    dx, dy = lengths(value, 2, _SUBJECT, name)
+    require(dx == dy, _SUBJECT, name, value, "one length, that along x, with length='infinite' [m]")
     return dx
 
 
 def _array(gap: Any) -> ArrayLike:
     rule = "an array (ny, nx) [m], a geometry component as make() returns, or a sequence of components"
     array: ArrayLike = gap
-    require(isinstance(gap, list | tuple) or hasattr(gap, "__array__"), _HERE, "gap", gap, rule)
+    require(isinstance(gap, list | tuple) or hasattr(gap, "__array__"), _SUBJECT, "gap", gap, rule)
     return array
 
 
 def _history(steps: Any) -> list[Any]:
     """Tables of prescribed steps."""
     tables = [steps] if isinstance(steps, Mapping) else steps
-    require(isinstance(tables, list | tuple), _HERE, "steps", steps, "a sequence of tables, as [[steps]] of a scene")
+    require(isinstance(tables, list | tuple), _SUBJECT, "steps", steps, "a sequence of tables, as [[steps]] of a scene")
     return list(tables)
 
 
@@ -282,13 +282,13 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
     """Tables of the steps: the normal steps, then one along the surface."""
     if (load is None) == (approach is None):
         controls = "neither" if load is None else "both"
-        raise SceneError(f"{_HERE} must be given load or approach (got {controls})")
+        raise SceneError(f"{_SUBJECT} must be given load or approach (got {controls})")
     name, argument, history = ("normal-load", "load", load) if approach is None else ("approach", "approach", approach)
     values = _listed(history, argument)
-    require(len(values) > 0, _HERE, argument, history, "one value or more")
+    require(len(values) > 0, _SUBJECT, argument, history, "one value or more")
     steps: list[dict[str, Any]] = [{name: value} for value in values]
     if tangential is not None and shift is not None:
-        raise SceneError(f"{_HERE} must be given tangential_load or shift (got both)")
+        raise SceneError(f"{_SUBJECT} must be given tangential_load or shift (got both)")
     for argument, scene_name, value in (
         ("tangential_load", "tangential-load", tangential),
         ("shift", "shift", shift),
@@ -296,14 +296,14 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
         if value is not None:
             pair = _listed(value, argument)
             rule = "one value, along x, or two, along x and y; other histories are steps=[...]"
-            require(len(pair) in (1, 2), _HERE, argument, value, rule)
+            require(len(pair) in (1, 2), _SUBJECT, argument, value, rule)
             steps.append({f"{scene_name}-{axis}": component for axis, component in zip("xy", pair, strict=False)})
     return [{**step, "increments": increments} for step in steps]
 
 
 def _listed(value: Any, name: str) -> Sequence[Any]:
     """Values of a list or an array; a single value, also as a 0-d array, is a list of one."""
-    values = plain(value, f"{_HERE}.{name}")
+    values = plain(value, f"{_SUBJECT}.{name}")
     return values if isinstance(values, list | tuple) else [values]
 
 

@@ -24,7 +24,7 @@ from eigencontact.scene.installed import installed_plugins
 __all__ = ["inclusion_field"]
 
 FloatArray = NDArray[np.float64]
-_HERE = "inclusion_field"
+_SUBJECT = "inclusion_field"
 
 
 def inclusion_field(
@@ -92,25 +92,25 @@ def inclusion_field(
     """
     shapes = list(shape) if isinstance(shape, list | tuple) else [shape]
     for item in shapes:
-        require(isinstance(item, InclusionShape), _HERE, "shape", item, "an inclusion shape, as make() returns")
+        require(isinstance(item, InclusionShape), _SUBJECT, "shape", item, "an inclusion shape, as make() returns")
     rule = f"one number, or of shape (3, 3) or ({len(shapes)}, 3, 3) [-]"
-    strain = real_array(eigenstrain, _HERE, "eigenstrain", rule, "1")
+    strain = real_array(eigenstrain, _SUBJECT, "eigenstrain", rule, "1")
     strain = strain * np.eye(3) if strain.ndim == 0 else strain
     allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
-    require(allowed, _HERE, "eigenstrain", strain.shape, rule)
-    require(np.all(np.abs(strain) <= LARGEST), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
-    require(np.array_equal(strain, strain.swapaxes(-1, -2)), _HERE, "eigenstrain", strain.tolist(), "symmetric")
+    require(allowed, _SUBJECT, "eigenstrain", strain.shape, rule)
+    require(np.all(np.abs(strain) <= LARGEST), _SUBJECT, "eigenstrain", strain.tolist(), "finite [-]")
+    require(np.array_equal(strain, strain.swapaxes(-1, -2)), _SUBJECT, "eigenstrain", strain.tolist(), "symmetric")
     supported = isinstance(quantity, str) and quantity in QUANTITIES
-    require(supported, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
-    require(isinstance(space, str) and space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
-    require(is_whole(cells) and cells >= 1, _HERE, "cells", cells, "a whole number, 1 or more")
+    require(supported, _SUBJECT, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+    require(isinstance(space, str) and space in ("half", "full"), _SUBJECT, "space", space, "'half' or 'full'")
+    require(is_whole(cells) and cells >= 1, _SUBJECT, "cells", cells, "a whole number, 1 or more")
     allowed = isinstance(tolerance, int | float) and 0.0 <= tolerance <= 0.01
-    require(allowed, _HERE, "tolerance", tolerance, "0 to 0.01 [-]")
-    at = field_points(points, _HERE, half_space=space == "half")
+    require(allowed, _SUBJECT, "tolerance", tolerance, "0 to 0.01 [-]")
+    at = field_points(points, _SUBJECT, half_space=space == "half")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     if space == "half":
         for item in shapes:
-            check_below_surface(item, _HERE)
+            check_below_surface(item, _SUBJECT)
     tensors = np.broadcast_to(strain, (len(shapes), 3, 3))
     field = field_of_cloud(
         [with_potentials(item, cells) for item in shapes],

@@ -29,7 +29,7 @@ __all__ = ["ContactResult"]
 
 FloatArray = NDArray[np.float64]
 
-_HERE = "ContactResult"
+_SUBJECT = "ContactResult"
 
 
 class ContactResult:
@@ -93,7 +93,7 @@ class ContactResult:
         >>> pressed.at(1).radius < pressed.radius
         True
         """
-        require(is_whole(step) and 1 <= step <= self.steps, _HERE, "step", step, f"1 to {self.steps}")
+        require(is_whole(step) and 1 <= step <= self.steps, _SUBJECT, "step", step, f"1 to {self.steps}")
         return ContactResult(self._run, self._bodies, self._held_arrays, int(step))
 
     @property
@@ -186,7 +186,7 @@ class ContactResult:
         >>> line.pressure.dims, f"{float(error):.2f} of the largest pressure from Hertz"
         (('x',), '0.01 of the largest pressure from Hertz')
         """
-        where, across = f"{_HERE}.profile", {"x": "y", "y": "x"}
+        where, across = f"{_SUBJECT}.profile", {"x": "y", "y": "x"}
         require(isinstance(axis, str) and axis in across, where, "axis", axis, "'x' or 'y'")
         place, fields = length(at, where, "at", positive=False), self.to_xarray()
         centres = fields[across[axis]].values
@@ -272,7 +272,7 @@ class ContactResult:
         return dataset_of([step_part(info, record, copied=False)])
 
     def _at_points(self, points: ArrayLike, body: int, quantity: str) -> FloatArray:
-        where = f"{_HERE}.{quantity}"
+        where = f"{_SUBJECT}.{quantity}"
         require(is_whole(body) and body in (1, 2), where, "body", body, "1 or 2")
         require(self._bodies[body - 1] is not None, where, "body", body, "one that is elastic")
         at = field_points(points, where, half_space=True)
@@ -287,7 +287,7 @@ class ContactResult:
         from eigencontact.results.stepfile import step_of
 
         if "step" in table:
-            raise SceneError(f"{_HERE}.region must be asked without a step (got {table['step']!r}): use at(step)")
+            raise SceneError(f"{_SUBJECT}.region must be asked without a step (got {table['step']!r}): use at(step)")
         record, remembered = step_of(self.dataset, self._step)
         tables = tomllib.loads(str(self.dataset.attrs["scene"]))
         plan = plan_of_region(tables, table, installed_plugins())
@@ -346,7 +346,7 @@ class ContactResult:
     def __repr__(self) -> str:
         rows = [f"{label} {value}" for label, value in self._rows() if label != "contact area"]
         step = [f"step {self._place + 1} of {self.steps}"] if self.steps > 1 else []
-        return f"{_HERE}({', '.join([*rows, *step])})"
+        return f"{_SUBJECT}({', '.join([*rows, *step])})"
 
     def _repr_html_(self) -> str:
         lower, upper = ("a rigid body" if body is None else repr(body) for body in self._bodies)

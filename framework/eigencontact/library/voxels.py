@@ -17,7 +17,7 @@ from eigencontact.library.arguments import lengths
 
 __all__ = ["Voxels"]
 
-_HERE = "Voxels"
+_SUBJECT = "Voxels"
 
 
 class Voxels:
@@ -65,18 +65,18 @@ class Voxels:
         origin: Sequence[float | str] | None = None,
     ) -> None:
         rule = "an array (nz, ny, nx) of whole numbers"
-        array = whole_array(labels, _HERE, "labels", rule)
-        require(array.ndim == 3 and array.size > 0, _HERE, "labels", array.shape, rule)
-        require(isinstance(materials, Mapping), _HERE, "materials", materials, "a mapping of numbers to materials")
+        array = whole_array(labels, _SUBJECT, "labels", rule)
+        require(array.ndim == 3 and array.size > 0, _SUBJECT, "labels", array.shape, rule)
+        require(isinstance(materials, Mapping), _SUBJECT, "materials", materials, "a mapping of numbers to materials")
         numbers = sorted(set(np.unique(array).tolist()) - {0})
         lacking = [number for number in numbers if number not in materials]
-        require(not lacking, _HERE, "materials", sorted(materials), f"given for each number but 0, so for {lacking}")
-        self.spacing = lengths(spacing, 3, _HERE, "spacing")
+        require(not lacking, _SUBJECT, "materials", sorted(materials), f"given for each number but 0, so for {lacking}")
+        self.spacing = lengths(spacing, 3, _SUBJECT, "spacing")
         _, ny, nx = array.shape
         dx, dy, _ = self.spacing
         corner = (-0.5 * nx * dx, -0.5 * ny * dy, 0.0)
-        self.origin = corner if origin is None else lengths(origin, 3, _HERE, "origin", positive=False)
-        require(self.origin[2] >= 0, _HERE, "origin", self.origin, "at a depth z of 0 or more [m]")
+        self.origin = corner if origin is None else lengths(origin, 3, _SUBJECT, "origin", positive=False)
+        require(self.origin[2] >= 0, _SUBJECT, "origin", self.origin, "at a depth z of 0 or more [m]")
         self._tables = {number: _table_of(number, materials[number]) for number in numbers}
         self._image = hold(labels=array)
 
@@ -97,7 +97,7 @@ class Voxels:
     def __repr__(self) -> str:
         edges = " x ".join(dict.fromkeys(readable(edge, "m") for edge in self.spacing))
         shape = " x ".join(map(str, self.labels.shape[::-1]))
-        return f"{_HERE}({shape} of {edges}, materials {', '.join(map(str, self._tables)) or 'none'})"
+        return f"{_SUBJECT}({shape} of {edges}, materials {', '.join(map(str, self._tables)) or 'none'})"
 
 
 def _table_of(number: int, description: Any) -> dict[str, Any]:
@@ -106,7 +106,7 @@ def _table_of(number: int, description: Any) -> dict[str, Any]:
     good = (isinstance(description, Mapping) and len(description) > 0) or (
         is_dataclass(description) and not isinstance(description, type)
     )
-    require(good, _HERE, f"materials[{number}]", description, rule)
+    require(good, _SUBJECT, f"materials[{number}]", description, rule)
     if not isinstance(description, Mapping):
         return {"material": description}
     material = {name: value for name, value in description.items() if name != "eigenstrain"}

@@ -28,7 +28,7 @@ _ACROSS, _FLAT = 4, 0.5
 _SPARSE = 3.0
 _SNAP = 1e-6
 #: So many layers must fit for their height to be what makes the cells too many.
-_FEW = 4
+_MIN_LAYERS = 4
 
 #: Field of a scene, its value, and the power (1 or -1) of it that the number of layers grows with.
 _Setting = tuple[str, float, int]
@@ -247,9 +247,9 @@ def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> 
     if lattice.cells <= most(bytes_per_cell):
         return
     extent = f"{nx} x {ny} x {nz} for {source.name!r}"
-    if setting is not None and _FEW * ny * nx <= comfortable(bytes_per_cell):
+    if setting is not None and _MIN_LAYERS * ny * nx <= comfortable(bytes_per_cell):
         name, value, power = setting
-        nearest = cut_down(value**power, lattice.cells, each=bytes_per_cell) ** power
+        nearest = cut_down(value**power, lattice.cells, item_bytes=bytes_per_cell) ** power
         refuse_more(lattice.cells, name, "cells inside a body", extent, f"{nearest:.3g} would do", bytes_per_cell)
     wide = f"{lattice.edges[2]:.3g} m x {lattice.edges[1]:.3g} m"
     advice = f"its cells are {wide} wide: give a smaller one, or a coarser grid"

@@ -18,7 +18,7 @@ __all__ = ["InitialState", "overlaps"]
 
 
 #: Cells of other runs are the same where edges and places differ by less than this part of an edge.
-_SAME = 1e-6
+_EDGE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,7 +76,7 @@ def overlaps(stored: FloatArray, centres: FloatArray, edge: float) -> FloatArray
     """
     wide = _edge(stored, edge)
     shift = (float(stored[0]) - float(centres[0])) / edge
-    if abs(wide - edge) < _SAME * edge / len(stored) and abs(shift - round(shift)) < _SAME:
+    if abs(wide - edge) < _EDGE_TOLERANCE * edge / len(stored) and abs(shift - round(shift)) < _EDGE_TOLERANCE:
         places = np.arange(len(centres))[:, None] == round(shift) + np.arange(len(stored))
         return np.asarray(places, dtype=float)
     low = np.maximum(centres[:, None] - 0.5 * edge, stored - 0.5 * wide)

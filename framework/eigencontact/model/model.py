@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.kept import kept_or_made
+from eigencontact.core.kept import cached_object
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import Bodies, build_bodies
@@ -175,7 +175,7 @@ def _window(scene: Scene, bodies: Bodies, interface: Interface | None) -> Window
     from eigencontact.model.contact_window import contact_window
 
     with keys_of_scene(scene.steps):
-        return kept_or_made(lambda: _key(scene), lambda: contact_window(scene, interface))
+        return cached_object(lambda: _key(scene), lambda: contact_window(scene, interface))
 
 
 def _key(scene: Scene) -> str:

@@ -16,7 +16,7 @@ __all__ = ["outlines", "section_outline"]
 
 _NODES = 49
 #: With more regions than this their outlines are drawn on fewer nodes.
-_MANY = 50
+_MAX_FINE_REGIONS = 50
 
 
 def outlines(model: Model) -> dict[str, FloatArray]:
@@ -27,7 +27,7 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     guessed: nothing changes at their faces.
     """
     sources = [source for source in model.sources if not source.guessed]
-    nodes = _NODES if len(sources) <= _MANY else _NODES // 2
+    nodes = _NODES if len(sources) <= _MAX_FINE_REGIONS else _NODES // 2
     lines = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
     for request in model.cells.requests:
         if request.shape == "plane":

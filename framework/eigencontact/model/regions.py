@@ -71,12 +71,12 @@ class RegionLattice:
             return f"{len(self.points)} points"
         return f"{self.target[1]} x {self.target[0]} points at {self.depths.size} depths"
 
-    def flat_points(self, every: int = 1) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def flat_points(self, stride: int = 1) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coordinates x, y, z of all points (or every n-th point) in the order of `shape`, each ``(n,)`` [m]."""
         if self.points is not None:
-            x, y, z = self.points[::every].T
+            x, y, z = self.points[::stride].T
             return x, y, z + 0.0  # a depth of -0.0 would be the other side of the surface
-        number = np.arange(0, int(np.prod(self.shape)), every)
+        number = np.arange(0, int(np.prod(self.shape)), stride)
         layer, row, column = np.unravel_index(number, self.shape)
         return self.x[column], self.y[row], self.depths[layer] + 0.0
 

@@ -23,17 +23,17 @@ BYTES_OF_ONE = 96.0
 BYTES_OF_LAW_CELL = 3000.0
 
 
-def most(each: float = BYTES_OF_ONE) -> int:
-    """Number of cells or points, of `each` bytes, that this machine's memory can hold."""
-    return int(MEMORY_SHARE * machine_bytes() / each)
+def most(item_bytes: float = BYTES_OF_ONE) -> int:
+    """Number of cells or points, of `item_bytes`, that this machine's memory can hold."""
+    return int(MEMORY_SHARE * machine_bytes() / item_bytes)
 
 
-def comfortable(each: float = BYTES_OF_ONE) -> int:
+def comfortable(item_bytes: float = BYTES_OF_ONE) -> int:
     """Half of `most`, which leaves memory for other arrays; messages propose it."""
-    return most(each) // 2
+    return most(item_bytes) // 2
 
 
-def cut_down(value: float, count: float, power: int = 1, each: float = BYTES_OF_ONE) -> float:
+def cut_down(value: float, count: float, power: int = 1, item_bytes: float = BYTES_OF_ONE) -> float:
     """Value, rounded down to two digits, at which a count that grows with its `power` is `comfortable`.
 
     Examples
@@ -41,12 +41,12 @@ def cut_down(value: float, count: float, power: int = 1, each: float = BYTES_OF_
     >>> cut_down(1e9, 4.0 * comfortable(), power=2)
     500000000.0
     """
-    fitting = value * (comfortable(each) / count) ** (1.0 / power) * (1.0 + 1e-12)
+    fitting = value * (comfortable(item_bytes) / count) ** (1.0 / power) * (1.0 + 1e-12)
     unit = 10.0 ** (floor(log10(fitting)) - 1)
     return float(f"{floor(fitting / unit) * unit:.2g}")
 
 
-def refuse_more(count: float, where: str, items: str, size: str, advice: str, each: float = BYTES_OF_ONE) -> None:
+def refuse_more(count: float, where: str, items: str, size: str, advice: str, item_bytes: float = BYTES_OF_ONE) -> None:
     """Refuse a size that cannot fit.
 
     Parameters
@@ -57,7 +57,7 @@ def refuse_more(count: float, where: str, items: str, size: str, advice: str, ea
         The field of the scene, and what it is a size of.
     size, advice : str
         Its value, and the nearest one that would do.
-    each : float
+    item_bytes : float
         Least memory that one of them takes [bytes].
 
     Raises
@@ -65,8 +65,8 @@ def refuse_more(count: float, where: str, items: str, size: str, advice: str, ea
     SceneError
         ``<where> must make at most <most> <what> ... (got <got>); <advice>``.
     """
-    if count > most(each):
+    if count > most(item_bytes):
         raise SceneError(
-            f"{where} must make at most {most(each):.2g} {items}, which fill the {machine_bytes() / 1e9:.3g} GB of "
-            f"memory here (got {size}); {advice}"
+            f"{where} must make at most {most(item_bytes):.2g} {items}, which fill the "
+            f"{machine_bytes() / 1e9:.3g} GB of memory here (got {size}); {advice}"
         )

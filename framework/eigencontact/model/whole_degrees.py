@@ -86,11 +86,11 @@ def _closest(
     if surface:
         best = reflection(2.0 * centers[number, 2], halves[number, 2], halves[number, 2])
     gaps = np.linalg.norm(centers - centers[number], axis=1)
-    for other in np.flatnonzero(gaps < _NEAR * (radii + radii[number])):
-        if other != number:
-            quality = reflection(float(gaps[other]), float(radii[number]), float(radii[other]))
+    for index in np.flatnonzero(gaps < _NEAR * (radii + radii[number])):
+        if index != number:
+            quality = reflection(float(gaps[index]), float(radii[number]), float(radii[index]))
             if quality > best:
-                best, neighbour = quality, int(other)
+                best, neighbour = quality, int(index)
     return best, neighbour
 
 

@@ -47,7 +47,7 @@ SAFETY = 1.1
 #: hard ball is up to three times that far from it. The box grows from there.
 _BESIDE = (1.1, 1.5, 2.0, 3.0)
 #: A law that answers another stress than this close to the elastic one is not elastic there.
-_SAME = 1e-6
+_ELASTIC_TOLERANCE = 1e-6
 #: Depths at which bulk stress alone must leave a law elastic, in sizes of the window.
 _DEPTHS = np.concatenate([[0.0], np.geomspace(1e-3, 10.0, 64)])
 #: Room below a zone, in its heights, that whole layers of cells fill together with it.
@@ -207,7 +207,7 @@ class _Trial:
             return out
         except EigencontactError:
             return self._by_depth(stress, z)
-        return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
+        return np.asarray(np.linalg.norm(answer - stress, axis=0) > _ELASTIC_TOLERANCE * size, dtype=bool)
 
     def _by_depth(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Test each depth separately if the law refuses all points together; a refused depth counts as inelastic."""

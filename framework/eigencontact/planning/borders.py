@@ -26,7 +26,7 @@ _ON_A_BORDER = 1e-6
 #: Corners of cells are looked at this far inside them, in parts of their edge.
 _INSET = 1e-6
 #: A point this close to a face of cells, in parts of their edge, is on it.
-_SAME = 1e-12
+_FACE_TOLERANCE = 1e-12
 
 
 def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
@@ -154,7 +154,7 @@ def _in_uncut_cells(
     dz, dy, dx = lattice
     edges = np.array([dx, dy, dz])[:, None]
     first = np.array([model.grid.x[0] - 0.5 * dx, model.grid.y[0] - 0.5 * dy, 0.0])[:, None]
-    low = first + np.floor((points - first) / edges + _SAME) * edges
+    low = first + np.floor((points - first) / edges + _FACE_TOLERANCE) * edges
     inset = [_INSET, 1.0 - _INSET]  # a face of cells that lies in a border is not cut
     corners = [low + edges * np.array(share)[:, None] for share in product(inset, inset, inset)]
     inside = np.stack([np.asarray(source.shape.contains(*corner)) for corner in corners])

@@ -79,14 +79,14 @@ def plan_words(plan: Plan) -> PlanWords:
     ]
     blocks = []
     for block in plan.blocks:
-        for part in block.parts:
-            seconds = part.cost.seconds_once + plan.steps * part.cost.seconds_per_step
-            price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
+        for item in block.parts:
+            seconds = item.cost.seconds_once + plan.steps * item.cost.seconds_per_step
+            price = ", ".join([*([_bytes(item.cost.peak)] if item.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
-            blocks.append(f"{part.name}{together}: {part.reason}" + (f"  [{price}]" if seconds else ""))
+            blocks.append(f"{item.name}{together}: {item.reason}" + (f"  [{price}]" if seconds else ""))
     blocks += [
-        f"{part.name}, after the last step: {part.reason}  [{_time(part.cost.seconds_once)}]"
-        for part in plan.conclusions
+        f"{item.name}, after the last step: {item.reason}  [{_time(item.cost.seconds_once)}]"
+        for item in plan.conclusions
     ]
     return PlanWords(
         title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
@@ -171,7 +171,7 @@ def _block_as_data(block: Block, steps: int) -> dict[str, object]:
         "why": block.reason,
         "requires": sorted(block.requires),
         "provides": sorted(block.provides),
-        "parts": [part.name for part in block.parts],
+        "parts": [item.name for item in block.parts],
         "memory_bytes": block.cost.peak,
         "seconds": block.cost.seconds_once + steps * block.cost.seconds_per_step,
     }

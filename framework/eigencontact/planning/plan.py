@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from eigencontact.core.cautions import Caution, LeftOut
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, by_name
-from eigencontact.execution.blocks.block import Block, Cost, Part
+from eigencontact.execution.blocks.block import Block, Cost, PlanItem
 from eigencontact.execution.blocks.conclusion import Conclusion
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.model.kernels import KernelUse
@@ -77,9 +77,9 @@ class Plan:
         return self.model.window.growth
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[PlanItem]:
         """Parts of all blocks, in order, and conclusions."""
-        return [*(part for block in self.blocks for part in block.parts), *self.conclusions]
+        return [*(item for block in self.blocks for item in block.parts), *self.conclusions]
 
     @property
     def kernels(self) -> list[KernelUse]:
@@ -90,7 +90,7 @@ class Plan:
     def numbers(self) -> dict[str, Number]:
         """All scalars of a step or the run, by name, in order of execution."""
         parts = (*self.blocks, *self.conclusions)
-        return by_name(self._declared(number for part in parts for number in part.numbers))
+        return by_name(self._declared(number for item in parts for number in item.numbers))
 
     @property
     def observed(self) -> dict[str, Number]:
@@ -104,12 +104,12 @@ class Plan:
     @property
     def precisions(self) -> list[Precision]:
         """Precision of each operator if the scene leaves the choice to the plan; equal ones once."""
-        return list(dict.fromkeys(precision for part in self.parts for precision in part.precisions))
+        return list(dict.fromkeys(precision for item in self.parts for precision in item.precisions))
 
     @property
     def cost(self) -> Cost:
         """Predicted memory [bytes] beyond the libraries, and time."""
-        return sum((part.cost for part in (*self.blocks, *self.conclusions)), Cost())
+        return sum((item.cost for item in (*self.blocks, *self.conclusions)), Cost())
 
     @property
     def seconds(self) -> float:

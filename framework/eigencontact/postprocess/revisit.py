@@ -114,12 +114,12 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
     return replace(record, scalars=scalars, fields={}, regions=evaluated_step.regions, observed={}, history={})
 
 
-def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
+def _refuse_other_plugins(results: Path, run_origins: Mapping[str, str], origins: Mapping[str, str]) -> None:
     """Refuse plugin files that changed since the run, because their fields would differ from those of the run."""
-    for name, origin in now.items():
-        if f" {OF_FILE}" in origin and before.get(name) != origin:
+    for name, origin in origins.items():
+        if f" {OF_FILE}" in origin and run_origins.get(name) != origin:
             raise ResultsError(
-                f"{results} must be of the plugin file as it is now, {origin} (got {before.get(name, 'none')}); "
+                f"{results} must be of the plugin file as it is now, {origin} (got {run_origins.get(name, 'none')}); "
                 "run the scene again"
             )
 

@@ -93,7 +93,7 @@ def _further(cls: type) -> bool | dict[str, Any]:
 
 def _property(key: Key) -> dict[str, Any]:
     default = {} if key.default in (None, "", [], [None]) else {"default": key.default}
-    return {"description": f"{key.meaning} ({key.takes})".strip(), **_clean(key.form), **default}
+    return {"description": f"{key.meaning} ({key.valid_values})".strip(), **_clean(key.form), **default}
 
 
 def _clean(form: Any) -> Any:

@@ -46,7 +46,7 @@ class Key:
     table: type | None
 
     @property
-    def takes(self) -> str:
+    def valid_values(self) -> str:
         """Valid values of the key in words."""
         return in_words(self.form)
 
@@ -56,7 +56,7 @@ class Key:
         return {
             "name": self.name,
             "meaning": self.meaning,
-            "takes": self.takes,
+            "takes": self.valid_values,
             "unit": self.unit,
             "choices": choices,
             "required": self.required,

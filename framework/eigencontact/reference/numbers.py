@@ -12,7 +12,7 @@ from eigencontact.errors import EigencontactError
 from eigencontact.hooks.registry import Registry
 
 if TYPE_CHECKING:
-    from eigencontact.execution.blocks.block import Part
+    from eigencontact.execution.blocks.block import PlanItem
 
 __all__ = ["known_numbers", "numbers_as_markdown", "observed_numbers"]
 
@@ -28,14 +28,14 @@ def known_numbers() -> dict[str, Number]:
     'Pa'
     """
     from eigencontact import execution
-    from eigencontact.execution.blocks.block import Part
+    from eigencontact.execution.blocks.block import PlanItem
 
     for module in pkgutil.walk_packages(execution.__path__, f"{execution.__name__}."):
         importlib.import_module(module.name)
-    return by_name(number for part in _below(Part) for number in part.numbers)
+    return by_name(number for item in _below(PlanItem) for number in item.numbers)
 
 
-def _below(kind: type[Part]) -> Iterator[type[Part]]:
+def _below(kind: type[PlanItem]) -> Iterator[type[PlanItem]]:
     for child in kind.__subclasses__():
         yield child
         yield from _below(child)

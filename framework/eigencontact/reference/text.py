@@ -71,8 +71,9 @@ def _section(table: TableReference) -> str:
     lines = [f"## {f'`[{table.place}]`' if table.place else 'The scene'}", "", table.summary.replace("``", "`")]
     if table.keys:
         lines += ["", "| key | takes | default | meaning |", "|---|---|---|---|"]
-        lines += [f"| `{key.name}` | {_cell(key.takes)} | {_cell(_shown(key.to_dict()))} | {_cell(key.meaning)} |"
-                  for key in table.keys]  # fmt: skip
+        for key in table.keys:
+            cells = _cell(key.valid_values), _cell(_shown(key.to_dict())), _cell(key.meaning)
+            lines.append(f"| `{key.name}` | {' | '.join(cells)} |")
     if table.plugins:
         lines += ["", f"`type` names a plugin ({table.kind}), whose parameters are further keys:", ""]
         lines += [f"- `{name}`: {line.replace('``', '`')}" for name, line in table.plugins]

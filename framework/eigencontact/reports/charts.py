@@ -44,8 +44,8 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
         parts.append(f'<path class="{"zero" if tick == 0 else "grid"}" d="M{_LEFT} {y:.1f}H{_RIGHT}"/>')
         parts.append(_text(_LEFT - 5, y + 3.5, f"{tick:.6g}", "end"))
     if column.errors:
-        every = -(-len(points) // _POINTS)
-        visible = [(x, y, width) for (x, y), (_, width) in zip(points, band, strict=True)][::every]
+        stride = -(-len(points) // _POINTS)
+        visible = [(x, y, width) for (x, y), (_, width) in zip(points, band, strict=True)][::stride]
         upper, lower = ([(x, y + sign * width) for x, y, width in visible] for sign in (1.0, -1.0))
         around = [place(x, y) for x, y in (*upper, *reversed(lower))]
         parts.append(f'<path class="band" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in around)}Z"/>')

@@ -115,8 +115,8 @@ def _content(source: Source) -> dict[str, Any]:
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
 
-    every = columns(source.dataset)
-    numbers = telling(every)
+    run_columns = columns(source.dataset)
+    numbers = telling(run_columns)
     pictures, anew = pictures_of(source)
     cited = citations(source.references)
     last = len(source.steps) - 1
@@ -128,15 +128,15 @@ def _content(source: Source) -> dict[str, Any]:
         "sections": SECTIONS,
         "made_by": source.dataset.attrs["eigencontact_version"],
         "source": source,
-        "answer": answer(every, source.steps),
+        "answer": answer(run_columns, source.steps),
         "cards": cards(numbers),
         "field_errors": _field_errors(source),
         "errors": {name: ErrorBar.of_dict(table) for name, table in source.summary.get("errors", {}).items()},
         "rows": rows,
         "printed": printed,
         "numbers": numbers,
-        "certificates": [column for column in every if column.number.role in ("certificate", "error")],
-        "effort": [column for column in every if column.number.role == "effort"],
+        "certificates": [column for column in run_columns if column.number.role in ("certificate", "error")],
+        "effort": [column for column in run_columns if column.number.role == "effort"],
         "charts": [
             (column, chart(column, source.steps), in_words(column, source.steps)) for column in numbers if column.varies
         ],

@@ -95,10 +95,10 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
     if box is not None:
         view = box.grown(2 + box.shape[0] // 8, 2 + box.shape[1] // 8, (rows, columns))
     shown = values[(slice(None), *view.slices)]
-    every = max(1, -(-max(view.shape) // CELLS))
-    shown = shown[:, ::every, ::every]
+    stride = max(1, -(-max(view.shape) // CELLS))
+    shown = shown[:, ::stride, ::stride]
     low, high = _range(values)
-    x, y = (dataset[axis].values[cells][::every] for axis, cells in zip("xy", view.slices[::-1], strict=True))
+    x, y = (dataset[axis].values[cells][::stride] for axis, cells in zip("xy", view.slices[::-1], strict=True))
     length = scale_for([*x, *y], "m")
     levels = np.rint((np.clip(shown, low, high) - low) / (high - low) * _LEVELS).astype("<u2")
     return {
@@ -108,7 +108,7 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
         "y": [float(length(y[0])), float(length(y[-1]))],
         "length": length.unit,
         "shape": list(shown.shape[1:]),
-        "every": every,
+        "every": stride,
         "steps": [
             {"step": int(dataset["step"].values[at]), "heights": b64encode(heights.tobytes()).decode()}
             for at, heights in zip(places, levels, strict=True)

@@ -98,13 +98,13 @@ def content_of(sweep: Sweep) -> dict[str, Any]:
     from eigencontact.reports.pictures import read_pictures
 
     declared = {name: table for summary in sweep.summaries for name, table in summary.get("numbers", {}).items()}
-    every = [
+    columns = [
         Column(Number(**table), [_number(summary, name) for summary in sweep.summaries])
         for name, table in declared.items()
     ]
-    every = [column for column in every if column.largest is not None]
-    numbers = telling(every)
-    meanings = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
+    columns = [column for column in columns if column.largest is not None]
+    numbers = telling(columns)
+    meanings = {column.name: column.meaning for column in columns if (sweep.folder / f"{column.name}.png").is_file()}
     against = ", ".join(sweep.vary)
     captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in meanings.items()}
     for path in filter(is_ours, sorted(sweep.folder.glob("*-profiles.png"))):

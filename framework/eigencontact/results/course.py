@@ -16,9 +16,9 @@ __all__ = ["course_table", "driven_motions"]
 FloatArray = NDArray[np.float64]
 
 #: Fewest rows of a table of many steps.
-_FEW = 6
+_MIN_ROWS = 6
 #: Most rows of a table.
-_MANY = 12
+_MAX_ROWS = 12
 #: A load below this part of the largest of its kind is a by-product.
 _BY_PRODUCT = 1e-3
 #: A load below this part of the normal load is a by-product.
@@ -177,7 +177,7 @@ def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[li
     All of a few; else the first, the last, ends of ramps and turns.
     """
     count = len(columns["step"])
-    if count <= _MANY:
+    if count <= _MAX_ROWS:
         return list(range(count)), False
     positions = {0, count - 1}
     if "time" in columns:
@@ -186,11 +186,11 @@ def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[li
         moves = np.diff(columns[name])
         moves[np.abs(moves) < _ROUND_OFF * np.nanmax(np.abs(columns[name]), initial=0.0)] = 0.0
         positions |= set((np.flatnonzero(moves[1:] * moves[:-1] < 0.0) + 1).tolist())
-    if len(positions) < _FEW:
-        positions |= set(np.round(np.linspace(0, count - 1, _FEW)).astype(int).tolist())
+    if len(positions) < _MIN_ROWS:
+        positions |= set(np.round(np.linspace(0, count - 1, _MIN_ROWS)).astype(int).tolist())
     rows = sorted(positions)
-    cut = len(rows) > _MANY
-    return [*rows[: _MANY // 2], *rows[-_MANY // 2 :]] if cut else rows, cut
+    cut = len(rows) > _MAX_ROWS
+    return [*rows[: _MAX_ROWS // 2], *rows[-_MAX_ROWS // 2 :]] if cut else rows, cut
 
 
 def _texts(heading: str, unit: str, values: FloatArray, rows: Sequence[int]) -> list[str]:

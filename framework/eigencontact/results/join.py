@@ -17,7 +17,7 @@ from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
 from eigencontact.results.history import HISTORY_STEP, history_name
 from eigencontact.results.netcdf import fill, lay_out
 from eigencontact.results.ownership import RESULTS, STEPS
-from eigencontact.results.part import Part, open_part
+from eigencontact.results.part import StoredPart, open_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -62,7 +62,7 @@ class Column:
         return (self.steps, *self.shape[1:]) if self.stepped else self.shape
 
 
-def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[Path | Part] = ()) -> None:
+def join_steps(target: Path, steps: Sequence[Path | StoredPart], histories: Sequence[Path | StoredPart] = ()) -> None:
     """Join steps, and histories after some of them, in order, into one netCDF-4 file, atomically.
 
     A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others. Numbers
@@ -89,7 +89,7 @@ def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[P
                         out[name][...] = values
 
 
-def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Dataset:
+def dataset_of(steps: Sequence[StoredPart], histories: Sequence[StoredPart] = ()) -> xr.Dataset:
     """Join steps into a dataset in memory, equal to the file of `join_steps` opened by xarray.
 
     Raises
@@ -119,7 +119,7 @@ def _attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _columns(
-    steps: Sequence[Path | Part], histories: Sequence[Path | Part]
+    steps: Sequence[Path | StoredPart], histories: Sequence[Path | StoredPart]
 ) -> tuple[dict[str, Column], dict[str, Column], dict[str, Any]]:
     """All variables of the steps and of the last history, and the attributes of the last step."""
     columns: dict[str, Column] = {}
@@ -156,7 +156,7 @@ def _column(variable: Any, steps: int) -> Column:
     return Column(dims, tuple(variable.shape), np.dtype(variable.dtype), attrs, steps)
 
 
-def _values(sources: Sequence[Path | Part], columns: Mapping[str, Column]) -> Iterator[tuple[str, NDArray[Any]]]:
+def _values(sources: Sequence[Path | StoredPart], columns: Mapping[str, Column]) -> Iterator[tuple[str, NDArray[Any]]]:
     """Values of each variable in some steps, joined; constant variables from the last step."""
     with ExitStack() as stack:
         parts = [(source, stack.enter_context(_opened(source))) for source in sources]
@@ -191,9 +191,9 @@ def _place(arrays: Any, variable: Any, column: Column, columns: Mapping[str, Col
 
 
 @contextmanager
-def _opened(source: Path | Part) -> Iterator[Any]:
+def _opened(source: Path | StoredPart) -> Iterator[Any]:
     """Open a step for reading, if it is a file."""
-    if isinstance(source, Part):
+    if isinstance(source, StoredPart):
         yield source
         return
     with ExitStack() as stack:
@@ -203,7 +203,7 @@ def _opened(source: Path | Part) -> Iterator[Any]:
 
 
 @contextmanager
-def _damage_named(source: Path | Part) -> Iterator[None]:
+def _damage_named(source: Path | StoredPart) -> Iterator[None]:
     """Report damage by the name of its file."""
     try:
         yield

@@ -11,7 +11,7 @@ import numpy as np
 
 from eigencontact.results.history import HISTORY_STEP
 from eigencontact.results.join import dataset_of, join_steps
-from eigencontact.results.part import Part, part_of
+from eigencontact.results.part import StoredPart, part_of
 from eigencontact.results.stepfile import history_part, step_part
 from eigencontact.results.stored import StoredArray
 
@@ -37,8 +37,8 @@ class MemoryStore:
     """Steps of one run in memory, with the content of `eigencontact.results.store.ResultStore`; `info` is common."""
 
     info: RunInfo
-    _steps: list[Part] = field(default_factory=list)
-    _histories: list[Part] = field(default_factory=list)
+    _steps: list[StoredPart] = field(default_factory=list)
+    _histories: list[StoredPart] = field(default_factory=list)
     _rows: list[dict[str, Any]] = field(default_factory=list)
 
     def write_step(self, record: StepRecord) -> None:
@@ -92,8 +92,8 @@ class MemoryStore:
 class MemoryResults:
     """Variables of steps in memory, like those of `eigencontact.results.stored.open_stored` for a file."""
 
-    def __init__(self, steps: list[Part], histories: list[Part]) -> None:
-        history_variables = {name: _MemoryVariable(histories, name) for part in histories[-1:] for name in part}
+    def __init__(self, steps: list[StoredPart], histories: list[StoredPart]) -> None:
+        history_variables = {name: _MemoryVariable(histories, name) for history in histories[-1:] for name in history}
         self.variables = history_variables | {name: _MemoryVariable(steps, name) for name in steps[-1]}
         self.attrs = dict(steps[-1].attrs)
 
@@ -120,7 +120,7 @@ class MemoryResults:
 class _MemoryVariable:
     """Variable of steps in memory; an index reads one step."""
 
-    def __init__(self, steps: list[Part], name: str) -> None:
+    def __init__(self, steps: list[StoredPart], name: str) -> None:
         self._steps, self._name = steps, name
         self.attrs = steps[-1][name].attrs
         self.dims = tuple(self.attrs["dims"].split())

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from eigencontact.results.atomic import Sink
     from eigencontact.results.layout import Variable
 
-__all__ = ["Part", "Stored", "open_part", "part_of", "write_part"]
+__all__ = ["Stored", "StoredPart", "open_part", "part_of", "write_part"]
 
 _MARK = "eigencontact-step-1"
 #: Longest first line [bytes]: the mark, the length of the header and its checksum.
@@ -55,7 +55,7 @@ class Stored:
         return self.shape[0]
 
 
-class Part(dict[str, Stored]):
+class StoredPart(dict[str, Stored]):
     """Arrays by name; `attrs` are the attributes of the whole."""
 
     def __init__(self, attrs: Mapping[str, Any], arrays: Mapping[str, Stored]) -> None:
@@ -63,14 +63,14 @@ class Part(dict[str, Stored]):
         self.attrs = dict(attrs)
 
 
-def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable], *, copied: bool = True) -> Part:
+def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable], *, copied: bool = True) -> StoredPart:
     """Part in memory, with copies or with the arrays themselves, which then must not change while it is used."""
 
     def stored_copy(variable: Variable) -> Stored:
         values = np.array(variable.values) if copied else variable.values
         return Stored(attrs=_described(variable), shape=values.shape, dtype=values.dtype, read=values.view)
 
-    return Part(attrs, {variable.name: stored_copy(variable) for variable in variables})
+    return StoredPart(attrs, {variable.name: stored_copy(variable) for variable in variables})
 
 
 def write_part(sink: Sink, attrs: Mapping[str, Any], variables: Sequence[Variable]) -> None:
@@ -95,7 +95,7 @@ def write_part(sink: Sink, attrs: Mapping[str, Any], variables: Sequence[Variabl
 
 @contextmanager
 def open_part(path: Path) -> Iterator[Any]:
-    """Open a stored step or joined results: a `Part`, or the HDF5 file.
+    """Open a stored step or joined results: a `StoredPart`, or the HDF5 file.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def open_part(path: Path) -> Iterator[Any]:
         yield file
 
 
-def _read(file: BufferedReader) -> Part:
+def _read(file: BufferedReader) -> StoredPart:
     line = file.readline(_LINE)
     _, length, checksum = line.split()
     header = json.loads(_checked(file.read(int(length)), int(checksum), "the header"))
@@ -122,7 +122,7 @@ def _read(file: BufferedReader) -> Part:
         read = partial(_array, file, at, item) if values is None else partial(np.array, values, dtype)
         arrays[item["name"]] = Stored(attrs=item["attrs"], shape=tuple(item["shape"]), dtype=dtype, read=read)
         at += item.get("bytes", 0)
-    return Part(header["attrs"], arrays)
+    return StoredPart(header["attrs"], arrays)
 
 
 def _array(file: BufferedReader, at: int, item: Mapping[str, Any]) -> NDArray[Any]:

@@ -16,7 +16,7 @@ from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.results.atomic import DAMAGE, reason, replacing
 from eigencontact.results.history import history_name, history_of, history_variables
 from eigencontact.results.layout import FORMAT, attributes, variables
-from eigencontact.results.part import Part, open_part, part_of, write_part
+from eigencontact.results.part import StoredPart, open_part, part_of, write_part
 from eigencontact.results.records import HistoryRecord, RegionRecord, RunInfo, StepRecord
 
 if TYPE_CHECKING:
@@ -39,12 +39,12 @@ __all__ = [
 ]
 
 
-def step_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
+def step_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> StoredPart:
     """Build a step for joining, in memory; raises `ResultsError` like `eigencontact.results.layout.variables`."""
     return part_of(attributes(info, record), variables(info, record), copied=copied)
 
 
-def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
+def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> StoredPart:
     """History fields of the bodies after a step, in memory."""
     return part_of(_marked(info), list(history_variables(record)), copied=copied)
 

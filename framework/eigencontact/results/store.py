@@ -42,10 +42,10 @@ __all__ = ["ResultStore"]
 _MARK = "run.json"
 _STEP_FILE = re.compile(r"(\d{4,})\.(step|h5)")  # .h5 of earlier versions
 _HISTORY_FILE = re.compile(r"(\d{4,})\.history\.(step|h5)")
-_OWN = r"(\d{4,}(\.history)?\.(step|h5)|run\.json)"
-_OWN_IN_STEPS = re.compile(rf"{_OWN}|\.{_OWN}\.partial")
+_FILE_NAME = r"(\d{4,}(\.history)?\.(step|h5)|run\.json)"
+_FILE_NAME_IN_STEPS = re.compile(rf"{_FILE_NAME}|\.{_FILE_NAME}\.partial")
 #: Histories that an unfinished run keeps: should the last step be damaged, the one before can still be continued.
-_KEPT = 2
+_HISTORY_COUNT = 2
 #: Steps are put on the disk for good at this distance [s]: each of them costs some 10 ms. What is written is safe from
 #: a killed process at once.
 _LASTING = 1.0
@@ -68,14 +68,14 @@ class ResultStore:
         What holds for all steps.
     problems : list of str
         Stored steps that `accepted` could not use, in words, to be shown to the user; they are computed again.
-    made : list of Path
+    new_folders : list of Path
         Folders that `create` made, innermost first.
     """
 
     folder: Path
     info: RunInfo
     problems: list[str] = field(default_factory=list)
-    made: list[Path] = field(default_factory=list)
+    new_folders: list[Path] = field(default_factory=list)
     _lasting: float = -inf
 
     @classmethod
@@ -113,7 +113,7 @@ class ResultStore:
             _refuse_foreign_steps(folder / STEPS)
             if not overwrite:
                 _refuse_conflict(folder, info, hashes, resume=resume)
-            store.made = [path for path in (folder, *folder.parents) if not path.exists()]
+            store.new_folders = [path for path in (folder, *folder.parents) if not path.exists()]
             writable_folder(folder)
             if overwrite:
                 _remove_own(folder)
@@ -145,7 +145,7 @@ class ResultStore:
         if _step_files(self.folder / STEPS):
             return
         _remove_steps(self.folder)
-        for path in self.made:
+        for path in self.new_folders:
             if any(path.iterdir()):
                 break
             path.rmdir()
@@ -168,7 +168,7 @@ class ResultStore:
         write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record, lasting=lasting)
         self._lasting = monotonic() if lasting else self._lasting
         if record.history and not self.info.every_history:
-            history_name(self.folder / STEPS / f"{record.index - _KEPT:04d}.step").unlink(missing_ok=True)
+            history_name(self.folder / STEPS / f"{record.index - _HISTORY_COUNT:04d}.step").unlink(missing_ok=True)
 
     def accepted(self) -> list[int]:
         """Indices 1, 2, ... n of the stored steps from which the run can continue.
@@ -331,7 +331,7 @@ def _results_hash(path: Path) -> str:
 
 def _refuse_foreign_steps(steps: Path) -> None:
     if steps.exists() and not (steps / _MARK).exists():
-        strange = sorted(path.name for path in steps.iterdir() if not _OWN_IN_STEPS.fullmatch(path.name))
+        strange = sorted(path.name for path in steps.iterdir() if not _FILE_NAME_IN_STEPS.fullmatch(path.name))
         if strange:
             raise ResultsError(
                 f"{steps} must be a folder that this package made (got {strange[0]!r} in it); choose another with -o"
@@ -371,7 +371,7 @@ def _remove_steps(folder: Path) -> None:
         return
     (steps / _MARK).unlink(missing_ok=True)
     for path in list(steps.iterdir()):
-        if _OWN_IN_STEPS.fullmatch(path.name):
+        if _FILE_NAME_IN_STEPS.fullmatch(path.name):
             path.unlink()
     if not any(steps.iterdir()):
         steps.rmdir()

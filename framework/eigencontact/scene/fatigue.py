@@ -187,10 +187,10 @@ def elastic_constants(body: Mapping[str, Any], materials: Iterable[str], region:
     """
     table = {name.replace("_", "-"): value for name, value in body.items()}
     names = ("young-modulus", "poisson-ratio")
-    others = [*(name for name in table if name not in (*names, *_ELASTIC)), *materials]
-    if others or not all(isinstance(table.get(name), int | float) for name in names):
+    causes = [*(name for name in table if name not in (*names, *_ELASTIC)), *materials]
+    if causes or not all(isinstance(table.get(name), int | float) for name in names):
         raise SceneError(
             f"region {region!r} must store its strain where the body is not elastic and of one material (got "
-            f'{", ".join(others) or "a body without constants"}); run with fields = ["stress", "strain"] in its table'
+            f'{", ".join(causes) or "a body without constants"}); run with fields = ["stress", "strain"] in its table'
         )
     return float(table[names[0]]), float(table[names[1]])

@@ -12,11 +12,11 @@ from eigencontact.errors import PlanError, PluginError, SceneError
 __all__ = ["labelled", "labels_in_messages", "ordinal"]
 
 #: Arrays of tables that may have a name, and what one of them is called.
-_ONE = {"stress": "stress", "inclusions": "inclusion", "eigenstrain": "eigenstrain", "layers": "layer"}
+_SINGULAR = {"stress": "stress", "inclusions": "inclusion", "eigenstrain": "eigenstrain", "layers": "layer"}
 #: Layers stand in the medium of a body, or behind the key of the medium's plugin.
 _PLACE = re.compile(
     r"(?<![\w.-])(?:(?:(?P<body>body[12])\.medium\.|[\w-]+\.)(?=layers\.))?"
-    rf"(?P<group>{'|'.join(_ONE)})\.(?P<number>\d+)(?!\w)(?P<rest>(?:\.[\w-]*\w)*)"
+    rf"(?P<group>{'|'.join(_SINGULAR)})\.(?P<number>\d+)(?!\w)(?P<rest>(?:\.[\w-]*\w)*)"
 )
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
@@ -60,7 +60,7 @@ def labelled(text: str, scene: Any) -> str:
         if not name:
             return match[0]
         body = f" of {match['body']}" if match["body"] else ""
-        label = f"{_ONE[match['group']]} {name!r} ({ordinal(number)}){body}"
+        label = f"{_SINGULAR[match['group']]} {name!r} ({ordinal(number)}){body}"
         return f"{match['rest'][1:]} of {label}" if match["rest"] else label
 
     return _PLACE.sub(named, text)

@@ -18,7 +18,7 @@ from eigencontact.errors import SceneError, shown
 __all__ = ["plain"]
 
 #: Values that stay as they are; the field refuses those that it cannot hold.
-_KEPT = (str, bytes, bool, int, float, date, time, type(None), type)
+_PLAIN_TYPES = (str, bytes, bool, int, float, date, time, type(None), type)
 
 
 def plain(value: Any, where: str = "") -> Any:
@@ -44,7 +44,7 @@ def plain(value: Any, where: str = "") -> Any:
     >>> plain({"radius": np.float64(2.0), "center": np.zeros(2), "files": (Path("a.npz"),)})
     {'radius': 2.0, 'center': [0.0, 0.0], 'files': ('a.npz',)}
     """
-    if isinstance(value, _KEPT) and not isinstance(value, np.generic):
+    if isinstance(value, _PLAIN_TYPES) and not isinstance(value, np.generic):
         return value
     if isinstance(value, Mapping):
         for key in value:

@@ -188,8 +188,8 @@ class Scene(Table):
             for name, component in zip(names, IN_PLANE, strict=True)
         }
         ramped = {name for ramp in self.ramps for name in ramp.bulk}
-        every = [name for names in BULK_NAMES.values() for name in names]
-        return {name: tables.get(name, 0.0) for name in every if name in ramped or tables.get(name, 0.0)}
+        bulk_names = [name for names in BULK_NAMES.values() for name in names]
+        return {name: tables.get(name, 0.0) for name in bulk_names if name in ramped or tables.get(name, 0.0)}
 
     @property
     def losses(self) -> dict[int, float]:

@@ -44,7 +44,7 @@ def keys_of_scene(steps: Sequence[Step], ramp: int | None = None, load_step: int
             giving = [number for number, (_, step) in enumerate(named) if getattr(step, about[1]) is not None]
             # A ramp that does not prescribe a value keeps that of the ramp before.
             number = giving[0] if ramp is None else max((item for item in giving if item <= ramp), default=ramp)
-            rest = re.sub(rf"\b({'|'.join(_NAMES)})\b", lambda name: name[0].replace("_", "-"), words[about.end() :])
+            tail = re.sub(rf"\b({'|'.join(_NAMES)})\b", lambda name: name[0].replace("_", "-"), words[about.end() :])
             at = "" if load_step is None else f", at load step {load_step},"
-            problem.args = (f"{named[number][0]}.{about[1].replace('_', '-')}{at}{rest}", *problem.args[1:])
+            problem.args = (f"{named[number][0]}.{about[1].replace('_', '-')}{at}{tail}", *problem.args[1:])
         raise

@@ -74,7 +74,7 @@ def each_impact(steps: list[Step]) -> list[Step]:
     return [single for step in steps for single in step.written_out()]
 
 
-def _some(steps: Any) -> Any:
+def _checked_steps(steps: Any) -> Any:
     if steps is not None and not steps:
         raise ValueError("one step or more")
     return steps
@@ -168,7 +168,7 @@ class Step(Table):
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
     spacing: Literal["radius", "even"] | None = None
     impacts: Impacts | None = None
-    cycle: Annotated[list[Step] | None, BeforeValidator(one_or_many), AfterValidator(_some)] = None
+    cycle: Annotated[list[Step] | None, BeforeValidator(one_or_many), AfterValidator(_checked_steps)] = None
     repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
 
     def written_out(self) -> list[Step]:

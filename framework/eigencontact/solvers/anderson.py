@@ -89,7 +89,7 @@ class Anderson:
         changes = gram[:-1, :-1] - last[:, None] - last[None, :] + products[-1]  # of the residuals, to the last one
         right = products[-1] - last
         if self._earlier:
-            across = np.array([[_dot(earlier, now) for now in self._residuals] for _, earlier in self._earlier])
+            across = np.array([[_dot(earlier, vector) for vector in self._residuals] for _, earlier in self._earlier])
             mixed_products = across[:, :-1] - across[:, -1:]
             changes = np.block([[changes, mixed_products.T], [mixed_products, self._gram_earlier]])
             right = np.concatenate([right, -across[:, -1]])

@@ -107,10 +107,10 @@ def outward(share: FloatArray, pitch: tuple[float, float, float], *, flush: bool
 
 def outer_stress(stress: FloatArray, eigenstrain: FloatArray, normal: FloatArray, matrix: Material) -> FloatArray:
     """F + T E [Pa] of cells ``(6, n)``; the normals ``(3, n)`` are zero in cells without a boundary."""
-    out, there = stress.copy(), np.flatnonzero(normal.any(axis=0) & eigenstrain.any(axis=0))
-    if there.size:
-        constraint = constraint_of_layer(matrix, normal[:, there].T)
-        out[:, there] += np.einsum("nij,jn->in", constraint, eigenstrain[:, there])
+    out, boundary_cells = stress.copy(), np.flatnonzero(normal.any(axis=0) & eigenstrain.any(axis=0))
+    if boundary_cells.size:
+        constraint = constraint_of_layer(matrix, normal[:, boundary_cells].T)
+        out[:, boundary_cells] += np.einsum("nij,jn->in", constraint, eigenstrain[:, boundary_cells])
     return out
 
 

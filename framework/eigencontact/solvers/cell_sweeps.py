@@ -22,7 +22,7 @@ from eigencontact.solvers.law_cells import LawCells, Variables
 __all__ = ["CellSweeps", "Sweep"]
 
 #: Weight of the eigenstrain at the start in the reference size, which also serves for complete unloading.
-_LEFT = 1e-2
+_START_WEIGHT = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ class CellSweeps:
         change = distance_of(image, eigenstrain)
         size = self._size(applied_stress, prestrain)
         if start is not None:
-            size = max(size, _LEFT * norm_of(start))
+            size = max(size, _START_WEIGHT * norm_of(start))
         if size == 0.0:  # the history variables are the only load of the cells
             size = max(norm_of(image), norm_of(eigenstrain))
         residual = change / size if change > 0.0 else 0.0
@@ -144,7 +144,7 @@ class CellSweeps:
         largest = float(np.linalg.norm(sigma, axis=0).max())
         if start is not None:
             left = float(np.linalg.norm(start.reshape(6, -1), axis=0).max())
-            largest = max(largest, _LEFT * 2.0 * self._linear.matrix.shear_modulus * left)
+            largest = max(largest, _START_WEIGHT * 2.0 * self._linear.matrix.shear_modulus * left)
         return self._laws.misfit(e, sigma, prescribed, before, steps) / largest if largest > 0.0 else 0.0
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:

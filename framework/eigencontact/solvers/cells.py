@@ -44,13 +44,13 @@ class Cells:
         """Centres along x, y or z (axis 0, 1, 2) [m]."""
         return np.asarray(self.first[axis] + np.arange(self.shape[2 - axis]) * self.pitch[axis])
 
-    def part(self, window: tuple[slice, slice, slice]) -> Cells:
+    def window_cells(self, window: tuple[slice, slice, slice]) -> Cells:
         """Cells of a window along (z, y, x).
 
         Examples
         --------
         >>> box = Cells(first=(0.0, 0.0, 0.05), pitch=(0.1, 0.1, 0.1), shape=(4, 1, 8))
-        >>> box.part((slice(1, 3), slice(0, 1), slice(2, 6))).shape
+        >>> box.window_cells((slice(1, 3), slice(0, 1), slice(2, 6))).shape
         (2, 1, 4)
         """
         x, y, z = (float(self.centres(axis)[window[2 - axis].start]) for axis in range(3))

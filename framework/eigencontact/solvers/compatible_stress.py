@@ -120,8 +120,8 @@ class CompatibleStress:
     def _spread(self, forces: FloatArray) -> FloatArray:
         """Sum of the forces ``(nz, ny, nx, 24)`` of all cells at each corner, ``(nz + 1, ny + 1, nx + 1, 3)``."""
         out = np.zeros((*(n + 1 for n in forces.shape[:3]), 3))
-        for part, place in self._places():
-            out[place] += forces[..., part]
+        for columns, place in self._places():
+            out[place] += forces[..., columns]
         return out
 
 
@@ -130,7 +130,7 @@ def _strain(edges: FloatArray, place: tuple[float, ...]) -> FloatArray:
     out = np.zeros((6, 24))
     for number, (k, j, i) in enumerate(_CORNERS):
         bits = (i, j, k)
-        weights = [part if bit else 1.0 - part for part, bit in zip(place, bits, strict=True)]
+        weights = [fraction if bit else 1.0 - fraction for fraction, bit in zip(place, bits, strict=True)]
         for axis in range(3):
             shape = np.prod([weight for n, weight in enumerate(weights) if n != axis])
             slope = (1.0 if bits[axis] else -1.0) / edges[axis] * shape

@@ -17,7 +17,7 @@ PER_BOUNDARY = (pi - 1.0 + log(2.0)) / 24.0
 #: Cells of a line, counted from 0 at an end of the contact, for the fit of the end: with few and with many cells.
 _NEAR, _FAR = np.array([2, 3, 4]), np.array([2, 4, 6, 9])
 #: Smallest number of cells of a contact for the second fit.
-_MANY = 20
+_MIN_CELLS = 20
 #: Largest difference of the two ends, in cells, for which the second fit is used; on Hertz contacts it is below 0.055.
 _APART = 0.08
 
@@ -93,7 +93,7 @@ def line_contact_area(pressure: FloatArray, grid: Grid, *, periodic: bool = Fals
         ends = loaded & ~np.roll(loaded, step)
         if not periodic:
             ends[[0, -1]] = False
-        inward = square[(np.flatnonzero(ends) + step * np.arange(_MANY)[:, None]) % square.size]
+        inward = square[(np.flatnonzero(ends) + step * np.arange(_MIN_CELLS)[:, None]) % square.size]
         smooth = (inward[2] > 0) & np.all(np.diff(inward[_NEAR], axis=0) > 0, axis=0)
         inward = inward[:, smooth]
         near = _outward(_OF_NEAR @ inward[_NEAR])

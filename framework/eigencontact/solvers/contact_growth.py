@@ -81,13 +81,13 @@ class ContactGrowth:
         --------
         >>> radius = np.geomspace(1e-3, 1.0, 50)
         >>> growth = ContactGrowth(radius, 8.0 * radius**3, radius**2)
-        >>> [round(part, 6) for part in growth.parts("normal_load", 0.0, 8.0, 2)]
+        >>> [round(fraction, 6) for fraction in growth.parts("normal_load", 0.0, 8.0, 2)]
         [0.125, 1.0]
         """
         samples: FloatArray = getattr(self, control)
-        there = samples > _FLAT**2 * samples[-1]
-        samples, radius = np.log(samples[there]), np.log(self.radius[there])
-        least = 0.0 if there[0] else float(np.exp(radius[0]))
+        growing = samples > _FLAT**2 * samples[-1]
+        samples, radius = np.log(samples[growing]), np.log(self.radius[growing])
+        least = 0.0 if growing[0] else float(np.exp(radius[0]))
 
         def radius_at(value: float) -> float:
             return least if value <= 0.0 else float(np.exp(np.interp(np.log(value), samples, radius)))

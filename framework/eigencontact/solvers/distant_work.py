@@ -27,7 +27,7 @@ __all__ = ["DistantWork"]
 
 #: Degree of a function up to which the points of an inclusion integrate its products with a field of up to the third
 #: degree exactly. They are not accurate for moments of higher functions.
-_KEPT = 2
+_SMOOTHED_DEGREE = 2
 
 
 class DistantWork:
@@ -58,9 +58,9 @@ class DistantWork:
         stress = self._summed(self._sources, np.array(means), np.concatenate(self._points).T, system.threads)
         out = np.empty(system.size)
         for number, kind in enumerate(system.kinds):
-            here = stress[:, self._starts[number] : self._starts[number + 1]]
+            target_stress = stress[:, self._starts[number] : self._starts[number + 1]]
             start, end = system.starts[number : number + 2]
-            out[start:end] = np.tensordot(self._weights[kind], here, 2)
+            out[start:end] = np.tensordot(self._weights[kind], target_stress, 2)
         return out
 
     def shares(self, source: int, targets: Sequence[int]) -> list[FloatArray]:
@@ -70,17 +70,17 @@ class DistantWork:
         by_unit = np.array([self._summed([self._sources[source]], unit[None], points, 1) for unit in np.eye(6)])
         ends = np.cumsum([len(self._points[target]) for target in targets])
         return [
-            np.einsum("nim,uim->nu", self._weights[kinds[target]], part) @ self._means[kinds[source]].T
-            for target, part in zip(targets, np.split(by_unit, ends[:-1], axis=2), strict=True)
+            np.einsum("nim,uim->nu", self._weights[kinds[target]], target_stress) @ self._means[kinds[source]].T
+            for target, target_stress in zip(targets, np.split(by_unit, ends[:-1], axis=2), strict=True)
         ]
 
     def _smoothed(self, number: int, points: FloatArray) -> FloatArray:
         """Low-degree part of the eigenstrain of each function at points of an inclusion, ``(n + 6, 6, points)``."""
         basis, shape = self._system.bases[number], self._system.shapes[number]
-        degree = min(basis.degree, _KEPT)
+        degree = min(basis.degree, _SMOOTHED_DEGREE)
         places, weights = shape.density_rule((basis.degree + 3, basis.degree + 3, 2 * basis.degree + 6))
-        low, every = shape.densities(degree, *places.T), shape.densities(basis.degree, *places.T)
-        onto = np.linalg.solve((low * weights) @ low.T, (low * weights) @ every.T)
+        low, full = shape.densities(degree, *places.T), shape.densities(basis.degree, *places.T)
+        onto = np.linalg.solve((low * weights) @ low.T, (low * weights) @ full.T)
         values = np.einsum("nid,ed,em->nim", basis.eigenstrain, onto, shape.densities(degree, *points.T), optimize=True)
         return np.asarray(values)
 

@@ -36,7 +36,7 @@ from eigencontact.solvers.wave_layers import ALONG_WAVE, LayerSums, Plane, coeff
 
 __all__ = ["PeriodicHalfSpace"]
 
-_HERE = "periodic half-space"
+_SUBJECT = "periodic half-space"
 #: Waves per batch: the sums of all layers of a batch fit into the second-level cache.
 _BATCH = 2048
 
@@ -92,10 +92,10 @@ class PeriodicHalfSpace:
         edges = np.asarray(self.interfaces, dtype=float)
         rule = "two or more ascending depths of 0 or more [m]"
         good = edges.ndim == 1 and edges.size >= 2 and edges[0] >= 0 and bool((np.diff(edges) > 0).all())
-        require(good, _HERE, "interfaces", self.interfaces, rule)
-        require(1 <= self.padding < np.inf, _HERE, "padding", self.padding, "1 or more")
-        require(self.aliases >= 0, _HERE, "aliases", self.aliases, "0 or more")
-        require(-1 < self.poisson_ratio <= 0.5, _HERE, "poisson_ratio", self.poisson_ratio, "in (-1, 0.5]")
+        require(good, _SUBJECT, "interfaces", self.interfaces, rule)
+        require(1 <= self.padding < np.inf, _SUBJECT, "padding", self.padding, "1 or more")
+        require(self.aliases >= 0, _SUBJECT, "aliases", self.aliases, "0 or more")
+        require(-1 < self.poisson_ratio <= 0.5, _SUBJECT, "poisson_ratio", self.poisson_ratio, "in (-1, 0.5]")
         object.__setattr__(self, "interfaces", edges)
 
     @property
@@ -134,11 +134,11 @@ class PeriodicHalfSpace:
         -------
         (3 or 6, nd) + target
         """
-        require(quantity in QUANTITIES, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+        require(quantity in QUANTITIES, _SUBJECT, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
         values, at = np.asarray(eigenstrain, dtype=float), np.asarray(depths, dtype=float)
         expected = (6, self.interfaces.size - 1, *self.grid.shape)
-        require(values.shape == expected, _HERE, "eigenstrain", values.shape, f"of shape {expected}")
-        require(at.ndim == 1 and bool((at >= 0).all()), _HERE, "depths", depths, "0 or more [m]")
+        require(values.shape == expected, _SUBJECT, "eigenstrain", values.shape, f"of shape {expected}")
+        require(at.ndim == 1 and bool((at >= 0).all()), _SUBJECT, "depths", depths, "0 or more [m]")
         from scipy import fft
 
         workers = self.threads or available_threads()
@@ -238,17 +238,19 @@ def _uniform(
     """Field of laterally uniform layers ``(6, nz)`` in a body with zero mean strain in the plane, ``(3 or 6, nd)``."""
     xx, yy, zz, yz, xz, xy = eigenstrain
     stretch = zz + nu / (1.0 - nu) * (xx + yy)  # zero normal and shear tractions
-    none = np.zeros_like(xx)
+    zeros = np.zeros_like(xx)
     if quantity == "displacement":
         slopes = np.array([SQRT2 * xz, SQRT2 * yz, stretch])
         depths = np.array([plane.depth for plane in planes])
         thickness = interfaces[1:] - np.clip(depths[:, None], interfaces[:-1], interfaces[1:])
         return np.asarray(-slopes @ thickness.T)
     if quantity == "strain":
-        values = np.array([none, none, stretch, yz, xz, none])
+        values = np.array([zeros, zeros, stretch, yz, xz, zeros])
     else:
         plane_stress = 2.0 / (1.0 - nu)
-        values = np.array([-plane_stress * (xx + nu * yy), -plane_stress * (yy + nu * xx), none, none, none, -2.0 * xy])
+        values = np.array(
+            [-plane_stress * (xx + nu * yy), -plane_stress * (yy + nu * xx), zeros, zeros, zeros, -2.0 * xy]
+        )
     shares = np.zeros((len(planes), xx.size))
     for number, plane in enumerate(planes):
         for layer, share in plane.inside:

@@ -35,7 +35,7 @@ _BOXES = 4
 #: Approximate number of points per call of a law, if a depth does not have more [points].
 _AT_ONCE = 1 << 15
 #: Largest memory for stored elastic stress, all loads together [bytes].
-_KEPT = 100_000_000
+_STRESS_MEMORY = 100_000_000
 #: Number of points with the largest stress for which the ratio of load to limit is searched (more than the cells under
 #: a contact at half the depths); number of halvings of the stress, and of the interval after that.
 _LARGEST, _HALVINGS, _BISECTIONS = 2500, 60, 5
@@ -65,7 +65,7 @@ class ElasticStress:
     """Stress by the tractions of coarse contacts, cached for repeated loads and factors."""
 
     def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
-        self._influences, self._material, self._room = influences, material, _KEPT
+        self._influences, self._material, self._room = influences, material, _STRESS_MEMORY
         self._contributions: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
 
     def at(self, edges: tuple[float, float], loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:

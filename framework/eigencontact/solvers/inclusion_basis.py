@@ -113,17 +113,17 @@ def basis_of(
     x = strain - np.einsum("ij,njd->nid", M, stress)
     uniform = np.zeros((6, 6, densities_up_to(degree)))
     uniform[:, :, 0] = np.eye(6) / densities[0].mean() * root[0, 0]
-    every = np.concatenate((x, uniform))
+    functions = np.concatenate((x, uniform))
     to_densities = np.linalg.inv(root)
-    left, sizes, right = np.linalg.svd(every.reshape(len(every), -1), full_matrices=False)
+    left, sizes, right = np.linalg.svd(functions.reshape(len(functions), -1), full_matrices=False)
     independent = sizes > _DEPENDENT * sizes[0]
     return InclusionBasis(
         degree=degree,
         degrees=np.asarray(degrees, dtype=np.intp),
-        eigenstrain=every @ to_densities,
-        span=right[independent].reshape(-1, *every.shape[1:]) @ to_densities,
+        eigenstrain=functions @ to_densities,
+        span=right[independent].reshape(-1, *functions.shape[1:]) @ to_densities,
         mix=left[:, independent] * sizes[independent],
-        work=2.0 * volume * np.tensordot(stress, every, axes=((1, 2), (1, 2))),
+        work=2.0 * volume * np.tensordot(stress, functions, axes=((1, 2), (1, 2))),
         overlap=np.tensordot(x, x, axes=((1, 2), (1, 2))),
         volume=volume,
     )

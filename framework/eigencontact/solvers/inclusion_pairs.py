@@ -24,7 +24,7 @@ __all__ = ["ALIKE", "InclusionPairs"]
 #: Tolerance for equal offsets, in radii.
 ALIKE = 1e-9
 #: Smallest number of inclusions for which distant ones act by their mean eigenstrain; distance in radii of the largest.
-_MANY, _NEAR = 40, 5.0
+_MIN_REGIONS, _NEAR_DISTANCE = 40, 5.0
 
 
 @dataclass(slots=True)
@@ -50,7 +50,7 @@ class InclusionPairs:
         self._system = system
         self.self_interaction: dict[Hashable, FloatArray] = {}
         self._distant = None
-        if len(system.regions) > _MANY and all(cloud_sources(shape) is not None for shape in system.regions):
+        if len(system.regions) > _MIN_REGIONS and all(cloud_sources(shape) is not None for shape in system.regions):
             self._distant = DistantWork(system)
         self._blocks = list(self._interactions().values())
 
@@ -61,8 +61,8 @@ class InclusionPairs:
             rows, columns = block.matrix.shape[0], block.matrix.shape[1] - 6
             sources, targets = np.array(block.sources), np.array(block.targets)
             polynomial = amplitudes[system.starts[sources] + np.arange(columns)[:, None]]
-            every = np.concatenate((polynomial, uniform[:, sources]))
-            np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ every)
+            eigenstrains = np.concatenate((polynomial, uniform[:, sources]))
+            np.add.at(out, system.starts[targets] + np.arange(rows)[:, None], block.matrix @ eigenstrains)
         if self._distant is not None:
             out -= self._distant.work(amplitudes, uniform)
         return out
@@ -90,7 +90,7 @@ class InclusionPairs:
         count = len(self._system.shapes)
         if self._distant is None:
             return [(target, source) for source in range(count) for target in range(source)]
-        reach = _NEAR * float(self._system.radii.max())
+        reach = _NEAR_DISTANCE * float(self._system.radii.max())
         tree = cKDTree(self._system.centers)
         pairs = {(int(low), int(high)) for low, high in tree.query_pairs(reach)}
         if self._system.space == "half":
@@ -115,15 +115,15 @@ class InclusionPairs:
         offset = np.round((self._system.centers[source] - self._system.centers[target]) / scale)
         depth = round(self._system.centers[target, 2] / scale) if self._system.space == "half" else 0
         key = (self._system.kinds[target], self._system.kinds[source], offset.tobytes(), depth)
-        there, back = (*key, "there"), (*key, "back")
-        if there not in blocks:
+        forward_key, backward_key = (*key, "there"), (*key, "back")
+        if forward_key not in blocks:
             work = -self._stress_work(target, source)
-            blocks[there] = _Blocks(work[: self._system.bases[target].size])
-            blocks[back] = _Blocks(np.ascontiguousarray(work[:, : self._system.bases[source].size].T))
-        blocks[there].targets.append(target)
-        blocks[there].sources.append(source)
-        blocks[back].targets.append(source)
-        blocks[back].sources.append(target)
+            blocks[forward_key] = _Blocks(work[: self._system.bases[target].size])
+            blocks[backward_key] = _Blocks(np.ascontiguousarray(work[:, : self._system.bases[source].size].T))
+        blocks[forward_key].targets.append(target)
+        blocks[forward_key].sources.append(source)
+        blocks[backward_key].targets.append(source)
+        blocks[backward_key].sources.append(target)
 
     def _stress_work(self, target: int, source: int) -> FloatArray:
         """Integrals over the target of its functions with the stress of the source's functions, ``(n + 6, n + 6)``."""

@@ -157,7 +157,7 @@ class _Question:
     ) -> None:
         places = step.x, step.y, step.z
         self._laws: list[Any] = [law.first, law.second]
-        self._laws = [part.at(*places) if part.linear else part for part in self._laws]
+        self._laws = [phase.at(*places) if phase.linear else phase for phase in self._laws]
         self._law, self._strain, self._before, self._step = law, strain, before, step
         self._share, self._resistance = step.fraction, np.moveaxis(step.resistance, 2, 0)
 

@@ -52,7 +52,7 @@ _ROUND_OFF = 1e-11
 #: Cells per call of a law if only its stress is stored.
 _CHUNK = 16384
 #: Cells per call of a law with `cell_answer`: for 274 000 cells, fewer cost more calls, and more exceed a cache.
-_ASKED = 16384
+_ANSWER_CHUNK = 16384
 #: Allowed round-off of the strain in stress: a law much stiffer than the matrix computes strains by small differences.
 _ROUNDINGS = 16.0 * np.finfo(float).eps
 
@@ -160,7 +160,7 @@ class LawCells:
             for name, values in response[1].items():
                 after[name][:, chunk] = values
 
-        in_parallel(self._threads, [partial(ask, chunk) for chunk in _pieces(count, _ASKED)])
+        in_parallel(self._threads, [partial(ask, chunk) for chunk in _pieces(count, _ANSWER_CHUNK)])
         if several:
             raise NotUnique(f"{len(several)} points have more than one answer", sorted(several))
         return after

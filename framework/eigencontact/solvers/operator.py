@@ -15,7 +15,7 @@ from eigencontact.solvers.solution import SolverOptions
 __all__ = ["BoxOperator", "Coefficients", "Compliance", "layout_between", "offsets", "sampled"]
 
 # Stored operators for each grid: the present and the previous box, each for the iteration and for the whole window.
-_KEPT = 4
+_MAX_OPERATORS = 4
 # Points of a transform from which on threads save time, for one source and one target.
 _WORTH_THREADS = 200_000
 
@@ -117,7 +117,7 @@ class Compliance:
     def between(self, source: Box, target: Box) -> BoxOperator:
         """Operator from the pressure on one box to the displacement on another; the last few are cached."""
         if (source, target) not in self._operators:
-            if len(self._operators) >= _KEPT:
+            if len(self._operators) >= _MAX_OPERATORS:
                 self._retired += self._operators.pop(next(iter(self._operators))).convolutions
             self._operators[source, target] = self._make(source, target)
         return self._operators[source, target]

@@ -164,8 +164,8 @@ class PolynomialInclusions:
         out, first = [], 0
         for shape, basis, (points, weights) in zip(self.shapes, self.bases, self.rules, strict=True):
             densities = shape.densities(basis.degree, *points.T)
-            here = stress[:, first : first + len(points)] * weights
-            out.append(np.einsum("nid,dm,im->n", basis.unknowns, densities, here, optimize=True))
+            point_stress = stress[:, first : first + len(points)] * weights
+            out.append(np.einsum("nid,dm,im->n", basis.unknowns, densities, point_stress, optimize=True))
             first += len(points)
         return np.concatenate(out)
 
@@ -252,8 +252,8 @@ class PolynomialInclusions:
         """Eigenstrain per density, ``(6, densities, n)``."""
         out = np.zeros((6, densities_up_to(max(self.degrees)), len(self.shapes)))
         for number, basis in enumerate(self.bases):
-            every = np.concatenate((self.of(amplitudes, number), prestrain[:, number]))
-            values = np.tensordot(every, basis.eigenstrain, 1)
+            coefficients = np.concatenate((self.of(amplitudes, number), prestrain[:, number]))
+            values = np.tensordot(coefficients, basis.eigenstrain, 1)
             out[:, : values.shape[1], number] = values
         return out
 
@@ -295,8 +295,8 @@ class PolynomialInclusions:
                 count = int((basis.degrees <= basis.degree - lower).sum())
                 self._inverses[key] = np.zeros_like(matrix)
                 self._inverses[key][:count, :count] = _inverse(matrix[:count, :count], basis.volume)
-            part = slice(self.starts[number], self.starts[number + 1])
-            out[part] = self._inverses[key] @ forces[part]
+            unknowns = slice(self.starts[number], self.starts[number + 1])
+            out[unknowns] = self._inverses[key] @ forces[unknowns]
         return out
 
     def _applied(self, amplitudes: FloatArray, prestrain: FloatArray | None = None) -> FloatArray:

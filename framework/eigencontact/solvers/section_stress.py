@@ -105,7 +105,7 @@ class SectionStress:
         out = np.zeros((len(self._names), self.depths.size, row.targets))
 
         def superpose(layers: slice) -> None:
-            real, imaginary = (np.einsum("zctrk,ctrk->czk", self._kernels[layers], part) for part in components)
+            real, imaginary = (np.einsum("zctrk,ctrk->czk", self._kernels[layers], spectrum) for spectrum in components)
             values = np.fft.irfft(real + 1j * imaginary, n=row.length, axis=2)
             out[self._present, layers] = values[..., row.target_start : row.target_start + row.targets]
 

@@ -88,13 +88,13 @@ class TwoLevels:
 
     def __init__(self, coarse: VolumeField, patch: VolumeField, fine: VolumeField, inner: Place) -> None:
         self._coarse, self._patch, self._fine, self._inner = coarse, patch, fine, inner
-        whole, part = coarse.source, patch.source
-        first = [round((p - w) / d) for p, w, d in zip(part.first, whole.first, whole.pitch, strict=True)][::-1]
-        inside = all(k >= 0 and k + n <= m for k, n, m in zip(first, part.shape, whole.shape, strict=True))
-        require(inside, "cells", "patch", part.shape, f"within the box of {whole.shape} cells")
-        self.place: Place = tuple(slice(k, k + n) for k, n in zip(first, part.shape, strict=True))  # type: ignore[assignment]
-        self.ratio = fine.source.shape[0] // part.shape[0]
-        self._along = [interpolation(n, self.ratio) for n in part.shape]
+        box, patch_box = coarse.source, patch.source
+        first = [round((p - w) / d) for p, w, d in zip(patch_box.first, box.first, box.pitch, strict=True)][::-1]
+        inside = all(k >= 0 and k + n <= m for k, n, m in zip(first, patch_box.shape, box.shape, strict=True))
+        require(inside, "cells", "patch", patch_box.shape, f"within the box of {box.shape} cells")
+        self.place: Place = tuple(slice(k, k + n) for k, n in zip(first, patch_box.shape, strict=True))  # type: ignore[assignment]
+        self.ratio = fine.source.shape[0] // patch_box.shape[0]
+        self._along = [interpolation(n, self.ratio) for n in patch_box.shape]
         self.applications = 0
         self._last: tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None = None
 

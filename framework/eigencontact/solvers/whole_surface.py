@@ -22,7 +22,7 @@ __all__ = ["WholeSurface", "table_key"]
 #: Tolerance for equal offsets, in cells.
 _ALIKE = 1e-7
 #: Gauss points along an edge of a cell far from the inclusion, and largest number close to it.
-_FEW, _MOST = 2, 6
+_FAR_POINTS, _NEAR_POINTS = 2, 6
 
 
 Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -68,10 +68,10 @@ class WholeSurface:
         ny, nx = self._grid.shape
         out = np.zeros((len(self._rows), ny, nx))
         for group, table in self._groups:
-            for number, part in self._parts(group):
+            for number, window in self._windows(group):
                 weights = np.concatenate((self._system.of(amplitudes, number), prestrain[:, number]))
                 weights = weights @ self._system.bases[number].mix
-                out += np.einsum("f,fdyx->dyx", weights, table[..., *part])
+                out += np.einsum("f,fdyx->dyx", weights, table[..., *window])
         return out
 
     def work(self, tractions: FloatArray) -> FloatArray:
@@ -83,13 +83,13 @@ class WholeSurface:
         y, x = (slice(int(loaded[0]), int(loaded[-1]) + 1) for loaded in (loaded_y, loaded_x))
         load = tractions[:, y, x] * self._grid.cell_area
         for group, table in self._groups:
-            for number, (rows, columns) in self._parts(group):
-                basis, here = self._system.bases[number], table[:, :, rows, columns][..., y, x]
+            for number, (rows, columns) in self._windows(group):
+                basis, displacement = self._system.bases[number], table[:, :, rows, columns][..., y, x]
                 start, end = self._system.starts[number : number + 2]
-                out[start:end] = basis.mix[: basis.size] @ np.einsum("fdyx,dyx->f", here, load)
+                out[start:end] = basis.mix[: basis.size] @ np.einsum("fdyx,dyx->f", displacement, load)
         return out
 
-    def _parts(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
+    def _windows(self, group: _Group) -> list[tuple[int, tuple[slice, slice]]]:
         """Part of the table inside the window, for each member."""
         ny, nx = self._grid.shape
         right, high = (max(cell[axis] for cell in group.cells) for axis in (0, 1))
@@ -106,7 +106,7 @@ class WholeSurface:
         y = grid.y[0] + grid.dy * (np.arange(grid.ny + int(np.ptp(rows))) + rows[0] - rows.max())
         ligament = system.centers[number, 2] - system.radii[number]
         wide = max(grid.edges) / max(ligament, 1e-3 * system.radii[number])
-        order = int(np.clip(np.ceil(_FEW * wide), _FEW, _MOST))
+        order = int(np.clip(np.ceil(_FAR_POINTS * wide), _FAR_POINTS, _NEAR_POINTS))
         nodes, weights = np.polynomial.legendre.leggauss(order)
         basis, shape = system.bases[number], system.shapes[number]
         out = np.zeros((len(basis.span), len(self._rows), y.size, x.size))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from eigencontact.core.kept import Kept
+from eigencontact.core.kept import ObjectCache
 from eigencontact.engines.cluster import Cluster
 from eigencontact.engines.engine import DeadTask, Engine, Processes, Share, ThisProcess
 from eigencontact.errors import EigencontactError
@@ -152,7 +152,7 @@ def outcomes(
 class _WorkerState:
     """Shared data of the variants of one process: spectra of stress in regions, and the threads."""
 
-    cache: Kept
+    cache: ObjectCache
     threads: int | None
 
     @classmethod
@@ -162,7 +162,7 @@ class _WorkerState:
             from eigencontact.hooks.files import hold_texts
 
             hold_texts(texts)
-        return cls(Kept(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
+        return cls(ObjectCache(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
 
 
 def _outcome(task: _Task, state: _WorkerState) -> Outcome:

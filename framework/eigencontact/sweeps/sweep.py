@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["SweepResult", "read_sweep_file", "sweep"]
 
 #: Part of a number within which its values are the same: what a load is but for its residual.
-_SAME = 1e-9
+_RESIDUAL = 1e-9
 _KEYS = ("scene", "vary", "pairs", "fields", "grid", "scalars")
 
 ProgressReport = Callable[[Outcome, int, int], None]
@@ -274,7 +274,9 @@ def _scalars_to_draw(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[st
     varied = {str(name).rpartition("steps_")[2] for name in dataset.coords}
     headlines = [name for name in numbers if dataset[name].attrs.get("headline") and name not in varied]
     finite = {name: dataset[name].values[dataset[name].notnull().values] for name in headlines}
-    return [name for name, values in finite.items() if values.size and np.ptp(values) > _SAME * np.abs(values).max()]
+    return [
+        name for name, values in finite.items() if values.size and np.ptp(values) > _RESIDUAL * np.abs(values).max()
+    ]
 
 
 def read_sweep_file(path: Path) -> dict[str, Any]:

@@ -170,7 +170,7 @@ def surface_numbers(dataset: Results, field: Field, component: str, step: int) -
     unit = _unit(dataset, field.variable)
     if component == _MAGNITUDE:
         components = [_read(dataset, f"{stem}_{axis}", step) for axis in "xy"]
-        errors = [part for axis in "xy" if (part := errors_of(dataset, f"{stem}_{axis}", step)) is not None]
+        errors = [error for axis in "xy" if (error := errors_of(dataset, f"{stem}_{axis}", step)) is not None]
         size = np.linalg.norm(errors, axis=0) if len(errors) == len(components) else None
         return StepValues(_label(stem), unit, np.hypot(*components), errors=size)
     name = f"{stem}_{component}" if component else field.variable
@@ -201,16 +201,16 @@ def region_numbers(dataset: Results, region: str, field: Field, component: str, 
             rf"Stress $\sigma_{{{kind}}}$",
             unit,
             _component_of(values, kind),
-            errors=_part(errors, COMPONENTS.index(kind)),
+            errors=_component_errors(errors, COMPONENTS.index(kind)),
         )
     if not component:
         return StepValues(_label(field.name), unit, values, field.variable, errors)
     at = "xyz".index(kind) if kind in _AXES else field.components.index(kind)
     if kind in COMPONENTS:
         symbol = rf"Strain $\varepsilon_{{{kind}}}$" if field.name == "strain" else f"{_label(field.name)} {kind}"
-        return StepValues(symbol, unit, _component_of(values, kind), errors=_part(errors, at))
+        return StepValues(symbol, unit, _component_of(values, kind), errors=_component_errors(errors, at))
     words = _AXES.get(kind, kind)
-    return StepValues(f"{_label(field.name)} {words}", unit, values[at], errors=_part(errors, at))
+    return StepValues(f"{_label(field.name)} {words}", unit, values[at], errors=_component_errors(errors, at))
 
 
 def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> StepValues:
@@ -241,7 +241,7 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
     return StepValues(label, unit, values)
 
 
-def _part(errors: NDArray[Any] | None, at: int) -> NDArray[Any] | None:
+def _component_errors(errors: NDArray[Any] | None, at: int) -> NDArray[Any] | None:
     """Errors of one component, if any."""
     return None if errors is None else errors[at]
 

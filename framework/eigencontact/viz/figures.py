@@ -11,7 +11,7 @@ import numpy as np
 
 from eigencontact.viz.fatigue import fatigue_pictures
 from eigencontact.viz.friction import dissipation_map, dissipation_profile, shear_map, shear_profiles
-from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
+from eigencontact.viz.friction_history import LONG_HISTORY, fretting_loops, is_a_loop, zone_strip, zones_of_line
 from eigencontact.viz.history import history_panels, history_words, load_history, vanishes, varies, zones_change
 from eigencontact.viz.outline import coatings
 from eigencontact.viz.plastic import (
@@ -61,7 +61,7 @@ def draw_all(
     step: int | None = None,
     *,
     solid: bool = False,
-    part: tuple[int, int] = (0, 1),
+    share: tuple[int, int] = (0, 1),
     kind: str = "png",
     dpi: int | None = None,
 ) -> dict[str, str]:
@@ -79,7 +79,7 @@ def draw_all(
         the last leaves no pressure, that and the shear are those of the largest load, and sections are drawn at both.
     solid : bool
         Whether to draw surfaces in space, which takes VTK.
-    part : (int, int)
+    share : (int, int)
         Of several processes that share the work, which one this is, from 0, and how many they are.
     kind, dpi : str, int
         Format, ``"png"``, ``"pdf"`` or ``"svg"``; dots per inch, by default those of the look in use.
@@ -91,7 +91,7 @@ def draw_all(
     """
     pictures = standard_pictures(dataset, step, solid=solid)
     named_pictures = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in pictures]
-    for name, sentence, draw in named_pictures[part[0] :: part[1]]:
+    for name, sentence, draw in named_pictures[share[0] :: share[1]]:
         save(draw(), folder / name, dpi, sentence)
         gc.collect()  # a figure refers to itself
     return {name: sentence for name, sentence, _ in named_pictures}
@@ -241,7 +241,7 @@ def _wear(dataset: Results, step: int) -> Iterator[Picture]:
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area over the history of wear."
         yield "wear-history.png", sentence, partial(wear_history, dataset)
-    if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
+    if loop_cycles(dataset) and dataset.sizes["step"] > LONG_HISTORY:  # of fewer steps the loops show all cycles
         yield "wear-loops.png", "Loops of selected cycles, drawn over each other.", partial(worn_loops, dataset)
 
 

@@ -179,8 +179,8 @@ def dissipation_profile(dataset: Results, step: int = -1) -> Figure:
         figure = line_figure(1, 2.9)
         axes, length = figure.add_subplot(), scale_for(line.edges, "m")
         tint_stick(axes, zone[line.where], length(line.edges))
-        every = max(1, -(-line.at.size // MARKERS))
-        axes.plot(length(line.at), work(density[line.where]), "o-", color=COLOURS[0], markevery=every)
+        stride = max(1, -(-line.at.size // MARKERS))
+        axes.plot(length(line.at), work(density[line.where]), "o-", color=COLOURS[0], markevery=stride)
         errors = errors_of(dataset, "dissipated_energy_density", step)
         if errors is not None:
             draw_band(axes, length(line.at), density[line.where], errors[line.where], work, COLOURS[0])

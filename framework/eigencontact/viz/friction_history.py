@@ -36,7 +36,7 @@ MARKERS = 60
 #: Fewer increments than this are no loop.
 LOOP_STEPS = 3
 #: With more steps than this the last cycle alone is dark.
-MANY = 250
+LONG_HISTORY = 250
 #: Entries of a legend that fit in one row.
 _ENTRIES = 5
 #: Area of the polygon through the increments less the work of friction, relative, above which it is said: loops of 24
@@ -92,7 +92,7 @@ def cycles_with_loops(dataset: Results) -> list[SolvedCycle]:
 
 def strands_of(cycles: Sequence[SolvedCycle]) -> list[Strand]:
     """Curve of each cycle, from the end of the previous solved cycle."""
-    return [Strand(max(cycle.first - 1, 0), cycle.last, cycle.done) for cycle in cycles]
+    return [Strand(max(cycle.first - 1, 0), cycle.last, cycle.cycle_count) for cycle in cycles]
 
 
 def _loop(
@@ -100,11 +100,11 @@ def _loop(
 ) -> None:
     axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
     axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
-    many = cycle is not None and x.size > MANY
+    is_long = cycle is not None and x.size > LONG_HISTORY
     if cycle is not None:
         loop = slice(cycle.first, cycle.last + 1)
         axes.fill(x[loop], y[loop], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
-    if cycle is not None and many:
+    if cycle is not None and is_long:
         axes.plot(x, y, "-", color="0.75", linewidth=0.4, zorder=0)
         strands = [Strand(cycle.first, cycle.last, 1)]
     elif len(strands) > 1:
@@ -113,7 +113,7 @@ def _loop(
     else:
         strands = [Strand(0, x.size - 1, 1)]
     draw_strands(figure, axes, x, y, strands, "Cycle")
-    start = strands[0].first if many else 0
+    start = strands[0].first if is_long else 0
     axes.plot(x[start], y[start], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
 
 

@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 #: Ends of segments closer than this part of the whole picture are one point.
-SAME = 1e-7
+POINT_TOLERANCE = 1e-7
 #: A plane is drawn with the borders of the nearest stored one, no farther away than this part of a cell.
 NEAR = 0.5001
 
@@ -96,7 +96,7 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
     if not len(segments):
         return []
     places = segments.reshape(-1, 2)
-    unit = SAME * float(np.ptp(places, axis=0).max())
+    unit = POINT_TOLERANCE * float(np.ptp(places, axis=0).max())
     _, first, number = np.unique(np.round(places / unit) + 0.0, axis=0, return_index=True, return_inverse=True)
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
     neighbours: dict[int, list[int]] = defaultdict(list)

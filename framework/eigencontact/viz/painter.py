@@ -104,9 +104,9 @@ def main() -> None:
         return
     order = json.loads(line)
 
-    def draw(part: tuple[int, int]) -> dict[str, str]:
+    def draw(share: tuple[int, int]) -> dict[str, str]:
         with open_stored(order["results"]) as dataset:
-            return draw_all(dataset, Path(order["folder"]), solid=order["solid"], part=part)
+            return draw_all(dataset, Path(order["folder"]), solid=order["solid"], share=share)
 
     try:
         files, copies = _on_all_cores(draw)

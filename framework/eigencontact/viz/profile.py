@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 __all__ = ["Line", "line_profile", "mean_profile", "stress_profile"]
 
 #: A coordinate that varies by less than this part of the largest is constant: the points of a line are rounded.
-SAME = 1e-9
+CONSTANT_TOLERANCE = 1e-9
 #: Components of stress below this part of the largest are not drawn.
 NEGLIGIBLE = 0.01
 #: Lines of at most this many points have markers: between them the curve is not computed.
-FEW = 60
+MAX_MARKED_POINTS = 60
 
 
 class Line:
@@ -52,8 +52,8 @@ class Line:
         places = [np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) for axis in "xyz"]
         points = np.stack([at * np.ones(dataset.sizes[f"{region}_point"]) for at in places])
         extents = np.ptp(points, axis=1)
-        varying = np.flatnonzero(extents > SAME * np.abs(points).max())
-        self.deep = bool(2 in varying and extents[2] >= (1.0 - SAME) * extents.max())
+        varying = np.flatnonzero(extents > CONSTANT_TOLERANCE * np.abs(points).max())
+        self.deep = bool(2 in varying and extents[2] >= (1.0 - CONSTANT_TOLERANCE) * extents.max())
         if self.deep or varying.size == 1:
             number = 2 if self.deep else int(varying[0])
             self.name, self.at = "xyz"[number], points[number]
@@ -74,7 +74,7 @@ class Line:
             np.insert(np.asarray(curve, dtype=float), self._breaks, np.nan) for curve in (self.at, values)
         )
         pair = (numbers, length(places)) if self.deep else (length(places), numbers)
-        if self.at.size <= FEW:
+        if self.at.size <= MAX_MARKED_POINTS:
             more = {"marker": ".", **more}
         axes.plot(*pair, *style, **more)
 
@@ -152,7 +152,7 @@ def _errors(dataset: Results, region: str, step: int) -> dict[str, Any]:
     named = {EQUIVALENT[field]: errors_of(dataset, f"{region}_{field}", step) for field in EQUIVALENT}
     components = errors_of(dataset, f"{region}_stress", step)
     if components is not None:
-        named |= {rf"$\sigma_{{{name}}}$": part for name, part in zip(COMPONENTS, components, strict=True)}
+        named |= {rf"$\sigma_{{{name}}}$": errors for name, errors in zip(COMPONENTS, components, strict=True)}
     return {name: errors for name, errors in named.items() if errors is not None}
 
 

@@ -13,7 +13,7 @@ from eigencontact.viz.errors import error_line, errors_of
 from eigencontact.viz.lines import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.outline import draw_interfaces, draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
-from eigencontact.viz.sides import SAME, interface_depths
+from eigencontact.viz.sides import DEPTH_TOLERANCE, interface_depths
 from eigencontact.viz.style import (
     colour_bar,
     draw_cross,
@@ -176,7 +176,7 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
     for axis, at in cut.cut.items():
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
-            side = "above" if at < near[0] * (1 - SAME) else "below"
+            side = "above" if at < near[0] * (1 - DEPTH_TOLERANCE) else "below"
             places.append(f"{side} {INTERFACE} {place(axis, near[0])}")
         else:
             places.append(f"at {place(axis, at)}")

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["LineSides", "Plane", "Side", "Sides", "interface_depths", "line_sides", "sides_of", "twice_area"]
 
 #: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
-SAME = 1e-12
+DEPTH_TOLERANCE = 1e-12
 #: A border this close to a face of cells, in parts of their edge, runs along it and cuts none.
 ON_A_FACE = 1e-6
 #: Points of a border to a cell.
@@ -132,7 +132,7 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
     cuts: tuple[float, ...] = ()
     if plane.dims[0] == "z":
         cuts = tuple(at for at in interface_depths(dataset, plane.body, step) if plane.v[0] < at < plane.v[-1])
-        layer += np.searchsorted(np.array(cuts) * (1.0 - SAME), plane.v, side="right")[:, None]
+        layer += np.searchsorted(np.array(cuts) * (1.0 - DEPTH_TOLERANCE), plane.v, side="right")[:, None]
     ends = (-np.inf, *cuts, np.inf)
     closed = [path for path in paths_of(segments) if len(path) > 3 and np.array_equal(path[0], path[-1])]
     owner = np.full(layer.shape, -1)
@@ -192,7 +192,7 @@ def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
         if not crossed.any():
             continue
         at = v0 + (plane.h[crossed] - h0) * (v1 - v0) / (h1 - h0)
-        inside[:, crossed] ^= plane.v[:, None] < at - SAME * unit
+        inside[:, crossed] ^= plane.v[:, None] < at - DEPTH_TOLERANCE * unit
     return inside
 
 
@@ -290,7 +290,7 @@ class LineSides:
 def line_sides(dataset: Results, region: str, body: int, z: FloatArray, step: int) -> LineSides:
     """Sides of the points of a line region in a body at depths z (n,) [m]."""
     depths = np.array(interface_depths(dataset, body, step))
-    number = np.searchsorted(depths * (1.0 - SAME), z, side="right")
+    number = np.searchsorted(depths * (1.0 - DEPTH_TOLERANCE), z, side="right")
     border, whole = np.full(z.size, np.nan), np.ones(z.size, dtype=bool)
     if f"{region}_inclusion" in dataset:
         inclusion, border, uncut = (dataset[f"{region}_{name}"].values for name in ("inclusion", "border", "uncut"))

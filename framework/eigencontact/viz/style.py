@@ -294,7 +294,7 @@ def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") 
             box.x0, box.x1 = 0.0, figure.get_figwidth()
         elif box.width < (page := look.page):  # pages show pictures of one width: letters are of one size
             box.x0, box.x1 = (0.5 * (box.x0 + box.x1 + side * page) for side in (-1, 1))
-        metadata = {**_SAID[kind], _CAPTION[kind]: caption} if caption else _SAID[kind]
+        metadata = {**_METADATA[kind], _CAPTION[kind]: caption} if caption else _METADATA[kind]
         figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=metadata)
 
 
@@ -302,7 +302,7 @@ def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") 
 _CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}
 _MAKER = f"eigencontact {__version__}"
 #: What a file says of itself; a date would make another file of the same picture.
-_SAID: dict[str, dict[str, Any]] = {
+_METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": _MAKER},
     "pdf": {"Creator": _MAKER, "CreationDate": None},
     "svg": {"Creator": _MAKER, "Date": None},

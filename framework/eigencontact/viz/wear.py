@@ -257,8 +257,8 @@ def wear_history(dataset: Results) -> Figure:
         for n, (axes, (name, quantity)) in enumerate(zip(panels.ravel(), shown, strict=True)):
             numbers = np.asarray(dataset[name].values, dtype=float)[steps]
             scale = scale_for(numbers, si_unit(dataset, name))
-            every = max(1, -(-steps.size // MARKERS))
-            axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=every)
+            stride = max(1, -(-steps.size // MARKERS))
+            axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=stride)
             errors = history_errors(dataset, name)
             if errors is not None:
                 draw_band(axes, at, numbers, errors[steps], scale, COLOURS[n])
@@ -291,7 +291,7 @@ def loop_cycles(dataset: Results) -> list[SolvedCycle]:
     cycles = cycles_with_loops(dataset)
     if len(cycles) < 2:
         return []
-    numbers = np.log([cycle.done for cycle in cycles])
+    numbers = np.log([cycle.cycle_count for cycle in cycles])
     even = np.linspace(numbers[0], numbers[-1], LOOPS)
     return [cycles[n] for n in np.unique(np.abs(numbers[:, None] - even).argmin(axis=0))]
 

@@ -32,7 +32,7 @@ class SolvedCycle:
 
     first: int
     last: int
-    done: float
+    cycle_count: float
 
 
 def wears(dataset: Results) -> bool:

@@ -23,7 +23,7 @@ from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing
 __all__ = ["noticed"]
 
 #: Share of the contact that slips: more than this all at once, from less than that, is a jump.
-_ALL, _SOME = 0.999, 0.5
+_FULL_SLIP, _PARTIAL_SLIP = 0.999, 0.5
 #: Cells within which a place counts as on an edge.
 _NEAR = 1.5
 #: Errors of a contact with friction that yields, by the number n of increments of its loading. Displacement along the
@@ -81,7 +81,12 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     for before, after in pairwise(history):
         # by a sliding-distance they are not
         moved = any(before[name] != after[name] for name in ("shift_magnitude", "twist"))
-        if moved and before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
+        if (
+            moved
+            and before["slip_fraction"] < _PARTIAL_SLIP
+            and after["slip_fraction"] > _FULL_SLIP
+            and before["normal_load"] > 0
+        ):
             words = (
                 f"in load step {after['step']:.0f} the slipping part of the contact rises from "
                 f"{percent(before['slip_fraction'])} to all of it in one increment: the work of friction in between is "

@@ -57,12 +57,12 @@ class DangVan(WeightedNormalStress):
         values, directions = np.linalg.eigh(_matrices(deviator[steps, :, points].T))
         at_times = np.full(about.shape, -np.inf)
         at_times[steps, points] = 0.5 * (values[:, 2] - values[:, 0]) + pressure[steps, points]
-        worst, every = at_times.argmax(axis=0), np.arange(cycle.points)
+        worst, point_indices = at_times.argmax(axis=0), np.arange(cycle.points)
         number = np.empty(about.shape, np.intp)
         number[steps, points] = np.arange(steps.size)
-        axes = directions[number[worst, every]]
+        axes = directions[number[worst, point_indices]]
         normal = (axes[..., 0] + axes[..., 2]) / SQRT2
-        return DamageParameter(at_times[worst, every], normal * np.where(normal[:, 2:] < 0, -1.0, 1.0))
+        return DamageParameter(at_times[worst, point_indices], normal * np.where(normal[:, 2:] < 0, -1.0, 1.0))
 
     def upper_bound(self, cycle: StressCycle) -> FloatArray:
         """With the ball around the centre of the box of the deviator: s* is nearer; see `HasUpperBound`."""

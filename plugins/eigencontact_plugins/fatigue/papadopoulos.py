@@ -17,7 +17,7 @@ __all__ = ["Papadopoulos"]
 #: Number of Gauss points of the cosine of the polar angle, of azimuths, and of directions in a plane.
 _NODES = 10
 #: Points per block: their components on all planes fit into the cache.
-_PART = 100
+_CHUNK = 100
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +47,8 @@ class Papadopoulos(WeightedNormalStress):
         """Damage parameter [Pa]; see `FatigueCriterion`."""
         rows, weights = _directions()
         mean = np.empty(cycle.points)
-        for start in range(0, cycle.points, _PART):
-            span = slice(start, start + _PART)
+        for start in range(0, cycle.points, _CHUNK):
+            span = slice(start, start + _CHUNK)
             high = low = rows @ cycle.stress[0, :, span]
             for step in cycle.stress[1:, :, span]:
                 shear = rows @ step
@@ -79,7 +79,7 @@ def _directions() -> tuple[FloatArray, FloatArray]:
     """Rows ``(n, 6)`` that map Mandel vectors to the shear along directions of planes, and their weights, sum 1."""
     cosines, gauss = np.polynomial.legendre.leggauss(_NODES)
     turns = np.pi * (np.arange(_NODES) + 0.5) / _NODES
-    c, phi, chi = (part.ravel() for part in np.meshgrid(cosines, turns, turns, indexing="ij"))
+    c, phi, chi = (angles.ravel() for angles in np.meshgrid(cosines, turns, turns, indexing="ij"))
     s = np.sqrt(1 - c**2)
     n = np.array([s * np.cos(phi), s * np.sin(phi), c])
     up, side = np.array([c * np.cos(phi), c * np.sin(phi), -s]), np.array([-np.sin(phi), np.cos(phi), 0 * phi])

@@ -211,13 +211,14 @@ class J2(BodyConstants):
             flowing = drive.of(points)
             end = self._return.returned(flowing, points)
             sound[points] = end.sound
-            stress, changed = self._after(flowing, end, {name: values[:, points] for name, values in before.items()})
+            start = {name: values[:, points] for name, values in before.items()}
+            stress, changed = self._end_state(flowing, end, start)
             for name, values in changed.items():
                 after[name][:, points] = values
             out.drive, out.end, out.stress = flowing, end, stress
         return out
 
-    def _after(
+    def _end_state(
         self, drive: Drive, end: Returned, before: Mapping[str, FloatArray]
     ) -> tuple[FloatArray, dict[str, FloatArray]]:
         """Deviatoric stress, and internal variables."""

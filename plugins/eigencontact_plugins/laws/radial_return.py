@@ -182,9 +182,9 @@ class RadialReturn:
     def _stiffness(self, drive: Drive, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Stiffness w and its derivative by p, 1 - D, and the derivative of D."""
         if self.damage is None:
-            none = np.zeros(p.shape)
+            zeros = np.zeros(p.shape)
             w = 2.0 * self.shear_modulus / (1.0 + 2.0 * self.shear_modulus * drive.give)
-            return np.full(p.shape, w), none, np.ones(p.shape), none
+            return np.full(p.shape, w), zeros, np.ones(p.shape), zeros
         at = p if drive.mean is None else drive.mean
         damage, growth = self.damage.damage(at)
         if drive.mean is not None:  # damage follows from the mean, not from the plastic strain of the point

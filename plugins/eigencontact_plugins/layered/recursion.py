@@ -44,7 +44,7 @@ from eigencontact.plugin import FloatArray, Material
 __all__ = ["Slab", "State", "Waves"]
 
 
-ONE = np.eye(2)[..., None]
+IDENTITY = np.eye(2)[..., None]
 # Below this k h a layer uses its transfer matrix, above it decaying waves.
 THIN = 1.0
 # d cosh d - sinh d = d³ Σ c_n d^(2n), to double precision up to d = 1.
@@ -183,7 +183,7 @@ def _two_waves(
     d, up, thickness = distances
     A, swap = _half_space(material), np.array([1.0, -1.0])[:, None, None]
     P, R, Q = _reflection(thickness, material, B)
-    down_wave = _product(_inverse(ONE + Q), traction)
+    down_wave = _product(_inverse(IDENTITY + Q), traction)
     up_wave = _product(R, P, down_wave)
     falling = _decayed(d, down_wave)
     # A wave that decays upwards is the mirror image: P with a bar is P with a change of the sign of q before and after.
@@ -238,7 +238,7 @@ def _thin(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray,
 def _thick(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
     A = _half_space(material)
     P, _, Q = _reflection(d, material, B)
-    total = _inverse(ONE + Q)
+    total = _inverse(IDENTITY + Q)
     down = 4 * (1 - material.poisson_ratio) * _product(_inverse(_mirrored(A) + B), P, total)
     return _product(A - _product(_mirrored(A), Q), total), down
 

@@ -139,8 +139,8 @@ class LineCorner(Corner):
         """See `Corner.A`."""
         if i == 1:
             return self.zeros
-        sign, other = np.sign(self.x[i]), self.x[2 - i]
-        return np.asarray(np.arctan2(other * sign + self.zeros, np.abs(self.x[i])))
+        sign, transverse = np.sign(self.x[i]), self.x[2 - i]
+        return np.asarray(np.arctan2(transverse * sign + self.zeros, np.abs(self.x[i])))
 
     def g(self, i: int) -> FloatArray:
         """See `Corner.g`."""

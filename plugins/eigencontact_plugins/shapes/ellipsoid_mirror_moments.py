@@ -121,7 +121,7 @@ def focal_chi_sums(
         at = (x[chunk] - nodes[:, :1], y[chunk] - nodes[:, 1:2], z[chunk] + nodes[:, 2:])
         values = functions.values(*at)
         sums = np.concatenate([
-            of_density[n] @ values[[part + m for m in place[low]]] for n, low in table for part in (0, half)
+            of_density[n] @ values[[start + m for m in place[low]]] for n, low in table for start in (0, half)
         ])  # fmt: skip
         if tests is None:
             out[:, chunk] = of_functions @ sums

@@ -209,9 +209,9 @@ def weighted_sums(
     if tests is not None and weights is not None:
         count = len(terms.columns) if terms.inner is None else terms.inner.shape[1]
         products = np.zeros((4, count, len(tests)))
-        for part, factors, values in chunks():
+        for span, factors, values in chunks():
             for block in terms.blocks:
-                products[block] += values @ (factors[block] * tests[:, part]).T
+                products[block] += values @ (factors[block] * tests[:, span]).T
         if terms.inner is not None:
             products = terms.inner @ products
         return np.asarray(weights @ (terms.table.T @ products.reshape(-1, len(tests))))
@@ -220,8 +220,8 @@ def weighted_sums(
         blocks = blocks @ terms.inner
     rows = blocks[list(terms.blocks)].reshape(-1, blocks.shape[2])
     out = np.zeros((blocks.shape[1], points[0].size))
-    for part, factors, values in chunks():
+    for span, factors, values in chunks():
         sums = (rows @ values).reshape(len(terms.blocks), len(out), values.shape[-1])
         for block, of_block in zip(terms.blocks, sums, strict=True):
-            out[:, part] += factors[block] * of_block
+            out[:, span] += factors[block] * of_block
     return out

@@ -28,7 +28,7 @@ def _cycle(dataset: xr.Dataset, number: float) -> slice:
 
 
 def _after_cycles(dataset: xr.Dataset, count: float) -> int:
-    return min(solved_cycles(dataset), key=lambda cycle: abs(cycle.done - float(count))).last
+    return min(solved_cycles(dataset), key=lambda cycle: abs(cycle.cycle_count - float(count))).last
 
 
 def _unloading(dataset: xr.Dataset) -> slice:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from eigencontact.execution.blocks.precision import Precision
     from eigencontact.model.model import Model
 
-__all__ = ["Block", "Cost", "Part", "Run", "Running", "Stateless"]
+__all__ = ["Block", "Cost", "PlanItem", "Run", "Running", "Stateless"]
 
 Started = TypeVar("Started")
 #: Scalars of every step, in order.
@@ -72,7 +72,7 @@ class Cost:
         return Cost(seconds_per_step=self.seconds_once + self.seconds_per_step, transient=self.peak)
 
 
-class Part:
+class PlanItem:
     """Text of `explain` about a block, or about one of several parts of a block.
 
     Attributes
@@ -124,7 +124,7 @@ class Run:
         return cast("Started", self._started[start])
 
 
-class Block(Part, ABC):
+class Block(PlanItem, ABC):
     """Unit of work of a run: the planner declares it, the run starts it once, and it advances step by step.
 
     Attributes
@@ -147,7 +147,7 @@ class Block(Part, ABC):
     accumulated: frozenset[str] = frozenset()
 
     @property
-    def parts(self) -> Sequence[Part]:
+    def parts(self) -> Sequence[PlanItem]:
         """Parts that the block solves together."""
         return (self,)
 

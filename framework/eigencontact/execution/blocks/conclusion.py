@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eigencontact.execution.blocks.block import Part
+from eigencontact.execution.blocks.block import PlanItem
 
 if TYPE_CHECKING:
     from eigencontact.core.cautions import Caution
@@ -36,7 +36,7 @@ class Findings:
     cautions: Sequence[Caution] = field(default=())
 
 
-class Conclusion(Part, ABC):
+class Conclusion(PlanItem, ABC):
     """Evaluation of the stored results of all steps, done once; a plan declares it like a block."""
 
     @abstractmethod

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.numbers import Number
-from eigencontact.execution.blocks.block import Part
+from eigencontact.execution.blocks.block import PlanItem
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
@@ -58,7 +58,7 @@ class ContactAnswer:
     counts: Mapping[str, float]
 
 
-class Contact(Part):
+class Contact(PlanItem):
     """Two bodies in contact.
 
     Attributes

@@ -35,7 +35,7 @@ _POINT_BYTES = 300.0
 _FIELD, _DEPTH, _TABLE, _STRESS_POINT, _POINT = 2e-2, 1.3e-3, 2e-4, 4e-8, 2.5e-8
 #: Number of waves and depths in the timing of a medium. A field needs about 1300 waves at two resolutions, each with
 #: half of the components.
-_WAVES, _ASKED, _DEPTHS = 256, 1300, 8
+_WAVES, _FIELD_WAVES, _DEPTHS = 256, 1300, 8
 
 
 @cache
@@ -45,7 +45,7 @@ def _depth_seconds(medium: Any) -> float:
     waves = np.geomspace(1e-3, 50.0, _WAVES) / reach, np.zeros(_WAVES)
     depths = np.linspace(0.0, 2.5 * reach, _DEPTHS)
     answer = timed(lambda: response_at_depths(medium, "stress", COMPONENTS, "p", waves, depths, "below"), 2)
-    return _DEPTH + 0.5 * answer / _DEPTHS * _ASKED / _WAVES
+    return _DEPTH + 0.5 * answer / _DEPTHS * _FIELD_WAVES / _WAVES
 
 
 @cache

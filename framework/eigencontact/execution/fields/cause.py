@@ -29,7 +29,7 @@ class Cause(ABC):
     requires : frozenset of str
         Quantities that the cause needs from a step.
     kernels, cost, precisions
-        See `Part`.
+        See `PlanItem`.
     note : str
         Remark on the values, for `explain` and results; may be empty.
     mean_above : float

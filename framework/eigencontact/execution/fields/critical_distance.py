@@ -119,7 +119,7 @@ def _axes(region: CycleOfRegion) -> dict[str, FloatArray]:
     names = [dim.removeprefix(f"{region.region}_") for dim in region.dims]
     grids = region.places.reshape(3, *region.shape)
     return {
-        name: grids["xyz".index(name)][tuple(slice(None) if other == name else 0 for other in names)]
+        name: grids["xyz".index(name)][tuple(slice(None) if dim == name else 0 for dim in names)]
         for name in names
         if name in ("x", "y", "z")
     }

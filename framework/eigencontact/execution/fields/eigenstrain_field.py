@@ -133,7 +133,7 @@ class EigenstrainField(Cause):
         from eigencontact.execution.fields.material_points import MaterialPoints
 
         points = MaterialPoints(self._subsurface, self._content, self._lattice.flat_points())
-        return points if points.any else None
+        return points if points.needs_correction else None
 
     @cached_property
     def _content(self) -> Content | None:

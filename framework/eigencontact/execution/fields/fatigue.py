@@ -36,7 +36,7 @@ __all__ = ["ROLE", "Damage", "EvaluateFatigue", "damage_in_parts", "damage_of", 
 #: Role of the variables of results that hold the utilisation of a criterion.
 ROLE = "fatigue"
 #: Points per call of a criterion: 20 000 take 4 % longer, and leave some threads without work.
-_PART = 5_000
+_CHUNK = 5_000
 #: A hot spot counts as being at the edge of the contact if the edge is within this many cells and the depth is below
 #: one cell.
 _EDGE = 2
@@ -122,11 +122,11 @@ def damage_in_parts(
 
     The normals are None for a criterion without planes.
     """
-    starts = range(0, cycle.points, _PART)
+    starts = range(0, cycle.points, _CHUNK)
     answers: dict[int, DamageParameter] = {}
 
     def ask(start: int) -> None:
-        answers[start] = checked_damage(criterion, cycle.at(slice(start, start + _PART)))
+        answers[start] = checked_damage(criterion, cycle.at(slice(start, start + _CHUNK)))
 
     in_parallel(threads, [partial(ask, start) for start in starts])
     normals = [normal for start in starts if (normal := answers[start].normal) is not None]

@@ -95,7 +95,7 @@ class MaterialPoints:
         self._outside = self._split(points, subsurface.prescribed)
 
     @property
-    def any(self) -> bool:
+    def needs_correction(self) -> bool:
         """Whether any point needs a correction of its stress."""
         return bool(self._regions or self._outside.size)
 
@@ -132,7 +132,7 @@ class MaterialPoints:
         share = np.where(self._number[place] == number, self._share[place], 0.0)
         ratio = stiffness @ compliance(self._half_space.material)
         stiff = np.linalg.eigvals(ratio).real.min() >= _STIFF and np.count_nonzero(share) <= _MOST
-        without_prescribed = not any(bounds_meet(source, other) for other in prescribed)
+        without_prescribed = not any(bounds_meet(source, prescribed_source) for prescribed_source in prescribed)
         # A region of whole cells has no self-balanced stress of this kind.
         projected = stiff and without_prescribed and bool(((share > 0.0) & (share < 1.0)).any())
         points = np.flatnonzero(inside if projected else inside & cut)

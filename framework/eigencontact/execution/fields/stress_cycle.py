@@ -183,7 +183,7 @@ def _stored_region(dataset: Results, region: str | None) -> str:
 
 def _paths(parts: Mapping[int, Any], name: str, rows: Sequence[tuple[int, int]], points: Any) -> FloatArray:
     """Mandel vectors ``(steps, 6, points)`` of a field at some points, by part and step."""
-    out = np.stack([np.asarray(parts[part][name][step].values).reshape(6, -1)[:, points] for part, step in rows])
+    out = np.stack([np.asarray(parts[record][name][step].values).reshape(6, -1)[:, points] for record, step in rows])
     out[:, 3:] *= SQRT2
     return out
 
@@ -194,6 +194,6 @@ def _places(dataset: Any, name: str, dims: list[str]) -> FloatArray:
     for axis in "xyz":
         values = np.asarray(dataset[f"{name}_{axis}"].values, dtype=float)
         if axis in dims:
-            values = values.reshape([-1 if other == axis else 1 for other in dims])
+            values = values.reshape([-1 if dim == axis else 1 for dim in dims])
         out.append(np.broadcast_to(values, sizes).ravel())
     return np.array(out)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Layout
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box
-from eigencontact.core.kept import kept_or_made
+from eigencontact.core.kept import cached_object
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.blocks.block import Cost
@@ -220,7 +220,7 @@ class TractionField(Cause):
             margin = 0 if operator is None else max(2, max(box.shape) // 6)
             operator = None  # its memory goes before the next is made
             source = box.grown(margin, margin, self._grid.shape)
-            operator = kept_or_made(
+            operator = cached_object(
                 lambda: self._key(quantity, source, near=near), lambda: self._operator(quantity, source, near=near)
             )
         self._operators[quantity, near] = operator

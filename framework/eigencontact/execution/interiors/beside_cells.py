@@ -39,8 +39,8 @@ class BesideCells:
         """Stress ``(6, nz, ny, nx)`` [Pa] in the cells by the present eigenstrain of the wholes."""
         system, total = self._wholes.system, np.zeros((6, int(np.prod(self._shape))))
         for number, table in enumerate(self._tables):
-            every = np.concatenate((system.of(self._wholes.amplitudes, number), self._wholes.present[:, number]))
-            total += np.tensordot(every @ system.bases[number].mix, table, 1)
+            eigenstrains = np.concatenate((system.of(self._wholes.amplitudes, number), self._wholes.present[:, number]))
+            total += np.tensordot(eigenstrains @ system.bases[number].mix, table, 1)
         return system.matrix.shear_modulus * total.reshape(6, *self._shape)
 
     def work(self) -> FloatArray:

@@ -32,9 +32,9 @@ def steepest(padded: FloatArray, edges: tuple[float, float, float]) -> FloatArra
     rows = []
     for axis in (2, 1, 0):
         row = padded
-        for other in range(3):
-            low, middle, high = (row.take(range(n, row.shape[other] - 2 + n), axis=other) for n in range(3))
-            row = (high - low) / edges[axis] if other == axis else low + 2.0 * middle + high
+        for direction in range(3):
+            low, middle, high = (row.take(range(n, row.shape[direction] - 2 + n), axis=direction) for n in range(3))
+            row = (high - low) / edges[axis] if direction == axis else low + 2.0 * middle + high
         rows.append(row.ravel())
     size = np.linalg.norm(rows, axis=0)
     return np.array(rows) / np.where(size > 0.0, size, 1.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tractions import Traction, side
-from eigencontact.execution.blocks.block import Part
+from eigencontact.execution.blocks.block import PlanItem
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.plugin import ConstitutiveLaw
@@ -34,7 +34,7 @@ class Outgrown(Exception):
         self.interior, self.larger = interior, larger
 
 
-class Interior(Part):
+class Interior(PlanItem):
     """Eigenstrain below the surface of one body.
 
     Attributes

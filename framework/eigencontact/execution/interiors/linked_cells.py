@@ -18,7 +18,7 @@ from eigencontact.solvers.second_order import Faces, linked_faces
 __all__ = ["linked_cells"]
 
 #: Relative difference below which a law has the constants of the matrix, at a stress of this part of Young's modulus.
-_SAME = 1e-6
+_ELASTIC_TOLERANCE = 1e-6
 _SMALL = 1e-9
 #: Number of cells of a law that are tested.
 _TESTED = 64
@@ -63,4 +63,4 @@ def _begins_like(law: ConstitutiveLaw, matrix: Material, step: LawStep) -> bool:
     except EigencontactError:
         return False
     difference = np.linalg.norm(answer - stress, axis=0)
-    return bool(np.all(difference <= _SAME * np.linalg.norm(stress, axis=0)))
+    return bool(np.all(difference <= _ELASTIC_TOLERANCE * np.linalg.norm(stress, axis=0)))

@@ -273,7 +273,7 @@ def share_of(sources: Sequence[Inhomogeneity], member: int, grid: Grid) -> Float
     """
     source = sources[member]
     assert source.lattice is not None
-    later = [other.shape for other in sources[member + 1 :] if bounds_meet(source, other)]
+    later = [successor.shape for successor in sources[member + 1 :] if bounds_meet(source, successor)]
     # The law of a body fills all cells of its lattice, which may be larger than the first estimate of its region.
     region = _filled(source.lattice, grid) if source.guessed else source.shape
     fractions = fractions_in(source, _Without(region, later) if later else region, grid)

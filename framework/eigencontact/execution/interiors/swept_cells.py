@@ -126,10 +126,10 @@ class SweptCells(Cells):
             return None
         cells, matrix = self._box.cells(self._grid), self._half_space.material
 
-        def laws(some: NDArray[np.intp]) -> LawCells:
-            return LawCells(matrix, self._system.self_stress, [(law, some)], around, None, self._numerics.threads)
+        def laws(subset: NDArray[np.intp]) -> LawCells:
+            return LawCells(matrix, self._system.self_stress, [(law, subset)], around, None, self._numerics.threads)
 
-        return FlowingPart(self._content.shape, lambda window: self._field_in(cells.part(window)), laws)
+        return FlowingPart(self._content.shape, lambda window: self._field_in(cells.window_cells(window)), laws)
 
     def at_centres(self, means: FloatArray, layers: slice | None = None) -> FloatArray:
         """See `Cells.at_centres`."""
@@ -231,17 +231,22 @@ class SweptCells(Cells):
 
         That is where nothing has flowed yet in the increment, and where the edge of the part has begun to flow.
         """
-        part = self._part
-        if part is None or part.window is None or part.reaches_rim or self.eigenstrain is self._start:
+        flowing_part = self._part
+        if (
+            flowing_part is None
+            or flowing_part.window is None
+            or flowing_part.reaches_rim
+            or self.eigenstrain is self._start
+        ):
             return None
         start = self._prestrain, self._before, self._steps
-        return part.sweep(self.eigenstrain, self.applied_in(part.window, tractions), start, self._size)
+        return flowing_part.sweep(self.eigenstrain, self.applied_in(flowing_part.window, tractions), start, self._size)
 
     @property
     def _applied(self) -> int:
         """Number of operator applications so far; the first level counts those of both."""
-        others = 0 if self.levels is None else self.levels.field.applications
-        return self._sweeps.applications + others + (0 if self._part is None else self._part.applications)
+        level_applications = 0 if self.levels is None else self.levels.field.applications
+        return self._sweeps.applications + level_applications + (0 if self._part is None else self._part.applications)
 
     def _joint_stress(self) -> FloatArray | None:
         """Stress in these cells by the eigenstrain of both levels; None with a single level."""

@@ -23,7 +23,7 @@ __all__ = ["ReferenceShear", "ShearBound"]
 
 
 #: Loads are equal if they differ by less than this fraction of the friction limit.
-_SAME = 1e-9
+_LOAD_TOLERANCE = 1e-9
 #: Sine of the largest angle between two loads of equal direction.
 _TURN = 1e-4
 #: Relative deviation from proportionality to the pressure up to which a bound has one coefficient of friction.
@@ -93,7 +93,7 @@ class ReferenceShear(Stateless):
             return
         size = float(np.hypot(*load))
         shear, along = np.zeros(self._grid.shape), np.zeros(2)
-        if size > _SAME * capacity:
+        if size > _LOAD_TOLERANCE * capacity:
             along = load / size
             full_pressure, stick_pressure = (
                 self._pressure(scalars["normal_load"] * (1 - f)) for f in (0.0, size / capacity)
@@ -120,21 +120,21 @@ def _coefficient(pressure: FloatArray, bound: FloatArray) -> float | None:
 
 def _path_kept(load: FloatArray, normal_load: float, capacity: float, last: StepRecord | None) -> bool:
     """Whether the tangential load still increases from zero in one direction under a constant normal load."""
-    still = float(np.hypot(*load)) <= _SAME * capacity
+    still = float(np.hypot(*load)) <= _LOAD_TOLERANCE * capacity
     if last is None:
         return still
     if "reference_shear_x" not in last.fields:
         return False
     before = np.array([last.scalars["tangential_load_x"], last.scalars["tangential_load_y"]])
     reached, size = float(np.hypot(*before)), float(np.hypot(*load))
-    if still and reached <= _SAME * capacity:
+    if still and reached <= _LOAD_TOLERANCE * capacity:
         return True
-    if abs(normal_load - last.scalars["normal_load"]) > _SAME * normal_load:
+    if abs(normal_load - last.scalars["normal_load"]) > _LOAD_TOLERANCE * normal_load:
         return False
     # Increase along one line: no component across the last load, none against it. Small components by the solver's
     # error are allowed.
     across = abs(before[0] * load[1] - before[1] * load[0])
     return bool(
-        reached <= _SAME * capacity
-        or (size >= reached * (1 - _SAME) and before @ load > 0 and across <= _TURN * reached * size)
+        reached <= _LOAD_TOLERANCE * capacity
+        or (size >= reached * (1 - _LOAD_TOLERANCE) and before @ load > 0 and across <= _TURN * reached * size)
     )

@@ -13,7 +13,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.core.peaks import peak_of_means
 from eigencontact.errors import SceneError
-from eigencontact.execution.blocks.block import Block, Cost, Part, Run
+from eigencontact.execution.blocks.block import Block, Cost, PlanItem, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.step import Step
@@ -116,7 +116,7 @@ class Mechanics(Block):
         self.directions, self.laws, self.grid, self.numerics = directions, laws, grid, numerics
         contact, interiors = self._make()
         self.numbers = tuple(self._numbers(contact, interiors))
-        self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
+        self._parts: tuple[PlanItem, ...] = (*([] if contact is None else [contact]), *interiors)
         self.name, self.reason = self._parts[0].name, self._parts[0].reason
         self.kernels = [kernel for member in self._parts for kernel in member.kernels]
         self.cost = sum((member.cost for member in self._parts), Cost())
@@ -133,7 +133,7 @@ class Mechanics(Block):
         return any(subsurface.beside for subsurface in self.subsurfaces)
 
     @property
-    def parts(self) -> Sequence[Part]:
+    def parts(self) -> Sequence[PlanItem]:
         """See `Block.parts`."""
         return self._parts
 
@@ -280,7 +280,7 @@ class RunningMechanics:
         while True:
             try:
                 increment = Increment.of(step)
-                before = self._before(step, increment)
+                before = self._previous_state(step, increment)
                 memory = None
                 if self._contact is not None:
                     memory = self._contact.recall(step.previous, before.displacement, increment.bulk[0])
@@ -301,7 +301,7 @@ class RunningMechanics:
         step.fields |= fields
         step.scalars |= scalars
 
-    def _before(self, step: Step, increment: Increment) -> Solution:
+    def _previous_state(self, step: Step, increment: Increment) -> Solution:
         """State of the interiors before the step, from the record of the last step."""
         if step.previous is None:
             return self._coupled.at_rest(increment)

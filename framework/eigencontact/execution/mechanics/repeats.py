@@ -35,7 +35,7 @@ __all__ = ["Change", "Repeat", "Repeats"]
 _MOST = 256_000_000
 #: Change of the separation, relative to its range, up to which surfaces count as those of the earlier increment: a worn
 #: surface changes less in a cycle, a geometry that rolls by a cell more.
-_SAME = 1e-3
+_SEPARATION_TOLERANCE = 1e-3
 #: Approximate number of surface fields in the solution of a contact.
 _FIELDS = 30
 
@@ -178,9 +178,9 @@ def _end_of(increment: Increment) -> Hashable:
     return increment.control, increment.tangential, bulk, increment.surface.slide
 
 
-def _alike(earlier: Surface, now: Surface) -> bool:
+def _alike(earlier: Surface, surface: Surface) -> bool:
     """Whether the surfaces are equal up to the wear of a cycle."""
-    if earlier.separation is None or now.separation is None or earlier.solids != now.solids:
+    if earlier.separation is None or surface.separation is None or earlier.solids != surface.solids:
         return False
-    difference = np.abs(now.separation - earlier.separation).max()
-    return bool(difference <= _SAME * np.ptp(now.separation))
+    difference = np.abs(surface.separation - earlier.separation).max()
+    return bool(difference <= _SEPARATION_TOLERANCE * np.ptp(surface.separation))

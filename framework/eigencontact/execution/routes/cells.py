@@ -50,7 +50,7 @@ class Planes(CellRoute):
 
     @property
     def precisions(self) -> Sequence[Precision]:
-        """See `Part`."""
+        """See `PlanItem`."""
         return self._settled[1]
 
     @property
@@ -245,7 +245,7 @@ class Between(Planes):
 
     @property
     def precisions(self) -> Sequence[Precision]:
-        """See `Part`."""
+        """See `PlanItem`."""
         return self._middles.precisions
 
     @staticmethod

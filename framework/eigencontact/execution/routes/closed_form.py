@@ -101,7 +101,7 @@ class ClosedForms(Route):
         return _TIMES[key]
 
     def _some_points(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return self.lattice.flat_points(every=max(1, int(np.prod(self.lattice.shape)) // _SAMPLE))
+        return self.lattice.flat_points(stride=max(1, int(np.prod(self.lattice.shape)) // _SAMPLE))
 
     def _at(
         self, source: Source, strain: FloatArray, points: tuple[FloatArray, FloatArray, FloatArray], threads: int | None

@@ -43,7 +43,7 @@ class PrescribedField:
         #: Cost of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._regions = [region for term in (*self._still, *self._moving) for region in term.regions()]
-        #: See `Part`.
+        #: See `PlanItem`.
         self.precisions = [precision for term in (*self._still, *self._moving) for precision in term.precisions]
         #: Remark on the values; may be empty.
         self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")

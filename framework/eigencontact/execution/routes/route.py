@@ -130,7 +130,7 @@ class Route(ABC):
 
     @property
     def precisions(self) -> Sequence[Precision]:
-        """See `Part`."""
+        """See `PlanItem`."""
         return ()
 
     @property

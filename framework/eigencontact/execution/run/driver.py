@@ -66,7 +66,7 @@ def drive(
     *,
     watcher: Watcher | None = None,
     stopwatch: Stopwatch | None = None,
-    done: Mapping[int, Callable[[], StepRecord]] | None = None,
+    stored_steps: Mapping[int, Callable[[], StepRecord]] | None = None,
 ) -> Iterator[StepRecord]:
     """Solve the load steps of a plan in order.
 
@@ -78,7 +78,7 @@ def drive(
         Receives the progress of the run.
     stopwatch : Stopwatch, optional
         Receives the time of each block by its name, and the set-up time before the first step as ``set-up``.
-    done : mapping of int to callable
+    stored_steps : mapping of int to callable
         Stored steps by number. The driver calls the function of a step to read it, and does not yield the step again.
 
     Yields
@@ -86,13 +86,13 @@ def drive(
     StepRecord
         Each newly accepted step.
     """
-    done, course = done or {}, _Course(plan, watcher, stopwatch or Stopwatch())
+    stored_steps, course = stored_steps or {}, _Course(plan, watcher, stopwatch or Stopwatch())
     last: StepRecord | None = None
     before: LoadPoint | None = None
     while (point := course.history.after(before, cycles=_cycles_of(last, plan.blocks))) is not None:
-        if point.index in done:
+        if point.index in stored_steps:
             course.passes(point, last)
-            last, before = done[point.index](), point
+            last, before = stored_steps[point.index](), point
             continue
         course.start()
         total = max(plan.steps, point.index)

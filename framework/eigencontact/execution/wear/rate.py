@@ -40,7 +40,7 @@ class Rate:
         return self.pressed * pressure + self.steady
 
     @property
-    def any(self) -> bool:
+    def nonzero(self) -> bool:
         """Whether the rate is nonzero in any cell."""
         return bool(self.pressed.any() or self.steady.any())
 

@@ -304,7 +304,7 @@ class WornSurface:
         state, added = self._state, np.zeros_like(pressure)
         least = _LEAST * float(state.total.sum())
         self._refuse_too_much(rate, cycles, pressure)
-        if rate.any:
+        if rate.nonzero:
             motion = moved(
                 lambda depth_so_far, springs, start: self._contact.pressed(
                     self._worn_by(depth_so_far), control, fields, springs, start

@@ -20,7 +20,7 @@ __all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
 #: (direction of the displacement, direction of the traction): ``("x", "y")``.
 Pair = tuple[str, str]
 
-_KEPT = 4
+_MAX_OPERATORS = 4
 
 
 class ParityCoefficients(Coefficients, Protocol):
@@ -70,7 +70,7 @@ class MatrixOperator:
     def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
         """Displacements on a box ``(len(targets), ny, nx)`` by the tractions on another ``(len(sources), ny, nx)``."""
         if (source, target) not in self._operators:
-            if len(self._operators) >= _KEPT:
+            if len(self._operators) >= _MAX_OPERATORS:
                 self._operators.pop(next(iter(self._operators)))
             self._operators[source, target] = self._make(source, target)
         convolver, kernels = self._operators[source, target]

@@ -303,7 +303,7 @@ class FrictionalContact:
     ) -> FrictionalSolution:
         return FrictionalSolution(
             normal=last.normal, tangential=last.tangential,
-            sliding=self._after(increment.before, last.normal.pressure, last.tangential, lift, increment),
+            sliding=self._end_state(increment.before, last.normal.pressure, last.tangential, lift, increment),
             tangential_by_pressure=last.carried, rounds=rounds, coupling_residual=change,
             normal_convolutions=last.convolutions[0], tangential_convolutions=last.convolutions[1],
         )  # fmt: skip
@@ -334,7 +334,7 @@ class FrictionalContact:
         largest = float(np.max(np.abs(difference), where=loaded, initial=0.0))
         return largest / deflection if deflection > 0 else 0.0
 
-    def _after(
+    def _end_state(
         self, before: Sliding, pressure: FloatArray, tangential: TangentialSolution, lift: FloatArray,
         increment: _Increment,
     ) -> Sliding:  # fmt: skip

@@ -84,16 +84,16 @@ class RigidPlane:
         Infeasible
             No such tractions exist.
         """
-        none = np.zeros(bound.shape, dtype=bool)
+        no_rim = np.zeros(bound.shape, dtype=bool)
         if not len(self):
-            size, on_rim = length_of(vectors), none if on_rim is None else on_rim
+            size, on_rim = length_of(vectors), no_rim if on_rim is None else on_rim
             return np.asarray(vectors * np.where((size > bound) | on_rim, bound / np.maximum(size, _TINY), 1.0))
         if on_rim is not None and np.any(on_rim):
             try:
                 return self._climb(vectors, bound, on_rim, 20)
             except Infeasible:  # rims are not a convex set
                 pass
-        return self._climb(vectors, bound, none, 80)
+        return self._climb(vectors, bound, no_rim, 80)
 
     def _climb(self, vectors: FloatArray, bound: FloatArray, on_rim: BoolArray, iterations: int) -> FloatArray:
         """Newton's method on the dual function."""
