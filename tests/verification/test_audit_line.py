@@ -278,13 +278,21 @@ def test_a_coarser_run_tells_the_error_of_cells_that_yield(tmp_path):
 
 
 @pytest.mark.slow
-def test_increments_of_a_body_that_yields_stay_whole(tmp_path):
+def test_increments_of_a_body_that_yields_stay_whole(tmp_path, monkeypatch):
     """The first of unloading, too, in which the iteration fails at first: the elements take the steps of the run."""
     coarse = ["grid.cells-per-contact-radius=12", "numerics.inclusion-pitch=15 um"]
     case = gallery_case("plastic-line-contact", coarse, tmp_path / "run")
+    honest, failures = line_contact._Solver.newton, []
+
+    def watched(self, *args):
+        solution = honest(self, *args)
+        failures.append(solution is None)
+        return solution
+
+    monkeypatch.setattr(line_contact._Solver, "newton", watched)
     moments = solve_line_contact(line_model(case.parameters, 1, "fixed"), line_steps(case.parameters)).moments
     assert [moment.increments for moment in moments] == [1] * len(moments)
-    assert max(moment.iterations for moment in moments) > 30
+    assert any(failures)
 
 
 NONLOCAL = {

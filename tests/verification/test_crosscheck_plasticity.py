@@ -116,7 +116,7 @@ def test_sound_code_does_not_disagree(sound, name):
 
 def after(changed):
     """Fault in what a point remembers: `changed(state, before, flow)` with the plastic strain of the step."""
-    sound_after = j2.J2._after
+    sound_after = j2.J2._end_state
 
     def faulty(self, drive, now, before):
         stress, state = sound_after(self, drive, now, before)
@@ -154,7 +154,7 @@ def deviator_that_is_not_traceless(state, before, flow):
     ],
 )
 def test_a_law_that_remembers_wrongly_disagrees(sound, monkeypatch, name, fault):
-    monkeypatch.setattr(j2.J2, "_after", after(fault))
+    monkeypatch.setattr(j2.J2, "_end_state", after(fault))
     assert disagreeing(sound(name)) >= {"print"}
 
 

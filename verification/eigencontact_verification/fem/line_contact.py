@@ -234,7 +234,8 @@ class _Solver:
             step_size = np.abs(change).max()
             if not step_size <= _DIVERGES * first_step or not np.isfinite(step_size):
                 return None
-            first_step = first_step if iteration else step_size
+            if not iteration:
+                first_step = step_size
             residuals.append(np.abs(residual).max())
             if iteration >= _PATIENCE and residuals[-1] > residuals[-1 - _PATIENCE] / 2:
                 return None
