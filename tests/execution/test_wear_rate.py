@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from close import close
+from eigencontact import app
 from eigencontact.execution.wear import rate as module
+from eigencontact.execution.wear.jumps import Jumps
 from eigencontact.execution.wear.rate import energy_of, rate_of
 from eigencontact.plugin import WearLaw, WearState
 
@@ -125,3 +127,24 @@ def test_one_search_alone_prefers_a_side(monkeypatch):
         test_a_mirrored_contact_has_the_mirrored_rates()
     with pytest.raises(AssertionError):
         test_cells_between_two_nearest_take_the_mean_of_both(0)
+
+
+def test_a_cell_that_begins_to_touch_within_a_cycle_has_the_rate_of_whole_cycles(monkeypatch):
+    """Steady sliding: the rate of a cycle is that of Archard's law in every cell in contact, so that no cell stands out
+    after the cycles that follow from it.
+    """
+    decide, ratios = Jumps.decide, []
+
+    def recorded(self, state, cycle, rate, energy, pressure, peak, **where):
+        ratios.append(rate.pressed[pressure > 0] / (1e-15 * 1e-4))
+        decide(self, state, cycle, rate, energy, pressure, peak, **where)
+
+    monkeypatch.setattr(Jumps, "decide", recorded)
+    cycle = "{normal-load = '0.5 N', sliding-distance = '0.1 mm', increments = 2}"
+    steps = f"steps=[{{normal-load = '0.5 N'}}, {{cycle = {cycle}, repeat = 60}}]"
+    cells = ["grid.cells=40", "grid.size=64e-6", "output.pictures=false", "output.animation=false"]
+    data = app.run(app.load_scene("worn-rough-surface", [steps, *cells])).dataset
+    assert np.count_nonzero(np.diff(data.contact_area.values) > 0) > 5
+    assert min(ratio.min() for ratio in ratios) > 0.7
+    assert max(ratio.max() for ratio in ratios) < 1.1
+    assert np.all(np.diff(data.max_pressure.values) < 0)

@@ -39,6 +39,8 @@ __all__ = ["MovedContact", "WornSurface"]
 _INTEGRATION = 0.1
 #: Largest number of halvings of a sliding path that exposes another material.
 _HALVINGS = 7
+#: Smallest ratio of the pressures at the start and the end of a cycle in cells whose wear represents whole cycles.
+_THROUGHOUT = 0.5
 #: The error is relative to the added depth, but to no less than this fraction of the total worn depth.
 _LEAST = 0.02
 
@@ -116,10 +118,11 @@ class WornSurface:
         if self._layers is not None:
             self._layers.begin(step, self._state)
         if cycle is not None and cycle.begins:
+            pressure = np.zeros(self._grid.shape) if step.previous is None else step.previous.fields["pressure"]
             if cycle.skipped:
                 moved = True
-                self._skip(step, cycle.skipped)
-            self._note_start(step)
+                pressure = self._skip(step, cycle.skipped)
+            self._note_start(step, pressure)
         if slide is not None and not (cycle is not None and cycle.settling):
             self._slide(step, slide.distance)
         return replace(self._worn_by(self._state.total), worn_depths=self.worn_depths, moved=moved)
@@ -160,26 +163,30 @@ class WornSurface:
             missing = abs(volume - alpha * step.scalars["wear_energy"])
             step.scalars["energy_volume_residual"] = missing / volume if volume > 0 else 0.0
 
-    def _note_start(self, step: Step) -> None:
-        """Store the values at the start of a cycle."""
+    def _note_start(self, step: Step, pressure: FloatArray) -> None:
+        """Store the values at the start of a cycle; `pressure` is that of the surfaces after skipped cycles."""
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
         if self._within:
             state.memory |= {"start_depth": state.sum_of_depths, "start_energy": state.energy}
+            state.memory["start_pressure"] = pressure
         if self._travels and 2 in state.depth:
             state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
             state.memory["start_slip"] = fields.get("slip_distance", zero)
             state.memory["start_dissipated"] = fields.get("dissipated_energy_density", zero)
 
-    def _skip(self, step: Step, cycles: int) -> None:
-        """Wear by the cycles between the last solved one and this step, under the load at the end of the last one."""
+    def _skip(self, step: Step, cycles: int) -> FloatArray:
+        """Wear by the cycles between the last solved one and this step, under the load at the end of the last one.
+
+        Returns the pressure after them.
+        """
         last = step.previous
         assert last is not None
         assert step.control is not None
         if self._travels and not self._state.memory["rate"].any():
             self._repeat(cycles)
-            return
+            return last.fields["pressure"]
         modes = {name: last.scalars[name] for name in step.control.prescribed_names}
         pressure, memory = last.fields["pressure"], self._state.memory
         depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
@@ -188,6 +195,7 @@ class WornSurface:
         if self._layers is not None:
             self._layers.follow(self._state, after)
         self._state.cycles += cycles
+        return after
 
     def _repeat(self, cycles: int) -> None:
         """Wear by `cycles` repetitions of the last cycle at any pressure; each body in its own coordinates."""
@@ -262,7 +270,10 @@ class WornSurface:
             depth, energy = state.sum_of_depths - memory["start_depth"], state.energy - memory["start_energy"]
             loaded = (pressure > 0) & (not self._travels)
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
-            rate = filled(rate, loaded)
+            # A cell that touches only since a part of the cycle has worn less than in a whole one.
+            throughout = loaded & (memory["start_pressure"] >= _THROUGHOUT * pressure)
+            rate = filled(rate, throughout if throughout.any() else loaded)
+            energy = energy_of(rate.depth(pressure), depth, energy, 1.0)
         start = memory.get("start_depth_2")
         self._jumps.decide(
             state, cycle, rate, energy, pressure, float(peak.max()), in_its_end=not (within or self._at_once)
