@@ -26,6 +26,7 @@ _STORED_STATE = {
     "start_depth_2": ("m", "worn depth of body 2 at the start of the cycle, in coordinates of body 2"),
     "start_energy": ("J/m2", "work of friction per area at the start of the cycle, with skipped cycles"),
     "start_pressure": ("Pa", "pressure at the start of the cycle"),
+    "cycle_depth": ("m", "worn depth of the cycle so far, by the wear law at the pressure of each increment"),
     "start_slip": ("m", "slip distance at the start of the cycle"),
     "start_dissipated": ("J/m2", "work of friction of solved increments at the start of the cycle"),
     "peak_pressure": ("Pa", "largest pressure in the cycle so far"),

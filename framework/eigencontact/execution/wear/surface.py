@@ -124,7 +124,7 @@ class WornSurface:
                 pressure = self._skip(step, cycle.skipped)
             self._note_start(step, pressure)
         if slide is not None and not (cycle is not None and cycle.settling):
-            self._slide(step, slide.distance)
+            self._slid = self._slide(step, slide.distance)
         return replace(self._worn_by(self._state.total), worn_depths=self.worn_depths, moved=moved)
 
     def _worn_by(self, depth: FloatArray) -> Surface:
@@ -148,11 +148,13 @@ class WornSurface:
         if step.surface.slide is not None:
             difference = float(np.abs(step.fields["pressure"] - self._expected).sum())
             step.scalars["wear_lag"] = difference / max(float(self._expected.sum()), np.finfo(float).tiny)
+            self._count(self._slid, step.fields["pressure"])
             if "start_slip" in memory:  # the increment has already worn the surfaces
                 memory["start_slip"] = memory["start_slip"] + slip
                 memory["start_dissipated"] = memory["start_dissipated"] + energy
         elif at_once:
-            self._wear(step, slip, energy, peak, amplitude=0.0)
+            rate, _ = self._wear(step, slip, energy, peak, amplitude=0.0)
+            self._count(rate, step.fields["pressure"])
         if cycle is not None and cycle.ends:
             self._end_cycle(step, cycle, peak)
         store(self._state, step, self._grid, travels=self._travels)
@@ -169,7 +171,8 @@ class WornSurface:
         fields = {} if step.previous is None else step.previous.fields
         if self._within:
             state.memory |= {"start_depth": state.sum_of_depths, "start_energy": state.energy}
-            state.memory["start_pressure"] = pressure
+            if not self._travels:
+                state.memory |= {"start_pressure": pressure, "cycle_depth": zero}
         if self._travels and 2 in state.depth:
             state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
@@ -206,8 +209,8 @@ class WornSurface:
         state.energy = state.energy + cycles * memory["cycle_energy"]
         state.cycles += cycles
 
-    def _slide(self, step: Step, distance: float, halvings: int = _HALVINGS) -> None:
-        """Wear by sliding of the whole contact, with the pressure at the end of the step.
+    def _slide(self, step: Step, distance: float, halvings: int = _HALVINGS) -> Rate:
+        """Wear by sliding of the whole contact, with the pressure at the end of the step; returns its rate.
 
         A path that would remove too much of a material not exposed at its start is halved.
         """
@@ -225,14 +228,14 @@ class WornSurface:
         slip, zero = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._law_state(step, pressure, shear, slip, zero, shear * slip))
         if halvings and self._overshoot(rate.depth(pressure)) > self._opening:
-            for _ in range(2):
-                self._slide(step, 0.5 * distance, halvings - 1)
-            return
+            rates = [self._slide(step, 0.5 * distance, halvings - 1) for _ in range(2)]
+            return Rate(pressed=rates[0].pressed + rates[1].pressed, steady=rates[0].steady + rates[1].steady)
         after = self._expected = self._move(
             step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure
         )  # fmt: skip
         if self._layers is not None:
             self._layers.follow(self._state, after)
+        return rate
 
     def _wear(
         self, step: Step, slip: FloatArray, energy: FloatArray, peak: FloatArray, *, amplitude: float
@@ -255,6 +258,12 @@ class WornSurface:
             self._state.memory["update"] = update
         return rate, energy_of(rate.depth(pressure), depth, energy, 1.0)
 
+    def _count(self, rate: Rate, pressure: FloatArray) -> None:
+        """Add the wear of an increment to that of the cycle, by the law at the final pressure of the increment."""
+        memory = self._state.memory
+        if "cycle_depth" in memory:
+            memory["cycle_depth"] = memory["cycle_depth"] + rate.depth(pressure)
+
     def _end_cycle(self, step: Step, cycle: CyclePlace, peak: FloatArray) -> None:
         """Wear by a whole cycle, and set the number of cycles that it represents."""
         state, pressure = self._state, step.fields["pressure"]
@@ -264,16 +273,21 @@ class WornSurface:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             slip = step.fields["slip_distance"] - memory["start_slip"]
             rate, energy = self._wear(step, slip, energy, peak, amplitude=0.25)
+            self._count(rate, pressure)
         state.cycles += 1.0
         if rate is None or within:
-            # The surfaces moved within the cycle: the total worn depth of the cycle counts.
+            # The surfaces moved within the cycle. Wear also lowers the pressure within it, so that a quotient of worn
+            # depth and final pressure is not the rate: the law's depth at the final pressure of each increment is.
             depth, energy = state.sum_of_depths - memory["start_depth"], state.energy - memory["start_energy"]
-            loaded = (pressure > 0) & (not self._travels)
-            rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
-            # A cell that touches only since a part of the cycle has worn less than in a whole one.
-            throughout = loaded & (memory["start_pressure"] >= _THROUGHOUT * pressure)
-            rate = filled(rate, throughout if throughout.any() else loaded)
-            energy = energy_of(rate.depth(pressure), depth, energy, 1.0)
+            if self._travels:
+                rate = Rate(pressed=np.zeros_like(depth), steady=depth)
+            else:
+                law_depth, loaded = memory["cycle_depth"], pressure > 0
+                rate = Rate(pressed=quotient(law_depth, pressure, loaded), steady=np.where(loaded, 0.0, law_depth))
+                # A cell that touches only since a part of the cycle has worn less than in a whole one.
+                throughout = loaded & (memory["start_pressure"] >= _THROUGHOUT * pressure)
+                rate = filled(rate, throughout if throughout.any() else loaded)
+                energy = energy_of(rate.depth(pressure), depth, energy, 1.0)
         start = memory.get("start_depth_2")
         self._jumps.decide(
             state, cycle, rate, energy, pressure, float(peak.max()), in_its_end=not (within or self._at_once)
