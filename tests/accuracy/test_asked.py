@@ -524,6 +524,8 @@ def test_the_benchmark_counts_targets_that_hold_by_the_bars_and_are_not_true():
     assert row["error"] == close(2.0)
     assert row["hand_error"] == close(1.5)
     assert "true" not in verdict(answer, hand, None)
+    without_region = verdict(answer, hand, {"observed": {}, "a": 1.05})
+    assert (without_region["held"], without_region["true"], without_region["untrue"]) == ("2 of 3", "1 of 1", "none")
 
 
 def test_the_depth_of_a_maximum_is_known_to_the_points_of_its_region():
