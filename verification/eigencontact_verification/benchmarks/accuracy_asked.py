@@ -23,7 +23,7 @@ from eigencontact_verification.reporting.table import Column, Row
 __all__ = ["BENCHMARK", "measure", "verdict"]
 
 #: Time that a run to the accuracy may take, and longest predicted time of the judge [s].
-_TIME, _JUDGE = 200.0, 150.0
+_TIME, _JUDGE = 200.0, 400.0
 
 
 def measure(_: Code, task: Task) -> Sample:
