@@ -60,10 +60,11 @@ def _truth(planned: Any, ratio: float) -> tuple[Mapping[str, Any] | None, str]:
     from eigencontact import app
     from eigencontact.errors import EigencontactError
 
-    tables, reason = finer(planned), ""
-    for judge in (tables, {**tables, "stress": []}):
+    reason = ""
+    for with_regions in (True, False):
         try:
-            finest = app.plan(judge)
+            tables = finer(planned)
+            finest = app.plan(tables if with_regions else {**tables, "stress": []})
             if (seconds := ratio * finest.seconds) < _JUDGE:
                 return app.run(finest).summary, ""
             reason = f"it would take {seconds:.0f} s"
